@@ -1,4 +1,4 @@
-"""The question whether the participant takes part, asked over the wire before a session runs and is recorded."""
+"""The question for consent, which is sent to the participant's program before a session runs and is recorded."""
 
 from collections.abc import Sequence
 
@@ -32,7 +32,7 @@ class ParticipantDeclined(Exception):  # noqa: N818 - nothing went wrong with th
     """The participant did not agree to take part. Nothing was recorded.
 
     Attributes:
-        answered: True when they said no; False when they left, or the program was stopped, before an answer.
+        answered: True if they declined; False if they left, or the program was stopped, before an answer.
     """
 
     def __init__(self, answered: bool) -> None:
@@ -41,17 +41,17 @@ class ParticipantDeclined(Exception):  # noqa: N818 - nothing went wrong with th
 
 
 class ConsentDesk:
-    """The router of a session that does not run yet: it asks the participant's program for consent.
+    """Router of a session that does not run yet; it asks the participant's program for consent.
 
-    All that comes in goes to the session too, as inputs of its first tick: the yes is the first thing it records. After
-    the answer the desk only passes on. See `RouterInterface` for the methods.
+    All input also goes to the session, as inputs of its first tick, so the consent is the first thing it records. After
+    the answer the desk only passes calls on. See `RouterInterface` for the methods.
 
     Args:
-        router: of a session, whose ticks are not run before the answer.
+        router: of a session that runs no ticks before the answer.
         introduction: messages to a participant's program that joins.
 
     Attributes:
-        status: state of the agreement.
+        status: state of consent.
     """
 
     def __init__(self, router: RouterInterface, introduction: Sequence[TextMessage]) -> None:
@@ -68,7 +68,7 @@ class ConsentDesk:
         return self._router.connect(now, credentials)
 
     def receive_data(self, connection: ConnectionId, data: bytes, now: float) -> Sequence[RouterOutput]:
-        """Handle received bytes; a participant's program that joins is shown the text."""
+        """Handle received bytes; send the consent text to a participant's program that joins."""
         outputs = self._router.receive_data(connection, data, now)
         replies: list[RouterOutput] = []
         for output in outputs:
@@ -82,7 +82,7 @@ class ConsentDesk:
         return [*outputs, *replies]
 
     def admits(self, connection: ConnectionId) -> bool:
-        """Return True when a connection may say another line now."""
+        """Return True when a connection may send another line now."""
         return self._router.admits(connection)
 
     def eof(self, connection: ConnectionId) -> Sequence[RouterOutput]:
@@ -90,7 +90,7 @@ class ConsentDesk:
         return self._router.eof(connection)
 
     def report_backlog(self, connection: ConnectionId, size: int) -> Sequence[RouterOutput]:
-        """Note the bytes that wait for a connection."""
+        """Note the number of bytes that are queued for a connection."""
         return self._router.report_backlog(connection, size)
 
     def advance(self, now: float) -> Sequence[RouterOutput]:
@@ -102,7 +102,7 @@ class ConsentDesk:
         return self._router.stop()
 
     def _answer(self, message: TextMessage) -> Sequence[TextMessage]:
-        """Take in a message to the keeper; return the messages to its sender."""
+        """Process a message to the keeper; return the messages to its sender."""
         match _ANSWERS.read(message):
             case GiveConsent():
                 self.status = ConsentStatus.GIVEN
@@ -118,9 +118,9 @@ def _is_of_a_participant(message: TextMessage) -> bool:
 
 
 def introduction(setting: StudySetting) -> list[TextMessage]:
-    """Return the messages to a participant who has not agreed yet: floor plan, and view with the consent text.
+    """Return the messages to a participant who has not agreed yet: the floor plan, and a view with the consent text.
 
-    They are those of a session with the same robots, which nobody joins.
+    The messages come from a separate session with the same robots, which no other program joins.
     """
     newcomer = _Newcomer()
     session = open_session(setting, Programs(robots=build_simr(setting), participant=newcomer))
@@ -130,7 +130,7 @@ def introduction(setting: StudySetting) -> list[TextMessage]:
 
 
 class _Newcomer:
-    """A participant who joins and listens."""
+    """A participant who joins and only receives."""
 
     name = legacy.TABUI
 

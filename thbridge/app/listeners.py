@@ -1,4 +1,7 @@
-"""Listeners to a session's robots: a ROS graph, a bag, researchers' windows, Foxglove. Graph and windows also ask."""
+"""Listeners to a session's robots: a ROS graph, a bag, researchers' windows, Foxglove.
+
+The ROS graph and the windows may also send requests.
+"""
 
 from collections.abc import AsyncIterator, Callable, Sequence
 from contextlib import AsyncExitStack, asynccontextmanager
@@ -30,8 +33,8 @@ class WatchAddress:
 
     Attributes:
         host: address to listen on.
-        port: TCP port; 0 takes any that is free.
-        keys: of which windows have to show one; None admits every program of this machine.
+        port: TCP port; 0 selects any free port.
+        keys: checks the keys that windows must present; None admits every program of this machine.
     """
 
     host: str
@@ -56,22 +59,23 @@ class ListenerOptions(Protocol):
 
     @property
     def foxglove(self) -> int | None:
-        """TCP port of this machine for Foxglove, 0 for any that is free; None for none."""
+        """TCP port of this machine for Foxglove, 0 for any free port; None for none."""
 
 
 def _ignore(outcome: object) -> None:
-    """Do nothing; the callback of programs without graph, watch server or MAVLink links."""
+    """Do nothing: the callback of programs without graph, watch server or MAVLink links."""
 
 
 @dataclass(frozen=True, slots=True)
 class StartupCallbacks:
-    """Callbacks for the result of starting a graph, the watch server and others; each may raise.
+    """Callbacks for the results of starting a graph, the watch server and others; each may raise.
 
     Attributes:
-        joined: takes the master of the graph, or the reason why there is none.
-        watched: takes the address of the watch server, or the reason why it cannot listen.
-        linked: takes the addresses of MAVLink links, such as "udp 127.0.0.1:14550", or the reason why there are none.
-        shown: takes the address for Foxglove, or the reason why there is none.
+        joined: called with the master of the graph, or the reason why there is none.
+        watched: called with the address of the watch server, or the reason why it cannot listen.
+        linked: called with the addresses of MAVLink links, such as "udp 127.0.0.1:14550", or the reason why there are
+            none.
+        shown: called with the address for Foxglove, or the reason why there is none.
     """
 
     joined: Callable[[MasterPresence | CannotListen], None]
@@ -105,12 +109,12 @@ async def listeners(
         team: its robots.
         publisher: of the robots' messages.
         pacer: of the session.
-        ask: takes requests, each with the name of its sender. It is not called before the event loop's next turn, when
-            the session exists.
+        ask: called with requests and the names of their senders, but not before the event loop's next turn, when the
+            session exists.
         callbacks: for the results of starting.
-        receive_frame: takes MAVLink frames for one robot, likewise; None where the robots are not MAVLink vehicles.
-        granted: takes the names of keys by which watchers were granted requests, each with the request; None: nobody.
-        has_game: True when the game is this session's.
+        receive_frame: called with MAVLink frames for one robot, likewise; None if the robots are not MAVLink vehicles.
+        granted: called with the name of a watcher's key and the request that it was granted; None for no callback.
+        has_game: True when the game is in this session.
     """
     listening: list[Listener] = []
     async with AsyncExitStack() as opened:
@@ -125,7 +129,7 @@ async def listeners(
             callbacks.watched(await server.start(options.watch.host, options.watch.port))
             listening += [desk, server]
         if options.foxglove is not None:
-            # Where nobody wants it, the package need not be there.
+            # Imported here because the package is optional: sessions without Foxglove run without it.
             from thbridge.sockets.foxglove import FoxgloveServer  # noqa: PLC0415
 
             foxglove = FoxgloveServer(publisher.topics, Definitions(ROS_SHARES))
@@ -133,6 +137,6 @@ async def listeners(
             callbacks.shown(foxglove.start(LOCALHOST, options.foxglove))
             listening.append(foxglove)
         if options.bag is not None:
-            # Last: no recording is begun where a port is taken.
+            # Last, so that no recording is started if a port is taken.
             listening.append(opened.enter_context(build_writer(setting, options.bag)))
         yield listening

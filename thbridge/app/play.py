@@ -1,4 +1,4 @@
-"""A whole hunt in one program: all roles except those of other programs, until the game is over or it is stopped."""
+"""A whole hunt in one program: all roles except those of other programs, until the game is over or stopped."""
 
 import logging
 from collections import deque
@@ -57,12 +57,12 @@ PLAY = "play"
 """Name of this program in recordings."""
 
 FINAL_TICKS = TICKS_PER_SECOND // 2
-"""Ticks that a session goes on after the end of the game, so that all programs and the bag get its last messages."""
+"""Ticks that a session continues after the end of the game, so that all programs and the bag get its last messages."""
 
 
 @dataclass(frozen=True, slots=True)
 class GameOutcome:
-    """Outcome of one game of a hunt; attributes as in `HuntOutcome`, and the number of the game."""
+    """Outcome of one game of a hunt; attributes as in `HuntOutcome`, with the number of the game."""
 
     game: int
     score: int
@@ -81,13 +81,13 @@ class HuntOutcome:
         score: points.
         over: reason for the end (`hunt.events.EndReason`); None if the game did not end.
         rooms_visited: number of rooms.
-        identified: number of treasures named, rightly or wrongly.
+        identified: number of treasures named, correctly or not.
         energy: energy left, by robot.
         sim_seconds: simulated time from the start to the end of the game.
-        wall_seconds: real time of the same.
+        wall_seconds: real time from the start to the end of the game.
         collisions: number of times that a robot touched a wall or another robot.
         bag: the recording.
-        games: all games in their order, where participants play several; the figures above are those of the last.
+        games: all games in order, if the participant played several; the figures above are those of the last.
         robots: figures of each robot over the whole run.
     """
 
@@ -106,40 +106,40 @@ class HuntOutcome:
 
 
 class HuntUnfinished(Exception):  # noqa: N818 - nothing went wrong with the program
-    """The hunt ended before the game was over, or before the participant had left. Everything is closed in good order.
+    """The hunt ended before the game was over, or before the participant had left. All files are closed properly.
 
     Attributes:
         outcome: at that time.
-        stopped: True after Ctrl-C or SIGTERM; False when the time was up.
+        stopped: True after Ctrl-C or SIGTERM; False when the time limit was reached.
     """
 
     def __init__(self, outcome: HuntOutcome, stopped: bool) -> None:
-        super().__init__("stopped" if stopped else "the time was up")
+        super().__init__("stopped" if stopped else "the time limit was reached")
         self.outcome = outcome
         self.stopped = stopped
 
 
 @dataclass(frozen=True, slots=True)
 class PlayOptions:
-    """Options of a hunt, beside the study.
+    """Options of a hunt, in addition to the study.
 
     Attributes:
-        rate: simulated seconds per second; 0 as fast as possible.
+        rate: simulated seconds per second; 0 runs as fast as possible.
         bag: path of the recording; None for no recording.
         outside: names of the roles that other programs take.
         participant: description for the record, for example "person" or "suggestion".
-        max_seconds: simulated time after which an unfinished game is given up.
+        max_seconds: simulated time after which an unfinished game is stopped.
         graph: the ROS graph to take part in; None for none.
-        left: called after every tick; returns True once the participant's own window is closed. Only then the hunt
-            ends, because they may look at the result and play again. None: it ends with the game.
+        left: called after every tick; returns True once the participant's own window is closed. Only then does the hunt
+            end, because participants may look at the result and play again. If None, the hunt ends with the game.
         watch: address of the watch server; None for none.
         foxglove: TCP port of this machine for Foxglove; None for none.
         mavlink: ports of the MAVLink links; None for none.
-        inputs: path of the log of inputs; a game whose log is there already goes on where that ends, and a simulated
-            participant in this process decides anew as it did. None: no log.
-        meter: measures the real time of this game, where there is a log of inputs; None for one that nobody reads.
-        keys: by which programs take part from other machines; None: there are none.
-        run: name of this run, unlike all others, for what keys were used in.
+        inputs: path of the log of inputs; None for no log. If the log exists, the game resumes where the log ends, and
+            a simulated participant in this process repeats its decisions.
+        meter: measures the real time of this game, if there is a log of inputs; None creates one.
+        keys: with which programs can take part from other machines; None for no keys.
+        run: unique name of this run, for the record of uses of keys.
     """
 
     rate: float
@@ -170,20 +170,21 @@ async def play(
 
     Args:
         setting: the study.
-        participant: the participant's role; None if that is an outside program, as `options` may also say. Such a
-            program is asked for consent first, if the study says so: before the answer no tick is run, no file written.
+        participant: the participant's role; None if an outside program has that role, as `options` may also say. If the
+            study requires consent, that program is asked first: before the answer no tick is run and no file is
+            written.
         options: of the hunt.
-        ready: takes the address of the text server, or the reason why it cannot listen.
-        progress: takes every tick.
+        ready: called with the address of the text server, or the reason why it cannot listen.
+        progress: called with every tick.
         callbacks: for the results of starting graph, watch server and links.
 
     Raises:
         ParticipantDeclined: the participant did not agree to take part, or left before an answer.
-        BadFile: a file cannot be written, or the log of inputs is of another game (`GameDiffers`).
+        BadFile: a file cannot be written, or the log of inputs belongs to another game (`GameDiffers`).
         HuntUnfinished: it was stopped, or the game was not over in time; what was recorded is complete.
     """
     async with AsyncExitStack() as opened:
-        # First of all: no recording is begun if the MAVLink ports cannot be opened.
+        # First, so that no recording is started if the MAVLink ports cannot be opened.
         links = await _links(options.mavlink, opened, callbacks)
         if options.rate > 0.0:
             rehearse(setting)
@@ -197,13 +198,13 @@ async def play(
 
 
 class _Hunt:
-    """A hunt of one program: its session, the servers around it, and what is recorded of it.
+    """A hunt of one program: its session, its servers, and its recording.
 
     Args:
         setting: as for `play`.
-        participant: likewise.
-        options: likewise.
-        links: MAVLink server, its ports open, with their names.
+        participant: as for `play`.
+        options: as for `play`.
+        links: MAVLink server with open ports, and the names of the ports.
         ready: as for `play`.
 
     Attributes:
@@ -227,7 +228,7 @@ class _Hunt:
         if links is not None:
             outlets = SessionOutlets(self._server.perform, links[0].transmit)
         self._recording = DeferredRecording()
-        # A game that goes on is the same as before, and its log is its own.
+        # A resumed game is the same game, so it keeps its name: the path of its log.
         run = options.run if options.inputs is None else str(options.inputs.resolve())
         recording = SessionRecording([self._recording], self._recording, run)
         self._session = open_session(setting, self._programs, recording, outlets)
@@ -246,11 +247,11 @@ class _Hunt:
             opened.push_async_callback(self._server.stop)
             await self._listen()
             left = self._options.left
-            # In a window people have been asked already, and it says yes as soon as it joins.
+            # A window has asked people already, and sends their consent as soon as it joins.
             await _consent(self._desk, left, _ignore if left is not None else _log.warning)
 
     async def record(self, opened: AsyncExitStack, callbacks: StartupCallbacks) -> None:
-        """Start all that listens, and begin the record. Raises BadFile."""
+        """Start all listeners, and begin the recording. Raises BadFile."""
         setting, options, session = self._setting, self._options, self._session
         publisher = build_publisher(setting)
         has_vehicles = setting.study.mavlink.on
@@ -281,15 +282,15 @@ class _Hunt:
         if options.inputs is not None:
             meter = options.meter or PaceMeter()
             self._inputs = opened.enter_context(closing(InputLog(options.inputs, opening, meter, self.pacer)))
-            # Before all others: what they record follows from it.
+            # Before all other recorders: what they record follows from the inputs.
             recorders.insert(0, self._inputs)
         self._recording.begin(recorders, log)
 
     async def go_on(self) -> bool:
-        """Run up to the tick where the log of inputs ends, as fast as possible; nobody is connected any more then.
+        """Run up to the tick where the log of inputs ends, as fast as possible; then close all recorded connections.
 
         Returns:
-            False when it was stopped (Ctrl-C, SIGTERM).
+            False when the run was stopped (Ctrl-C, SIGTERM).
         """
         session = self._session
         logged = () if self._inputs is None else self._inputs.ticks
@@ -316,7 +317,7 @@ class _Hunt:
         return run.finished
 
     async def serve(self, opened: AsyncExitStack, callbacks: StartupCallbacks) -> None:
-        """Let ground stations and other programs take part."""
+        """Admit ground stations and other programs."""
         if self._setting.study.mavlink.on and self._options.graph is not None:
             self._graph.open()
         if self._links is not None:
@@ -329,9 +330,9 @@ class _Hunt:
         opened.push_async_callback(self._server.stop)  # It stops before the recording is closed.
 
     def tick(self, progress: Callable[[TickRecord], None]) -> bool:
-        """Run one tick; return True while the hunt goes on."""
+        """Run one tick; return True while the hunt continues."""
         now = self._step()
-        # A participant in this process is shown refusals by window or terminal.
+        # Not logged for a participant in this process: the window or terminal shows these refusals.
         inside = self._programs.participant
         refusals = (each for each in now.refusals if inside is None or each.program != inside.name)
         self._troubles.note(refusals, now.utterances)
@@ -343,7 +344,7 @@ class _Hunt:
         """Return the outcome, after a run of ticks. Raises HuntUnfinished."""
         bag = self._options.bag
         outcome = outcome_of(self._setting, self._session, self._ending, run.seconds, bag, self._statistics)
-        # With a window, the end of a game is not the end of the hunt: participants may play again.
+        # With a window, the hunt does not end with the game: participants may play again.
         if self._ending.tick is None or (self._options.left is not None and not run.finished):
             raise HuntUnfinished(outcome, stopped=not run.finished)
         return outcome
@@ -358,7 +359,7 @@ class _Hunt:
         router, server = self._desk or self._session.router, self._setting.study.server
         where = await self._server.start(router, server.host, server.port)
         if isinstance(where, CannotListen) and self._options.left is not None:
-            where = await self._server.start(router, server.host, 0)  # The window gets the port that was found.
+            where = await self._server.start(router, server.host, 0)  # The window is given the port that is used.
         self._ready(where)
 
 
@@ -374,7 +375,7 @@ class _GraphStation:
         self._link = self._session.links.open_link(GRAPH_LINK)
 
     def receive_frame(self, robot: int, frame: Frame) -> None:
-        """Take a frame for one robot, from 0."""
+        """Pass on a frame to one robot, counted from 0."""
         if self._link is not None:
             self._session.transmit(self._session.links.receive_frame(self._link, frame, robot).replies)
 
@@ -383,16 +384,16 @@ def _ignore(sentence: str) -> None:
     """Do nothing."""
 
 
-async def _consent(desk: ConsentDesk, left: Callable[[], bool] | None, tell: Callable[[str], None]) -> None:
+async def _consent(desk: ConsentDesk, left: Callable[[], bool] | None, report: Callable[[str], None]) -> None:
     """Wait until the participant has agreed to take part, or cannot be asked. Raises ParticipantDeclined."""
-    tell(CONSENT_SENTENCES[desk.status])
+    report(CONSENT_SENTENCES[desk.status])
 
     def waiting() -> bool:
         return desk.status is ConsentStatus.AWAITED and not (left is not None and left())
 
     await run_ticks(waiting, Pacer(1.0))
     if desk.status is ConsentStatus.NOT_ASKED:
-        tell(CONSENT_SENTENCES[desk.status])
+        report(CONSENT_SENTENCES[desk.status])
     if not desk.status.recordable:
         raise ParticipantDeclined(desk.status is ConsentStatus.DECLINED)
 
@@ -419,7 +420,7 @@ class EndCondition:
     """Condition for the end of a session.
 
     Args:
-        max_seconds: simulated time after which an unfinished game is given up.
+        max_seconds: simulated time after which an unfinished game is stopped.
         left: see `PlayOptions`.
     """
 
@@ -429,7 +430,7 @@ class EndCondition:
         self._outcomes: dict[int, GameOutcome] = {}
         self._game: GameState | None = None
         self.tick: int | None = None
-        """Tick in which the game ended; None before, and again once another game has begun."""
+        """Tick in which the game ended; None until then, and also after the next game has begun."""
 
     @property
     def games(self) -> tuple[GameOutcome, ...]:
@@ -440,7 +441,7 @@ class EndCondition:
         """Return True when the session is over."""
         game = session.game
         if game is not None and game is not self._game:
-            # Of games that are over only the outcome is kept: people may play hundreds of them.
+            # Only the outcomes of finished games are kept, because people may play hundreds of games.
             self._outcomes[game.started.game] = _game_outcome(game)
             self._game = game
         over = session.game is not None and session.game.ended is not None
@@ -463,7 +464,7 @@ def outcome_of(
     bag: Path | None,
     statistics: RunStatistics,
 ) -> HuntOutcome:
-    """Return the outcome of a session, over or not."""
+    """Return the outcome of a session, finished or not."""
     snapshot = session.snapshot
     ticks = session.tick if ending.tick is None else ending.tick
     games = ending.games

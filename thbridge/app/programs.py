@@ -1,4 +1,4 @@
-"""Programs of one role at a text server, in real time, until it is over or stopped."""
+"""Programs that run one role at a text server, in real time, until the role is done or stopped."""
 
 import logging
 from collections.abc import Callable, Sequence
@@ -34,24 +34,24 @@ from thbridge.timing.pacer import Pacer
 _log = logging.getLogger(__name__)
 
 SIMR = "simr"
-"""Name in recordings of the program with the robots alone."""
+"""Name of the program that runs only the robots, in recordings."""
 
 
 class RoleRunner(Protocol):
-    """A role at a server of another process; it answers messages with the next tick."""
+    """A role at a server of another process; it processes messages in the next tick."""
 
     def connected(self) -> None:
         """Note that the server has (again) accepted the name."""
 
     def receive(self, message: TextMessage) -> None:
-        """Take a message to this role."""
+        """Accept a message to this role."""
 
     def step(self) -> Sequence[TextMessage]:
         """Run one tick; return the role's messages."""
 
 
 class SingleRole:
-    """The plain runner of a role: it only counts ticks."""
+    """Runner of a role that only counts ticks."""
 
     def __init__(self, role: Role) -> None:
         self._role = role
@@ -73,10 +73,10 @@ class SingleRole:
 
 
 class UnrecordedSimr:
-    """The runner of SimR while the participant may not be recorded yet; it asks the keeper for that.
+    """Runner of SimR while the participant may not be recorded yet; it asks the keeper for permission.
 
     Attributes:
-        granted: the keeper has said that the participant may be recorded.
+        granted: True when the keeper has said that the participant may be recorded.
     """
 
     def __init__(self, role: SimR) -> None:
@@ -96,7 +96,7 @@ class UnrecordedSimr:
         self._ask = True
 
     def receive(self, message: TextMessage) -> None:
-        """Take a message to SimR, or the keeper's answer."""
+        """Accept a message to SimR, or the keeper's answer about recording."""
         notice = SIMR_NOTICES.read(message)
         if isinstance(notice, RecordingPermission):
             self.granted = notice.granted
@@ -104,14 +104,14 @@ class UnrecordedSimr:
             self._session.receive(message)
 
     def step(self) -> Sequence[TextMessage]:
-        """Run one tick of SimR; ask the keeper whenever the server is reached."""
+        """Run one tick of SimR; ask the keeper each time the server has accepted the connection."""
         asked, self._ask = self._ask, False
         said = self._session.step()
         return [*said, encode_notice(legacy.SIMR, KEEPER, ConsentQuery())] if asked else said
 
 
 class ProgramStatus:
-    """Lines of the log on how a program stands with its server: connected, waiting, in a game, back again.
+    """Log of a program's state at its server: connected, waiting, in a game, reconnected.
 
     Args:
         client: the program's connection.
@@ -120,18 +120,18 @@ class ProgramStatus:
     def __init__(self, client: TextClient) -> None:
         self._client = client
         self._was_connected = False
-        # The last game that the keeper has told of.
+        # Number of the last game in the keeper's notices.
         self._game = 0
 
     def connected(self) -> None:
-        """Tell that the server has accepted the name."""
+        """Log that the server has accepted the name."""
         again = " again" if self._was_connected else ""
         waits = "" if self._was_connected else "; waiting for the game"
         self._was_connected = True
         _log.warning("%s is connected%s to %s%s", self._client.name, again, self._client.address, waits)
 
     def heard(self, message: TextMessage) -> None:
-        """Tell of each game once, as soon as the keeper says something of it."""
+        """Log each game once, at the keeper's first notice of it."""
         if message.sender != KEEPER or not is_notice(message):
             return
         notice = parse_notice(message)
@@ -142,19 +142,19 @@ class ProgramStatus:
 
 
 _OF_GAMES = {kind_of(Orders), kind_of(HideRequest), kind_of(View)}
-"""Kinds of the notices that tell a program which game it is in."""
+"""Kinds of the notices that contain the number of the game."""
 
 
 def exchange(
     runner: RoleRunner, client: TextClient, lost: Callable[[ConnectionLost], None], status: ProgramStatus | None = None
 ) -> None:
-    """Run one tick of a role at a server: take the messages that have come, and send the role's.
+    """Run one tick of a role at a server: pass it the received messages, and send its own.
 
     Args:
         runner: of the role.
         client: its connection, running.
-        lost: takes the reason when the connection is lost.
-        status: tells people how the program stands; None: nobody is told.
+        lost: called with the reason when the connection is lost.
+        status: logs the state of the program. If None, nothing is logged.
     """
     for event in client.take():
         match event:
@@ -179,14 +179,14 @@ async def run_at_server(
     done: Callable[[], bool],
     lost: Callable[[ConnectionLost], None],
 ) -> bool:
-    """Run one role against a server until it is done or stopped; it reconnects by itself.
+    """Run one role at a server until it is done or stopped; it reconnects automatically.
 
     Args:
         runner: of the role.
         client: its connection, not running yet.
         pacer: times the ticks.
         done: called after every tick; returns True when the role is done.
-        lost: takes the reason when the connection is lost.
+        lost: called with the reason when the connection is lost.
 
     Returns:
         True when the role is done, False when it was stopped.
@@ -216,7 +216,7 @@ class SimrOptions:
         graph: the ROS graph to take part in; None for none.
         watch: address of the watch server; None for none.
         foxglove: TCP port of this machine for Foxglove; None for none.
-        key: that is shown to the text server; None for none.
+        key: key to present to the text server; None for none.
     """
 
     host: str
@@ -238,20 +238,20 @@ async def simr(
 ) -> str | None:
     """Run the robots' program until stopped.
 
-    Where the study asks for consent, nothing is recorded before the server says that the participant has agreed: robots
-    stand ready, and the program then begins anew, with graph and watch server.
+    If the study asks for consent, nothing is recorded until the server reports that the participant has agreed. Until
+    then robots stand ready; after that they start again, with graph and watch server.
 
     Args:
         setting: the study.
         options: of the program.
-        lost: takes the reason when the connection is lost.
+        lost: called with the reason when the connection is lost.
         callbacks: for the results of starting graph and watch server.
 
     Returns:
         The keeper's reason for rejecting these robots, or None when stopped.
 
     Raises:
-        BagNotWritten: the bag cannot be written; it is closed, and the program over.
+        BagNotWritten: the bag cannot be written; it is closed, and the program ends.
     """
     rehearse(setting)
     if options.bag is not None and setting.consent is not None:
@@ -274,15 +274,15 @@ async def simr(
 
 
 async def await_consent(role: SimR, options: SimrOptions, lost: Callable[[ConnectionLost], None]) -> UnrecordedSimr:
-    """Run the robots unrecorded until the participant may be recorded, the robots are rejected, or it is stopped.
+    """Run the robots unrecorded until the participant may be recorded, the robots are rejected, or the run is stopped.
 
     Args:
         role: of the robots.
         options: of the program.
-        lost: takes the reason when the connection is lost.
+        lost: called with the reason when the connection is lost.
 
     Returns:
-        The runner, which tells why it has ended.
+        The runner; its attributes show why it has ended.
     """
     _log.warning(CONSENT_SENTENCES[ConsentStatus.AWAITED])
     waiting = UnrecordedSimr(role)
@@ -315,19 +315,19 @@ async def tabui(
     shown: Callable[[View], None],
     key: ClientKey | None = None,
 ) -> View | None:
-    """Run the participant's program until the game is over, or the participant has said that they do not take part.
+    """Run the participant's program until the game is over, or until the participant has declined to take part.
 
     Args:
         role: the participant.
         host: of the server.
         port: of the server.
         token: identifies this run of the program.
-        lost: takes the reason when the connection is lost.
-        shown: takes every new view.
-        key: that is shown to the server; None for none.
+        lost: called with the reason when the connection is lost.
+        shown: called with every new view.
+        key: key to present to the server; None for none.
 
     Returns:
-        The last view, of a game that is over unless the participant takes no part; None when stopped.
+        The last view; its game is over unless the participant declined. None when stopped.
     """
     last: View | None = None
     role.run = token

@@ -34,13 +34,13 @@ from thbridge.timing.pacer import Pacer
 
 
 class HeldTraffic:
-    """The recorder of a fleet's messages until they may be recorded, and after that the way to the bag's recorder.
+    """Recorder of a fleet's messages that holds them back until they may be recorded, and then passes them on.
 
-    Of what comes before, it keeps the last message of each latched topic, such as fixed transforms: a bag needs them,
-    and robots send them only once.
+    Before that it keeps only the last message of each latched topic, such as fixed transforms: a bag needs these
+    messages, and robots send them only once.
 
     Attributes:
-        recorder: of the bag; None: nothing is recorded yet, or at all.
+        recorder: of the bag. If None, nothing is recorded yet, or nothing at all.
     """
 
     def __init__(self) -> None:
@@ -49,21 +49,21 @@ class HeldTraffic:
         self._latched_own: dict[str, RosMessage] = {}
 
     def received(self, topic: TopicHeader, publisher: str, stamp_ns: int, data: bytes) -> None:
-        """Pass a message on; before that is allowed, keep it if it is latched."""
+        """Record a message. If that is not allowed yet, keep it if it is latched."""
         if self.recorder is not None:
             self.recorder.received(topic, publisher, stamp_ns, data)
         elif topic.latched:
             self._latched[topic.name, publisher] = (topic, publisher, stamp_ns, data)
 
     def sent(self, message: RosMessage) -> None:
-        """Pass a message to a robot on, once that is allowed."""
+        """Record a message to a robot. If that is not allowed yet, keep it if it is latched."""
         if self.recorder is not None:
             self.recorder.sent(message)
         elif message.topic.latched:
             self._latched_own[message.topic.name] = message
 
     def release(self, recorder: FleetRecorder) -> None:
-        """Record from now on, the latched messages first."""
+        """Start recording: first the latched messages, then all that follow."""
         self.recorder = recorder
         for topic, publisher, stamp_ns, data in sorted(self._latched.values(), key=lambda kept: kept[2]):
             recorder.received(topic, publisher, stamp_ns, data)
@@ -73,7 +73,7 @@ class HeldTraffic:
         self._latched_own.clear()
 
     def flush(self) -> None:
-        """Write the messages that wait. Raises BagNotWritten."""
+        """Write the pending messages. Raises BagNotWritten."""
         if self.recorder is not None:
             self.recorder.flush()
 
@@ -86,23 +86,23 @@ async def simr_with_real_robots(
     unreachable: Callable[[CannotListen], None],
     missing: Callable[[Sequence[str]], None],
 ) -> str | None:
-    """Command real robots for the game until stopped; they stand when it ends.
+    """Command real robots for the game until stopped; at the end the robots stop.
 
-    Where the study asks for consent, nothing is recorded before the server says that the participant has agreed.
+    If the study asks for consent, nothing is recorded until the server reports that the participant has agreed.
 
     Args:
         setting: the study.
-        options: of the program; the rate is that of real time.
+        options: of the program; its rate must be 1, that of real time.
         graph: the robots' ROS graph.
-        lost: takes the reason when the connection to the text server is lost.
-        unreachable: takes the reason why robots cannot connect to this node; it must raise.
-        missing: takes new sentences about missing topics and nodes; at last an empty list.
+        lost: called with the reason when the connection to the text server is lost.
+        unreachable: called with the reason why robots cannot connect to this node; it must raise.
+        missing: called with new sentences about missing topics and nodes; finally with an empty list.
 
     Returns:
         The keeper's reason for rejecting these robots, or None when stopped.
 
     Raises:
-        BagNotWritten: the bag cannot be written; it is closed, the robots stand, and the program is over.
+        BagNotWritten: the bag cannot be written; it is closed, the robots stop, and the program ends.
     """
     async with AsyncExitStack() as opened:
         traffic = HeldTraffic()

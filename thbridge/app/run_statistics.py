@@ -1,4 +1,4 @@
-"""Figures of each robot over a whole run: how well it knew where it was, and what it did."""
+"""Figures of each robot over a whole run: the errors of its pose, and what it did."""
 
 import math
 from dataclasses import dataclass
@@ -16,18 +16,18 @@ from sim.team import TeamSnapshot
 class RobotStatistics:
     """Figures of one robot.
 
-    Errors are those of the believed pose against the truth, at every scan; None where there was none.
+    Errors are differences between the believed and the true pose at each scan; None if there was no scan.
 
     Attributes:
         robot: its number, from 1.
         position_rmse: root mean square of the distance between the two, meters.
-        position_max: greatest such distance, meters.
+        position_max: largest such distance, meters.
         heading_rmse: root mean square of the angle between the two, degrees.
-        heading_max: greatest such angle, degrees.
-        times_lost: number of times that its localizer held itself to be lost.
-        seconds_lost: how long, simulated seconds.
+        heading_max: largest such angle, degrees.
+        times_lost: number of times that its localizer declared itself lost.
+        seconds_lost: total time for which it was lost, simulated seconds.
         distance: meters driven.
-        seconds_waiting: simulated seconds in which it stood to let another robot go first.
+        seconds_waiting: simulated seconds in which it waited to let another robot go first.
     """
 
     robot: int
@@ -54,7 +54,7 @@ class _Sums:
 
 
 class RunStatistics:
-    """Adds up the ticks of a run; robots that are dead add nothing."""
+    """Sum of the ticks of a run; dead robots add nothing."""
 
     def __init__(self) -> None:
         self._robots: list[_Sums] = []
@@ -67,7 +67,7 @@ class RunStatistics:
         for index, (sums, robot) in enumerate(zip(self._robots, snapshot.robots, strict=True)):
             if index in snapshot.dead:
                 continue
-            # By speed, not by the change of place: a robot that is carried off does not drive.
+            # By speed, not by change of position: a robot that is moved by hand does not drive.
             sums.distance += abs(float(truth.twists[index, 0])) * TICK
             sums.ticks_waiting += robot.navigation.waits_for is not None
             lost = robot.estimate.lost
@@ -85,7 +85,7 @@ class RunStatistics:
                 np.maximum(sums.greatest, error, out=sums.greatest)
 
     def figures(self) -> tuple[RobotStatistics, ...]:
-        """Return the figures so far, rounded as people and programs can use them."""
+        """Return the figures so far, rounded for people and programs."""
         return tuple(_figures(robot, sums) for robot, sums in enumerate(self._robots))
 
 

@@ -1,4 +1,4 @@
-"""The program of the text server and the keeper, in real time, until it is stopped."""
+"""The program with the text server and the keeper, which runs in real time until it is stopped."""
 
 import logging
 from collections.abc import Callable, Sequence
@@ -23,11 +23,11 @@ _log = logging.getLogger(__name__)
 
 
 class ConsentedLog:
-    """Log of the events of games, each of which is written only once its participant may be recorded.
+    """Log of the events of games that writes the events of a game only once its participant may be recorded.
 
     Args:
         journals: of the games.
-        status: returns the state of the agreement, after the step whose events are appended.
+        status: returns the state of consent after the step that produced the appended events.
     """
 
     def __init__(self, journals: JournalStore, status: Callable[[], ConsentStatus]) -> None:
@@ -37,7 +37,7 @@ class ConsentedLog:
         self._open = False
 
     def append(self, entries: Sequence[JournalEntry]) -> None:
-        """Write the entries, or hold them back; called in every tick. Raises BadFile as the journals do."""
+        """Write the entries, or hold them back; must be called in every tick. Raises BadFile as the journals do."""
         for entry in entries:
             if isinstance(entry, GameStarted):
                 self._write()
@@ -60,15 +60,15 @@ async def serve(
     keys: RingKeys | None = None,
     run: str = "",
 ) -> None:
-    """Run the text server and the keeper until stopped; a game that was cut off goes on.
+    """Run the text server and the keeper until stopped; an interrupted game is resumed.
 
     Args:
         setting: the study.
         journals: of the games; closed at the end.
-        new_game: True leaves an unfinished game as it is and begins the next.
-        ready: takes the address of the server, or the reason why it cannot listen; then the function returns.
-        keys: by which programs take part from other machines; None: there are none.
-        run: name for the folder of the journals, unlike all others, where it has none yet: for what keys are used in.
+        new_game: True leaves an unfinished game as it is and begins the next one.
+        ready: called with the address of the server, or the reason why it cannot listen; then the function returns.
+        keys: with which programs can take part from other machines; None for no keys.
+        run: unique name for the folder of the journals, if it has none yet; the record of uses of keys contains it.
 
     Raises:
         BadFile: the journal cannot be read or written.
@@ -94,17 +94,17 @@ async def serve(
         if isinstance(listening, CannotListen):
             return
 
-        told = ConsentStatus.NOT_NEEDED
+        reported = ConsentStatus.NOT_NEEDED
         troubles = TroubleLog()
 
         def tick() -> bool:
-            nonlocal told
+            nonlocal reported
             now = session.step()
             troubles.note(now.refusals, now.utterances)
             server.note_game(*session.game_name)
-            before, told = told, keeper.consent
-            if told is not before and told in CONSENT_SENTENCES:
-                _log.warning(CONSENT_SENTENCES[told])
+            before, reported = reported, keeper.consent
+            if reported is not before and reported in CONSENT_SENTENCES:
+                _log.warning(CONSENT_SENTENCES[reported])
             return True
 
         try:

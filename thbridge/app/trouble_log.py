@@ -1,4 +1,4 @@
-"""Log of what programs were refused, and of strategies that failed, for the people who run a session or a server."""
+"""Log of refused requests and failed strategies, for the people who run a session or a server."""
 
 import logging
 from collections import Counter
@@ -12,11 +12,11 @@ _log = logging.getLogger(__name__)
 
 
 MOST_KEPT = 1000
-"""Different troubles that are counted; beyond that the counting begins anew."""
+"""Largest number of different troubles that are counted; after that the counting restarts."""
 
 
 class TroubleLog:
-    """Logs troubles; one that comes again is logged again only at the 10th, 100th, ... time."""
+    """Log of troubles; a repeated one is logged again only at the 10th, 100th, ... time."""
 
     def __init__(self) -> None:
         # By program or robot, and sentence.
@@ -25,14 +25,14 @@ class TroubleLog:
     def note(self, refusals: Iterable[ProgramRefusal], utterances: Iterable[DialogueUtterance] = ()) -> None:
         """Log the refusals of a tick, and the faults of strategies in its utterances."""
         for refusal in refusals:
-            self._tell((refusal.program, refusal.refused.sentence), str(refusal))
+            self._count((refusal.program, refusal.refused.sentence), str(refusal))
         for said in utterances:
             if said.fault:
                 name = robot_name(said.topic.robot)
-                sentence = f"{name} chose a move by its own strategy, for that of the study failed: {said.fault}"
-                self._tell((name, said.fault), sentence)
+                sentence = f"{name} chose a move by its own strategy, because that of the study failed: {said.fault}"
+                self._count((name, said.fault), sentence)
 
-    def _tell(self, key: tuple[str, str], sentence: str) -> None:
+    def _count(self, key: tuple[str, str], sentence: str) -> None:
         if key not in self._times and len(self._times) >= MOST_KEPT:
             self._times.clear()
         self._times[key] += 1

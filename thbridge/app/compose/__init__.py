@@ -1,1 +1,1 @@
-"""The composition root: builds every part of a session from one study. No other module looks up its parts."""
+"""The composition root: builds every part of a session from one study. Other modules get their parts as arguments."""

@@ -35,7 +35,7 @@ from thbridge.study.study_file import DialogueSection, MannerSection, Study
 
 
 def build_keeper(setting: StudySetting, history: tuple[JournalEntry, ...] = (), last_game: int = 0) -> Keeper:
-    """Return the keeper; see `Keeper` for a game that goes on."""
+    """Return the keeper; see `Keeper` for the arguments of a resumed game."""
     study, words = setting.study, setting.set_words
 
     def engine(number: int) -> DialogueEngine:
@@ -76,7 +76,7 @@ def game_rules(study: Study) -> GameRules:
 
 
 def _with_words(language: Language, templates: TemplateSet, words: SetWords) -> Language:
-    """Return a language that says names of treasures and values of properties with the words of a set."""
+    """Return a language in which names of treasures and values of properties have the words of a set."""
     names = dict(words.names)
     for written, said in zip(templates.properties, words.properties, strict=True):
         names |= {written.phrase(value): said.phrase(value) for value in values_of(written, templates.kinds)}
@@ -85,7 +85,7 @@ def _with_words(language: Language, templates: TemplateSet, words: SetWords) -> 
 
 
 def manners_of(section: DialogueSection) -> dict[int | None, Manner]:
-    """Return the manner of each robot that has one of its own, by its index, and under None that of the others."""
+    """Return the manner of each robot with a manner of its own, by index; the key None has that of the others."""
 
     def manner(of: MannerSection) -> Manner:
         return Manner(section.condition, of.attitude, of.persistence, of.talkative, of.gives_reasons, of.misheard)
@@ -117,14 +117,14 @@ def build_briefing(setting: StudySetting) -> Briefing:
 
 
 def _alphabetical(word: str) -> str:
-    """Return the key by which words are sorted: letters with marks stand beside those without."""
+    """Return the sort key of a word; letters with accents sort like those without."""
     return unicodedata.normalize("NFKD", word).casefold()
 
 
 def build_floor_plan(setting: StudySetting) -> FloorPlan:
     """Return the map as participants see it, with the names of rooms in their language."""
     place, names = setting.map, setting.room_names
-    # A name that only says the number, in any language, is none.
+    # A name that only repeats the number, in any language, is left out.
     called = {number: name for number, name in names.named.items() if name != setting.texts.room(number)}
     rooms = (replace(outline, name=called.get(outline.room, "")) for outline in room_outlines(setting))
     return floor_plan_of(place.name, place.grid, tuple(rooms), setting.study.world.footprint)
@@ -144,7 +144,7 @@ def treasure_names(setting: StudySetting) -> tuple[str, ...]:
 
 
 def known_treasures(templates: TemplateSet) -> tuple[TreasureKind, ...]:
-    """Return the treasures that there are, as everybody's list has them: without their pictures."""
+    """Return the public list of treasures: without their pictures."""
     return tuple(replace(kind, image=None) for kind in templates.kinds)
 
 
@@ -162,10 +162,10 @@ def build_hider(templates: TemplateSet, seed: int) -> Hider:
 def build_bot(
     templates: TemplateSet, strategy: str, seed: int, attitude: Attitude = Attitude.CREDULOUS
 ) -> Bot | InstalledParticipant:
-    """Return a simulated participant: by a built-in strategy, or the installed one of this name.
+    """Return the simulated participant of a built-in strategy, or the installed one of this name.
 
     Raises:
-        BadFile: there is none of this name; see `installed_participant`.
+        BadFile: there is no participant of this name; see `installed_participant`.
     """
     knowledge = knowledge_of(templates)
     if strategy in set(BotStrategy):

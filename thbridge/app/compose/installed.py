@@ -24,21 +24,21 @@ if TYPE_CHECKING:
 _log = logging.getLogger(__name__)
 
 MOST_LOGGED = 100
-"""Different faults of a plug-in that are logged."""
+"""Largest number of different faults of a plug-in that are logged."""
 _NO_TREASURES = TreasureKnowledge((), {})
 PATIENCE = 2.0
-"""Seconds of wall time after which people are told that a game waits for a strategy."""
+"""Seconds of wall time after which the log warns that a game waits for a plug-in."""
 
 
 @dataclass(frozen=True, slots=True)
 class WatchedStrategy:
-    """Strategy of a lab; people are told while a game waits for it, and its moves do not depend on how long it takes.
+    """Strategy of a lab, with a warning when a game waits for it. Its moves do not depend on how long it takes.
 
     Attributes:
         name: of the strategy.
-        factory: makes it.
+        factory: of the strategy.
         manner: as for `StrategyFactory`.
-        seed: likewise.
+        seed: as for `StrategyFactory`.
     """
 
     name: str
@@ -48,20 +48,20 @@ class WatchedStrategy:
 
     def choose(self, conversation: Conversation, number: int) -> DialogueMove:
         """Return the strategy's move; see `GameStrategy`."""
-        told = f"the strategy {self.name} has not chosen a move for {PATIENCE:g} s; the game waits for it"
-        with told_if_slow(PATIENCE, lambda: _log.warning(told)), printing_aside():
+        warning = f"the strategy {self.name} has not chosen a move for {PATIENCE:g} s; the game waits for it"
+        with told_if_slow(PATIENCE, lambda: _log.warning(warning)), printing_aside():
             return self.factory(self.manner, self.seed).choose(conversation, number)
 
 
 @dataclass(frozen=True, slots=True)
 class ImpatientStrategy:
-    """Strategy of a lab that is not waited for, once it has taken too long.
+    """Strategy of a lab whose calls have a timeout.
 
     Attributes:
-        factory: makes it.
-        caller: waits for it.
+        factory: of the strategy.
+        caller: calls it, with the timeout.
         manner: as for `StrategyFactory`.
-        seed: likewise.
+        seed: as for `StrategyFactory`.
     """
 
     factory: StrategyFactory
@@ -70,29 +70,29 @@ class ImpatientStrategy:
     seed: int
 
     def choose(self, conversation: Conversation, number: int) -> DialogueMove:
-        """Return the strategy's move; see `GameStrategy`. Raises TimeoutError when there is none in time."""
+        """Return the strategy's move; see `GameStrategy`. Raises TimeoutError after the timeout."""
         with printing_aside():
             return self.caller.call(lambda: self.factory(self.manner, self.seed).choose(conversation, number))
 
 
 def installed_author(name: str) -> "WordingAuthor":
-    """Return the author of wordings of a name.
+    """Return the author of wordings with this name.
 
     Raises:
-        BadFile: none of this name is installed, or it cannot be imported, or called.
+        BadFile: no author of this name is installed, or it cannot be imported or called.
     """
     author: WordingAuthor = WORDINGS.load(name)
-    told = f"the author {name} has not worded a sentence for {PATIENCE:g} s; the game waits for it"
+    warning = f"the author {name} has not worded a sentence for {PATIENCE:g} s; the game waits for it"
 
     def watched(request: "WordingRequest", /) -> str | None:
-        with told_if_slow(PATIENCE, lambda: _log.warning(told)), printing_aside():
+        with told_if_slow(PATIENCE, lambda: _log.warning(warning)), printing_aside():
             return author(request)
 
     return watched
 
 
 def impatient_author(name: str, seconds: float) -> "WordingAuthor":
-    """Return the author of wordings of a name, for trials; it raises TimeoutError after these seconds of wall time.
+    """Return the author of wordings with this name, for trials; after `seconds` of wall time it raises TimeoutError.
 
     Raises:
         BadFile: as for `installed_author`.
@@ -108,20 +108,20 @@ def impatient_author(name: str, seconds: float) -> "WordingAuthor":
 
 
 def installed_strategy(name: str) -> StrategyFactory:
-    """Return the factory of the strategy of a name, for games.
+    """Return the factory of the strategy with this name, for games.
 
     Raises:
-        BadFile: as for `installed_author`; or it does not take a manner and a seed, or makes no strategy of them.
+        BadFile: as for `installed_author`; or the factory does not accept a manner and a seed, or returns no strategy.
     """
     return partial(WatchedStrategy, name, _strategy(name))
 
 
 def impatient_strategy(name: str, seconds: float) -> StrategyFactory:
-    """Return the factory of the strategy of a name, for trials.
+    """Return the factory of the strategy with this name, for trials.
 
     Args:
         name: of the strategy.
-        seconds: of wall time that it may take for a move.
+        seconds: timeout of a move, in wall time.
 
     Raises:
         BadFile: as for `installed_strategy`.
@@ -130,10 +130,10 @@ def impatient_strategy(name: str, seconds: float) -> StrategyFactory:
 
 
 def participant_factory(name: str) -> ParticipantFactory:
-    """Return the factory of the simulated participant of a name.
+    """Return the factory of the simulated participant with this name.
 
     Raises:
-        BadFile: as for `installed_author`; or it takes other arguments, or makes no participant of them.
+        BadFile: as for `installed_author`; or the factory has other arguments, or returns no participant.
     """
     factory: ParticipantFactory = PARTICIPANTS.load(name)
     takes = "a TreasureKnowledge, an attitude and a seed"
@@ -144,23 +144,23 @@ def participant_factory(name: str) -> ParticipantFactory:
 def installed_participant(
     name: str, knowledge: TreasureKnowledge, seed: int, attitude: Attitude, call: ParticipantCaller | None = None
 ) -> InstalledParticipant:
-    """Return the simulated participant of a name.
+    """Return the simulated participant with this name.
 
     Args:
         name: of the participant.
         knowledge: of treasures.
         seed: random seed.
         attitude: toward what robots say.
-        call: calls it in a trial, in which no fault is logged; None: the game waits for it.
+        call: calls the participant in a trial, in which no fault is logged. If None, the game waits for each call.
 
     Raises:
         BadFile: as for `participant_factory`.
     """
     factory = participant_factory(name)
-    told = f"the participant {name} has not decided for {PATIENCE:g} s; the game waits for it"
+    warning = f"the participant {name} has not decided for {PATIENCE:g} s; the game waits for it"
 
     def watched(asked: Callable[[], Sequence[ParticipantRequest]]) -> Sequence[ParticipantRequest]:
-        with told_if_slow(PATIENCE, lambda: _log.warning(told)), printing_aside():
+        with told_if_slow(PATIENCE, lambda: _log.warning(warning)), printing_aside():
             return asked()
 
     def ignored(_fault: str) -> None:
@@ -174,10 +174,10 @@ def installed_participant(
 
 
 class FaultLog:
-    """Logs each fault of a plug-in once.
+    """Log of a plug-in's faults; each different fault is logged once.
 
     Args:
-        sentence: beginning of what is logged.
+        sentence: beginning of each log line.
     """
 
     def __init__(self, sentence: str) -> None:
@@ -185,7 +185,7 @@ class FaultLog:
         self._logged: set[str] = set()
 
     def __call__(self, fault: str) -> None:
-        """Log a fault, unless it has been logged."""
+        """Log a fault, unless it has been logged before."""
         if fault not in self._logged and len(self._logged) < MOST_LOGGED:
             self._logged.add(fault)
             _log.warning("%s: %s", self._sentence, fault)

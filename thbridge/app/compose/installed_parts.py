@@ -31,7 +31,7 @@ T = TypeVar("T")
 
 
 class PartCaller(Protocol):
-    """Function that calls a lab's program, and returns what it returns."""
+    """Function that calls a lab's program and returns its result."""
 
     def __call__(self, asked: Callable[[], T], /) -> T:
         """Call it."""
@@ -40,11 +40,11 @@ class PartCaller(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class PartGuard:
-    """Guard of a part: whatever the lab's program raises becomes `PartFailed`, and is logged once.
+    """Guard of a part: any exception of the lab's program becomes `PartFailed` and is logged once.
 
     Attributes:
         what: kind and name of the part.
-        log: takes each failure.
+        log: called with each failure.
         run: calls the lab's program; in a trial, with a timeout.
     """
 
@@ -53,14 +53,14 @@ class PartGuard:
     run: PartCaller
 
     def call(self, asked: Callable[[], T], wrong: Callable[[object], str] = lambda _: "") -> T:
-        """Return what a call returns.
+        """Return the result of a call.
 
         Args:
             asked: calls the lab's program.
-            wrong: says what is wrong with what was returned; empty: nothing.
+            wrong: returns the problem of a result; empty if there is none.
 
         Raises:
-            PartFailed: it raised an error, or what it returned is wrong.
+            PartFailed: the call raised an error, or its result is wrong.
         """
         try:
             with printing_aside():
@@ -84,7 +84,7 @@ class GuardedRecoveryFactory:
 
     Attributes:
         factory: of the lab.
-        guard: of what it makes.
+        guard: of the behavior.
     """
 
     factory: RecoveryFactory
@@ -129,7 +129,7 @@ class GuardedLocalizerFactory:
 
     Attributes:
         factory: of the lab.
-        guard: of what it makes.
+        guard: of the localizer.
     """
 
     factory: LocalizerFactory
@@ -141,10 +141,10 @@ class GuardedLocalizerFactory:
 
 
 class GuardedLocalizer:
-    """Localizer of a lab. Where it fails, the robot is lost, and odometry carries its last estimate on.
+    """Localizer of a lab. If it fails, the robot is lost, and its last estimate is extrapolated by odometry.
 
     Args:
-        make: makes the lab's localizer.
+        make: builds the lab's localizer.
         guard: of its calls.
     """
 
@@ -153,7 +153,7 @@ class GuardedLocalizer:
         self._localizer: Localizer | None = None
         self._covariance = read_only(np.zeros((3, 3)))
         self._odom_in_map = Pose2(0.0, 0.0, 0.0)
-        # Pose at which odometry is to be found next, when it was set and not measured.
+        # Pose that was set by a request; with the next odometry it gives the correction of the odometry frame.
         self._base_in_map: Pose2 | None = None
         self._fault = ""
         try:
@@ -171,19 +171,19 @@ class GuardedLocalizer:
         self._pass_on(lambda localizer: localizer.globalize())
 
     def widen(self, distance: float, turn: float) -> None:
-        """Doubt the pose; see `Localizer`."""
+        """Increase the uncertainty of the pose; see `Localizer`."""
         self._pass_on(lambda localizer: localizer.widen(distance, turn))
 
     def request_update(self) -> None:
-        """Weigh the next scan; see `Localizer`."""
+        """Use the next scan even if the robot has not moved; see `Localizer`."""
         self._pass_on(lambda localizer: localizer.request_update())
 
     def configure(self, parameters: RobotParameters) -> None:
-        """Go on with parameters; see `Localizer`."""
+        """Continue with new parameters; see `Localizer`."""
         self._pass_on(lambda localizer: localizer.configure(parameters))
 
     def _pass_on(self, request: Callable[[Localizer], None]) -> None:
-        """Pass a request on; where it fails, the next update reports it."""
+        """Pass a request on; if it fails, the next update reports the failure."""
         localizer = self._localizer
         if localizer is not None:
             try:
@@ -193,7 +193,7 @@ class GuardedLocalizer:
 
     @property
     def awaits_scan(self) -> bool:
-        """False: what happens in a tick without a scan is the lab's."""
+        """False: the lab's localizer is updated in ticks without a scan too."""
         return False
 
     def update(self, odometry: Odometry, imu: Imu, scan: Scan | None) -> Estimate:
@@ -210,14 +210,14 @@ class GuardedLocalizer:
             else:
                 return self._accepted(said, odometry)
         base_in_map = self._odom_in_map.compose(odometry.base_in_odom)
-        # Without a localizer it stays so.
+        # A failed call is reported once; a localizer that could not be built has failed for good.
         fault, self._fault = self._fault, self._fault if self._localizer is None else ""
         return Estimate(
             odometry.tick, base_in_map, self._odom_in_map, self._covariance, _NO_PARTICLES, False, True, fault=fault
         )
 
     def _accepted(self, said: Estimate, odometry: Odometry) -> Estimate:
-        """Return an estimate, with arrays of its own and the correction that belongs to its pose."""
+        """Return a copy of an estimate, with the odometry correction that belongs to its pose."""
         base = said.base_in_map
         base_in_map = Pose2(float(base.x), float(base.y), wrap_angle(float(base.theta)))
         self._odom_in_map = base_in_map.compose(odometry.base_in_odom.inverse())
@@ -240,10 +240,10 @@ class PathFinder(Protocol):
     """Global planner of a lab (nav_core::BaseGlobalPlanner)."""
 
     def plan(self, costs: Costs, frame: CostFrame, start: Pose2, goal: Pose2, /) -> FloatArray | None:
-        """(m, 2) or (m, 3) points or poses from start to goal; None where there is no path.
+        """Return (m, 2) points or (m, 3) poses from start to goal; None if there is no path.
 
         Args:
-            costs: (rows, cols) of the whole map; it cannot be written to.
+            costs: (rows, cols) of the whole map; read-only.
             frame: place of the costs in the map.
             start: pose of the base.
             goal: pose at the end.
@@ -258,7 +258,7 @@ class PathFinderFactory(Protocol):
 
         Args:
             parameters: of the robot's software.
-            seed: random seed, another one for each robot.
+            seed: random seed, different for each robot.
         """
         ...
 
@@ -269,7 +269,7 @@ class GuardedPlannerFactory:
 
     Attributes:
         factory: of the lab.
-        guard: of what it makes.
+        guard: of the planner.
     """
 
     factory: PathFinderFactory
@@ -284,7 +284,7 @@ class GuardedPlanner:
     """Global planner of a lab; its paths are checked.
 
     Args:
-        make: makes the lab's planner, when the first path is asked for.
+        make: builds the lab's planner at the first request for a path.
         guard: of its calls.
     """
 
@@ -294,7 +294,7 @@ class GuardedPlanner:
         self._finder: PathFinder | None = None
 
     def search(self, costs: Costs, frame: CostFrame, start: Pose2, goal: Pose2) -> PathSearch:
-        """Search a path, in one go; see `PathPlanner`. Raises PartFailed."""
+        """Search a path in a single step; see `PathPlanner`. Raises PartFailed."""
         yield from ()
         return self.plan(costs, frame, start, goal)
 
@@ -318,19 +318,19 @@ class GuardedPlanner:
         if points is None:
             return plan_refusal("no_way")
         line = np.vstack([start.array()[:2], points[1:-1, :2], goal.array()[:2]])
-        # Points in the same place have no heading.
+        # Repeated points are dropped: between two points in the same place there is no heading.
         moved = np.append(True, (np.diff(line, axis=0) != 0.0).any(axis=1))
         line = line[moved] if moved[1:].any() else line[[0, -1]]
         return Path(headings(line, goal.theta))
 
     def reached(self, costs: Costs, frame: CostFrame, start: Pose2) -> NDArray[np.bool_]:
-        """(rows, cols) True in all free cells: which of them a lab's planner reaches only a plan shows."""
+        """Return (rows, cols) True in all free cells: only a plan shows which of them a lab's planner reaches."""
         return costs < INSCRIBED
 
 
 _OCCUPIED = (INSCRIBED, LETHAL)
 END_TOLERANCE = 0.2
-"""Greatest distance of the ends of a lab's path from the robot and the goal, m."""
+"""Largest distance of the ends of a lab's path from the robot and the goal, m."""
 
 
 def _wrong_path(found: object, costs: Costs, frame: CostFrame, start: Pose2, goal: Pose2) -> str:
@@ -350,18 +350,18 @@ def _wrong_path(found: object, costs: Costs, frame: CostFrame, start: Pose2, goa
         for part in range(parts + 1):
             at = Pose2(x + (u - x) * part / parts, y + (v - y) * part / parts, 0.0)
             cost = _cost_at(costs, frame, at)
-            # It may lead away from an obstacle next to the robot.
+            # Near the robot obstacles are allowed: the path may lead away from one.
             if at.distance(start) > NEAR_ROBOT and (cost is None or cost in _OCCUPIED):
                 return f"its path leads through an obstacle at ({at.x:.2f}, {at.y:.2f})"
     return ""
 
 
 NEAR_ROBOT = 0.5
-"""Distance from the robot within which its path may touch obstacles, m."""
+"""Distance from the robot up to which its path may touch obstacles, m."""
 
 
 def _cost_at(costs: Costs, frame: CostFrame, place: Pose2) -> int | None:
-    """Return the cost of the cell at a place; None outside."""
+    """Return the cost of the cell at a place; None outside the map."""
     row, col = math.floor((place.y - frame.y) / frame.resolution), math.floor((place.x - frame.x) / frame.resolution)
     return int(costs[row, col]) if 0 <= row < costs.shape[0] and 0 <= col < costs.shape[1] else None
 
@@ -390,10 +390,10 @@ def installed_parts(robots: Iterable[RobotParameters], call: PartCaller | None =
 
     Args:
         robots: parameters of the robots' software.
-        call: calls labs' programs in a trial, in which no failure is logged; None: they are called as they are.
+        call: calls labs' programs in a trial, in which no failure is logged. If None, they are called directly.
 
     Raises:
-        BadFile: one is not installed, or cannot be made.
+        BadFile: a part is not installed, or cannot be built.
     """
     found: dict[PartKind, dict[str, Any]] = {kind: {} for kind in PART_KINDS}  # type: ignore[explicit-any]  # of labs
     for kind, name in sorted({(kind, name) for robot in robots for kind, _, name in installed_names(robot)}):
@@ -404,7 +404,7 @@ def installed_parts(robots: Iterable[RobotParameters], call: PartCaller | None =
 
 
 def load_part(kind: PartKind, name: str) -> Callable[..., Any]:  # type: ignore[explicit-any]  # of labs
-    """Return the factory of a part. Raises BadFile: it is not installed, or cannot be made."""
+    """Return the factory of a part. Raises BadFile if it is not installed or cannot be built."""
     plugin = PART_KINDS[kind]
     factory = plugin.load(name)
     match kind:
@@ -428,7 +428,7 @@ _GUARDED: Mapping[PartKind, Callable[..., Any]] = {  # type: ignore[explicit-any
 
 
 def _hall() -> OccupancyGrid:
-    """Return a map of a hall with walls around."""
+    """Return a map of a hall that is surrounded by walls."""
     cells = np.full((80, 160), FREE, np.int8)
     cells[[0, -1]] = cells[:, [0, -1]] = OCCUPIED
     return OccupancyGrid(cells, 0.05, Pose2(0.0, 0.0, 0.0))

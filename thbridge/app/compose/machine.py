@@ -1,4 +1,4 @@
-"""Versions and machine of this process: all that its results could depend on besides study, seed and inputs."""
+"""Versions and machine of this process: everything its results could depend on besides study, seed and inputs."""
 
 import os
 import platform
@@ -32,8 +32,8 @@ def versions(plugins: Iterable[str] = ()) -> dict[str, str]:
     """Return the versions of this program and of the installed packages that its results depend on.
 
     Args:
-        plugins: keys of plug-ins, as `plugins_of` returns them or versions that were recorded have them; other keys
-            are left out. The version of each that is installed is that of its package, with the package's name.
+        plugins: keys of plug-ins, from `plugins_of` or from recorded versions; other keys are ignored. For each
+            installed plug-in, the result has the name and version of its package.
     """
     found = {"python": platform.python_version()}
     for package in RECORDED_PACKAGES:
@@ -41,14 +41,14 @@ def versions(plugins: Iterable[str] = ()) -> dict[str, str]:
             found[package] = metadata.version(package)
         except metadata.PackageNotFoundError:
             continue  # clingo is optional
-    return found | {key: told for key in plugins if (told := package_of(key)) is not None}
+    return found | {key: package for key in plugins if (package := package_of(key)) is not None}
 
 
 def machine() -> dict[str, str]:
-    """Return what is known of this machine, by the names in `MACHINE`.
+    """Return the properties of this machine, by the names in `MACHINE`.
 
-    Features of the processor are told as numpy sees them and as the compiler of our kernels does; environment variables
-    may have switched some off.
+    The processor's features are listed as numpy and the compiler of our kernels see them; environment variables may
+    have switched some off.
     """
     features = {name: bool(has) for name, has in __cpu_features__.items()}
     compiled = llvm.get_host_cpu_features()
@@ -63,10 +63,10 @@ def machine() -> dict[str, str]:
 
 
 def _processor() -> str:
-    """Return the processor's model by Linux, or what Python knows of it elsewhere."""
+    """Return the processor's model as Linux reports it; on other systems, as Python does."""
     try:
-        told = Path("/proc/cpuinfo").read_text(encoding="utf-8", errors="replace")
+        cpuinfo = Path("/proc/cpuinfo").read_text(encoding="utf-8", errors="replace")
     except OSError:
-        told = ""
-    named = re.search(r"^(?:model name|Model|cpu model)\s*:\s*(.+)$", told, re.MULTILINE)
+        cpuinfo = ""
+    named = re.search(r"^(?:model name|Model|cpu model)\s*:\s*(.+)$", cpuinfo, re.MULTILINE)
     return named[1] if named else platform.processor() or "unknown"

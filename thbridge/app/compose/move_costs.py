@@ -1,4 +1,4 @@
-"""Choice of the file that prices the moves of a study, and doubts about it."""
+"""Choice of the file with the costs of a study's moves, and warnings about it."""
 
 from collections.abc import Iterator
 from itertools import product
@@ -15,15 +15,15 @@ from thbridge.hunt.rooms import CORRIDOR, Room
 from thbridge.study.study_file import CostModel, Study
 
 ROUNDING = 1.0
-"""Seconds by which a trip may take less than its straight way: files have whole seconds, goals have tolerances."""
+"""Seconds by which a trip may be shorter than a straight drive: files have whole seconds, goals have tolerances."""
 
 
 def costs_file(
     study: Study, beside: Path, place: Map, folder: Path, templates: TemplateSet, resources: Resources
 ) -> Path:
-    """Return the study's own cost file, or the one that the templates have for this map, or the map's.
+    """Return the study's own cost file, or that of the templates for this map, or that of the map.
 
-    Templates that do not say which map theirs is for have it for any.
+    If the templates do not name a map, their cost file is for any map.
 
     Args:
         study: the study.
@@ -34,7 +34,7 @@ def costs_file(
         resources: maps and templates that are known by name.
 
     Raises:
-        BadFile: there is none for this map.
+        BadFile: there is no cost file for this map.
     """
     if study.game.costs is not None:
         of_a_set = str(study.game.costs) in resources.names("templates")
@@ -57,7 +57,7 @@ def costs_file(
 
 
 def _names(name: str | None, of_map: Path, place: Map, resources: Resources) -> bool:
-    """Return True when a name in `set.yaml` is of this map; names of the program's maps are of these or of copies."""
+    """Return True when a name in `set.yaml` means this map; the name of a shipped map means it or a copy of it."""
     if name != place.name or name not in resources.names("maps"):
         return name == place.name
     shipped = resources.root / "maps" / name
@@ -68,7 +68,7 @@ def _names(name: str | None, of_map: Path, place: Map, resources: Resources) -> 
 
 
 def read_costs(path: Path, place: Map) -> CostMatrix:
-    """Return the costs in a file, which must fit the map. Raises BadFile."""
+    """Return the costs in a file. Raises BadFile, also if they do not fit the map."""
     costs = read_map_times(path)
     if len(costs.rooms) != len(place.rooms):
         raise BadFile(
@@ -85,7 +85,7 @@ def read_costs(path: Path, place: Map) -> CostMatrix:
 def doubts_of_costs(
     path: Path, costs: CostMatrix, study: Study, place: Map, templates: TemplateSet, resources: Resources
 ) -> Iterator[BadFile]:
-    """Yield warnings that a file may price the moves of another map.
+    """Yield warnings that a cost file may be for another map.
 
     Args:
         path: the file, as `costs_file` found it.
@@ -119,7 +119,7 @@ def doubts_of_costs(
 
 
 def _faster_than_robots(costs: CostMatrix, study: Study, place: Map) -> Iterator[tuple[Room, Room, float]]:
-    """Yield trips that take less than the straight way at the greatest speed: start, goal, seconds that it takes."""
+    """Yield trips that are shorter than a straight drive at the highest speed: start, goal, seconds of that drive."""
     planned = max(map(_greatest_speed, (study.robot, *study.each.values())))
     fastest = min(planned, study.world.max_vel_x)
     goals = {entry.room: (entry.goal,) for entry in place.rooms}

@@ -1,4 +1,4 @@
-"""Builders of what tells others of the robots: ROS messages, bags and their first record, a ROS graph's description."""
+"""Builders of the robots' output: ROS messages, bags and their first record, the description for a ROS graph."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -45,19 +45,19 @@ def build_recorder(
     listeners: Sequence[Listener],
     publisher: TeamPublisher | None = None,
 ) -> BagRecorder:
-    """Return the recorder that turns ticks into messages, which gives the opening to its listeners at once.
+    """Return the recorder that turns ticks into messages; it sends the opening to its listeners at once.
 
     Args:
         setting: the study.
         opening: first record, see `build_record`.
-        listeners: get all messages.
-        publisher: of the robots' messages, if another part needs it, too.
+        listeners: receivers of all messages.
+        publisher: of the robots' messages, if another part uses it too; None builds one.
     """
     return BagRecorder(Broadcast(publisher or build_publisher(setting), opening, setting.map.grid, listeners))
 
 
 def room_labels(setting: StudySetting) -> tuple[RoomLabel, ...]:
-    """Return the names of the map's rooms, each where robots go in it."""
+    """Return the names of the map's rooms, each at the goal of robots in the room."""
     return tuple(RoomLabel(each.room.people, each.name, each.goal.x, each.goal.y) for each in setting.map.rooms)
 
 
@@ -77,7 +77,7 @@ def build_writer(setting: StudySetting, path: Path, caller: str = CALLER) -> Bag
 
 
 def message_filter(detail: RecordingDetail, *, errors: bool) -> MessageFilter:
-    """Return what keeps those messages of a session that are recorded, in order; `errors` as in the study."""
+    """Return the filter that keeps the recorded messages of a session, in order; `errors` as in the study."""
     keep: MessageFilter = list if detail is RecordingDetail.ALL else RepetitionFilter()
     return keep if errors else lambda messages: keep(each for each in messages if not is_of_errors(each.topic))
 

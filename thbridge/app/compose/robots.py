@@ -27,9 +27,9 @@ from thbridge.roles.simr.travel_times import TravelTimes
 from thbridge.study.things import schedule_of
 
 REHEARSAL = 5 * TICKS_PER_SECOND
-"""Ticks of a rehearsal: enough for robots to localize, plan around each other, turn and drive."""
+"""Ticks of a rehearsal: enough for robots to localize, to plan around each other, to turn and to drive."""
 REHEARSERS = 10
-"""Robots of a rehearsal: enough for all of that to happen."""
+"""Largest number of robots in a rehearsal with the common parameters: enough for all of that to happen."""
 
 
 def build_team(setting: StudySetting) -> Team:
@@ -51,7 +51,7 @@ def _team(setting: StudySetting, robots: Sequence[int], schedule: Sequence[Sched
 def rehearse(setting: StudySetting) -> None:
     """Drive simulated robots for a few seconds, so that numba compiles all kernels before the session begins.
 
-    A few robots of a large team suffice, together with those that have software parameters of their own.
+    Of a large team a few robots suffice, and all robots with software parameters of their own.
     """
     study, rooms = setting.study, setting.map.rooms
     robots = [robot for robot in range(study.robots) if robot < REHEARSERS or number_of(robot) in study.each]
@@ -64,7 +64,7 @@ def rehearse(setting: StudySetting) -> None:
 def build_simr(
     setting: StudySetting, robots: RobotTeam | None = None, response_timeout: int = RESPONSE_TIMEOUT
 ) -> SimR:
-    """Return the robots' role; None for simulated robots of its own. `response_timeout` as for `SimR`, ticks."""
+    """Return the robots' role; without `robots` it has simulated ones. `response_timeout` as for `SimR`, in ticks."""
     field = GameMap(
         name=setting.map.name,
         goals=tuple(room.goal for room in setting.map.rooms),
@@ -106,9 +106,9 @@ def build_game_setup(setting: StudySetting) -> GameSetup:
 
 
 def vehicle_factory(setting: StudySetting, simr: Role) -> Callable[[RequestSink], Vehicles] | None:
-    """Return the factory of the robots' MAVLink vehicles, given a sink of their requests; None without vehicles.
+    """Return the factory of the robots' MAVLink vehicles, which needs a sink of their requests; None without vehicles.
 
-    Only simulated robots, of `SimR`, are vehicles.
+    Only the simulated robots of `SimR` are vehicles.
     """
     study = setting.study
     if not study.mavlink.on or not isinstance(simr, SimR):

@@ -1,4 +1,4 @@
-"""Opener of sessions: the one place where keeper, robots, treasures and participant become a session."""
+"""Opener of sessions: the only place where keeper, robots, treasures and participant become a session."""
 
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ from thbridge.roles.keeper.keeper import Keeper
 from thbridge.roles.shared.role import Role
 from thbridge.text_protocol.wire import legacy
 
-if TYPE_CHECKING:  # A text server has no robots: what simulates them is imported where there are some.
+if TYPE_CHECKING:  # Imported only for types: a text server has no robots, and starts faster without the simulator.
     from thbridge.roles.simr.team import RobotTeam
 
 
@@ -53,7 +53,7 @@ def build_programs(
         setting: the study.
         participant: role of the participant.
         outside: names of the roles that other programs take; the robots are always inside.
-        team: the robots; None: simulated ones that no other part needs to know.
+        team: the robots. If None, simulated robots are built that no other part needs.
     """
     from thbridge.app.compose.robots import build_simr  # noqa: PLC0415
 
@@ -66,12 +66,12 @@ def build_programs(
 
 @dataclass(frozen=True, slots=True)
 class SessionRecording:
-    """Record that is made of a session; by default none.
+    """Recording of a session; by default nothing is recorded.
 
     Attributes:
-        recorders: take every tick.
-        log: of the game's events, and of the keys by which programs take part.
-        run: name of this run, unlike all others, for what keys were used in.
+        recorders: record every tick.
+        log: of the game's events and of uses of keys.
+        run: unique name of this run, for the record of uses of keys.
     """
 
     recorders: Sequence[TickRecorder] = ()
@@ -89,14 +89,14 @@ def open_session(
     outlets: SessionOutlets = NO_OUTLETS,
     keeper: Keeper | None = None,
 ) -> Session:
-    """Return a new session, complete: nothing of it is set afterwards.
+    """Return a new, complete session: nothing of it is set afterwards.
 
     Args:
-        setting: the study. Its simulated robots are MAVLink vehicles if it says so.
-        programs: of the game that run inside.
-        recording: that is made of the session.
+        setting: the study. Its simulated robots are MAVLink vehicles if the study says so.
+        programs: the game's programs that run inside the session.
+        recording: of the session.
         outlets: servers of the session's connections and links.
-        keeper: of a game that goes on; None: of a new one.
+        keeper: of a resumed game; None for a new game.
     """
     vehicles = None
     if programs.robots is not None:

@@ -40,32 +40,32 @@ from thbridge.hunt.rooms import RoomNames
 from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.study.study_file import CostModel, DialogueSection, Study
 
-if TYPE_CHECKING:  # Only studies that name parts of labs need them.
+if TYPE_CHECKING:  # Only studies with installed parts need these modules.
     from sim.robot.installed_parts import InstalledParts
 
 LARGEST_CONSENT = 8000
-"""Bytes of the text that participants agree to, and of the farewell: they must fit into one line with a view's rest."""
+"""Largest size of consent text and farewell, in bytes: with the rest of a view they must fit into one line."""
 
 
 @dataclass(frozen=True, slots=True)
 class StudySetting:
-    """A study with all files it names, read and checked; all parts of a session are built from it.
+    """A study with all files that it names, read and checked; all parts of a session are built from it.
 
     Attributes:
         study: the study.
         map: its map.
         templates: its set of templates.
         costs: energy of every move between places of the game.
-        by_position: moves from elsewhere are priced by where the robot stands; else they cost what `costs` says.
-        rulebook: of the dialogue games; None where robots ask scripted questions.
-        language: in which robots argue; likewise.
-        strategies: of robots that argue, by index, and under None of the others; None for a robot's own.
-        author: of other wordings of what robots say; None: the language's files alone.
-        parts: parts of robots' software that are plug-ins; None: the study names none.
-        consent: text that participants have to agree to; None: nothing.
+        by_position: True if the cost of a move depends on where the robot stands; False if `costs` applies everywhere.
+        rulebook: of the dialogue games; None if robots ask scripted questions.
+        language: in which robots argue; None if robots ask scripted questions.
+        strategies: of robots that argue, by index; the key None is for the others, the value None for the robot's own.
+        author: of other wordings of robots' sentences. If None, all sentences come from the language's files.
+        parts: parts of robots' software that are plug-ins; None if the study names none.
+        consent: text that participants have to agree to; None if they are not asked.
         farewell: text for the end of a game; may be empty.
         texts: of the game's language, for participants.
-        doubts: warnings about map, templates and costs, for people; a game can be played.
+        doubts: warnings about map, templates and costs, for people; the game can be played nevertheless.
     """
 
     study: Study
@@ -94,7 +94,7 @@ class StudySetting:
         words = self.templates.in_language(self.texts.language)
         if self.templates.properties != OF_2016:
             return words
-        # Files of 2016 have no labels: these are the program's words.
+        # Files of 2016 have no labels, so the program's own are used.
         return replace(words, properties=tuple(_labelled(each, self.texts) for each in words.properties))
 
     def floor(self) -> TraversabilityMap:
@@ -103,7 +103,7 @@ class StudySetting:
 
 
 def _labelled(declared: TreasureProperty, texts: Texts) -> TreasureProperty:
-    """Return a property of 2016 with its label in a language, unless the set has words for it."""
+    """Return a property of 2016 with its label in a language, unless the set has its own words for it."""
     label = texts.text(f"properties.{declared.name}") if declared in OF_2016 else declared.label
     return replace(declared, label=label)
 
@@ -117,10 +117,10 @@ def read_setting(
         study: the study.
         beside: the folder that paths in the study are relative to.
         resources: maps and templates that are known by name; by default those of the project.
-        written: the study as its file has it, whose lines faults name; None: the study has no file.
+        written: the study as read from its file, so that errors name lines; None if the study has no file.
 
     Raises:
-        BadFile: a file is missing or wrong, or files do not fit together; as BadFiles, all such faults at once.
+        BadFile: a file is missing or wrong, or files do not fit together. BadFiles has all such faults at once.
     """
     resources = resources or shipped()
     faults, keys = FaultCollection(), StudyKeys(study, written, resources)
@@ -151,9 +151,9 @@ def read_setting(
             by_position = path == place.costs if model is None else model is CostModel.POSITION
     talk = study.dialogue
     games = () if talk.games is None else (beside / talk.games,)
-    # Where nobody needs them, they are not read: that takes a fifth of a second.
+    # Read only if needed, because reading takes 0.2 s.
     if talk.condition is not DialogueCondition.SCRIPT or (talk.games, talk.words, talk.language) != (None, None, "en"):
-        # Told before a session starts, and of a folder that is there with the lines of its own files.
+        # A missing folder is a fault of the study's line; faults in an existing folder name the lines of its own files.
         with faults.kept(), keys.naming("dialogue.games", not all(folder.is_dir() for folder in games)):
             rulebook = read_rulebook((SHIPPED_GAMES, *games))
             with faults.kept():
@@ -194,12 +194,12 @@ def read_setting(
 
 
 def _parts(study: Study, keys: "StudyKeys") -> "InstalledParts | None":
-    """Return the parts of robots' software that are plug-ins; None where the study names none."""
+    """Return the parts of robots' software that are plug-ins; None if the study names none."""
     robots = {"robot": study.robot, **{f"each.{number}": software for number, software in study.each.items()}}
     named = [(key, *part) for key, software in robots.items() for part in installed_names(software)]
     if not named:
         return None
-    # A server has no robots, and loads nothing of them.
+    # Imported here: a text server has no robots, and does not load their software.
     from thbridge.app.compose.installed_parts import installed_parts, load_part  # noqa: PLC0415
 
     faults = FaultCollection()
@@ -211,9 +211,9 @@ def _parts(study: Study, keys: "StudyKeys") -> "InstalledParts | None":
 
 
 def _strategy_names(talk: DialogueSection) -> Iterator[tuple[int | None, str, str | None]]:
-    """Yield the index of each robot with a strategy of its own, the key that names it, and the name.
+    """Yield for each robot with a strategy of its own: index of the robot, key of the study, name of the strategy.
 
-    That of the others comes first, with the index None.
+    The common strategy of the other robots comes first, with the index None.
     """
     common = talk.strategy_of(talk.manner)
     yield None, "dialogue.strategy" if talk.manner.strategy is None else "dialogue.manner.strategy", common
@@ -223,7 +223,7 @@ def _strategy_names(talk: DialogueSection) -> Iterator[tuple[int | None, str, st
 
 
 def _language(talk: DialogueSection, beside: Path, keys: "StudyKeys", rulebook: Rulebook) -> Language:
-    """Return the language in which robots argue, with the words of the study's own folder, if it names one."""
+    """Return the language in which robots argue; words of the study's own folder replace the shipped ones."""
     folders = _folders(talk, beside)
     if talk.words is not None:
         with keys.naming("dialogue.words", not languages_in(folders[-1])):
@@ -234,14 +234,14 @@ def _language(talk: DialogueSection, beside: Path, keys: "StudyKeys", rulebook: 
 
 
 def texts_of(study: Study, beside: Path) -> Texts:
-    """Return the texts of a study's language, with those of its own folder, if it names one.
+    """Return the texts of a study's language; texts of the study's own folder replace the shipped ones.
 
     Args:
         study: the study.
         beside: the folder that paths in the study are relative to.
 
     Raises:
-        BadFile: a file is missing or wrong; as BadFiles, all such faults at once.
+        BadFile: a file is missing or wrong. BadFiles has all such faults at once.
     """
     talk = study.dialogue
     return shipped_texts(talk.language) if talk.words is None else read_texts(_folders(talk, beside), talk.language)
@@ -260,7 +260,7 @@ def missing_in(study: Study, beside: Path, resources: Resources | None = None) -
 
 
 def advice_on_language(study: Study, beside: Path) -> str | None:
-    """Return a sentence about what a study's language lacks; None where it has all. Arguments as for `texts_of`."""
+    """Return a sentence about texts that a study's language lacks; None if it has all. Arguments as for `texts_of`."""
     return advice_on_texts(_folders(study.dialogue, beside), study.dialogue.language)
 
 
@@ -270,11 +270,11 @@ def _folders(talk: DialogueSection, beside: Path) -> list[Path]:
 
 
 class StudyKeys:
-    """Names the lines of a study's file in faults of what the study names.
+    """Conversion of faults in files that a study names to faults in lines of the study's own file.
 
     Args:
-        study: the study, perhaps with values that its file does not have.
-        written: the study as its file has it; None: it has no file.
+        study: the study, perhaps with values that do not come from its file.
+        written: the study as read from its file; None if it has no file.
         resources: maps and templates that are known by name.
     """
 
@@ -284,18 +284,18 @@ class StudyKeys:
         self._resources = resources
 
     def fault(self, key: str, fault: BadFile) -> BadFile:
-        """Return a fault as one of a key's line, unless the key's value does not come from the file."""
+        """Return a fault as one of the key's line; unchanged if the key's value does not come from the file."""
         written = self._written
         if written is None or attrgetter(_field(key))(written.value) != attrgetter(_field(key))(self._study):
             return fault
-        # A name that is not known is no fault of the folder in which it was looked for.
+        # An unknown name is a fault of the study alone, so the searched folder is left out.
         unknown = fault.path.parent == self._resources.root
         problem = fault.problem if unknown else f"{fault.path}: {fault.problem}"
         return written.fault(key, problem, fault.remedy)
 
     @contextmanager
     def naming(self, key: str, when: bool = True) -> Iterator[None]:
-        """Turn a fault that is raised within into one of a key's line."""
+        """Convert a fault that is raised in this context to one of the key's line; unchanged unless `when`."""
         try:
             yield
         except BadFile as fault:
@@ -303,7 +303,7 @@ class StudyKeys:
 
 
 def _field(key: str) -> str:
-    """Return the path of the field in a study that a key names, without the place in a list or mapping."""
+    """Return the field path of a study's key, without the index in a list or the number in a mapping."""
     return re.split(r"\[|\.\d", key)[0]
 
 
@@ -315,13 +315,13 @@ def read_map_of(
     with_costs: bool = True,
     written: Loaded[Study] | None = None,
 ) -> Map:
-    """Read the map that a study names, and check that the study's robots have their places on it.
+    """Read the map that a study names, and check that the study's robots fit on it.
 
     Args:
         study: the study.
         beside: the folder that paths in the study are relative to.
         resources: maps that are known by name; by default those of the project.
-        with_costs: False for what needs no travel costs; see `read_map`.
+        with_costs: False if travel costs are not needed; see `read_map`.
         written: as for `read_setting`.
 
     Raises:
@@ -345,7 +345,7 @@ def read_map_of(
 
 
 def _consent(study: Study, beside: Path) -> str | None:
-    """Return the text that participants have to agree to, if the study names one."""
+    """Return the consent text that the study names; None if it names none."""
     if study.participant.consent is None:
         return None
     path = beside / study.participant.consent
@@ -357,7 +357,7 @@ def _consent(study: Study, beside: Path) -> str | None:
 
 
 def _farewell(study: Study, beside: Path) -> str:
-    """Return the text for the end of a game; empty where the study names none."""
+    """Return the text for the end of a game; empty if the study names none."""
     farewell = study.participant.farewell
     return "" if farewell is None else read_text(beside / farewell, LARGEST_CONSENT).strip()
 
@@ -368,7 +368,7 @@ def _floor(study: Study, place: Map) -> TraversabilityMap:
 
 
 def _misplaced(study: Study, place: Map, map_yaml: Path) -> Iterator[tuple[str, BadFile]]:
-    """Yield faults of mishaps that carry robots into walls or off the map, each with its key in the study."""
+    """Yield faults of scheduled failures that move robots into walls or off the map, each with its key in the study."""
     carried = [(index, mishap, mishap.to) for index, mishap in enumerate(study.mishaps) if mishap.to is not None]
     floor = _floor(study, place) if carried else None
     for index, mishap, (x, y, yaw) in carried:

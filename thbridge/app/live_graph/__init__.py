@@ -1,1 +1,1 @@
-"""A session on a live ROS graph: publishes what a bag holds, and takes requests of ROS clients."""
+"""A session on a live ROS graph: publishes the messages of a bag, and accepts requests of ROS clients."""

@@ -10,7 +10,7 @@ from thbridge.ros.messages.stamps import stamp_ns
 
 
 class ClientMessages:
-    """Reads messages of clients; goals are numbered in the order in which they are read."""
+    """Reader of clients' messages, which numbers goals in the order in which it reads them."""
 
     def __init__(self) -> None:
         self._goals = count()
@@ -41,7 +41,7 @@ class ClientMessages:
         if isinstance(found, InvalidMessage):
             return found
         number, stamp = next(self._goals), self._not_ahead(found.stamp_ns)
-        if isinstance(found.pose, InvalidMessage):  # Its client waits for an answer, and gets one.
+        if isinstance(found.pose, InvalidMessage):  # Passed on without a pose, because the client waits for a result.
             return GoalRequest(robot, found.goal_id, stamp, None, number, found.pose.sentence)
         return GoalRequest(robot, found.goal_id, stamp, found.pose, number)
 
@@ -53,8 +53,8 @@ class ClientMessages:
         return CancelRequest(robot, found.goal_id, self._not_ahead(found.stamp_ns))
 
     def _not_ahead(self, stamp: int) -> int:
-        """Return a client's stamp, or now if its clock is ahead, as without /use_sim_time.
+        """Return a client's stamp, or the present time if its clock is ahead, as without /use_sim_time.
 
-        The goal with the newest stamp wins: in ROS such a client would block all others until its stamp has passed.
+        The goal with the newest stamp wins, so a stamp ahead would block all other clients until that time.
         """
         return min(stamp, stamp_ns(self._tick))

@@ -1,7 +1,7 @@
-"""A session on a ROS graph: publishes all that a bag holds, and passes on clients' requests to the robots.
+"""A session on a ROS graph: publishes the messages of a bag, and passes on clients' requests to the robots.
 
-A client's message does not act at once: it becomes a request that the session takes between two ticks and records.
-Queries (the map, a plan) are answered at once and change no state.
+A client's message does not act at once: it becomes a request that the session processes between two ticks and records.
+Queries (for the map or a plan) are answered at once and change no state.
 """
 
 import logging
@@ -44,7 +44,7 @@ from thbridge.study.external_nodes import ExternalNodes
 _log = logging.getLogger(__name__)
 
 OF_AMCL = frozenset({"amcl_pose", "particlecloud", "initialpose", *OF_ERRORS})
-"""Last words of the topics that amcl publishes, and of those that tell how far our own localizer is off."""
+"""Last words of the topics that amcl publishes or reads, and of the topics with errors of our own localizer."""
 NO_POSES: FloatArray = np.empty((0, 3))
 
 
@@ -55,9 +55,9 @@ class TeamDescription:
     Attributes:
         topics: to advertise.
         grid: the map.
-        rest: parameters of the study beside the robots'.
+        rest: parameters of the study other than the robots'.
         body: corners of a robot's body, meters in its base frame.
-        external: nodes that others run for these robots.
+        external: nodes that other programs run for these robots.
     """
 
     topics: Sequence[Topic]
@@ -74,8 +74,8 @@ class LiveGraph:
         graph: the ROS graph.
         description: of the team.
         team: its robots.
-        ask: takes clients' requests, with the client's name.
-        receive_frame: takes MAVLink frames for one robot; None where robots are no vehicles.
+        ask: called with clients' requests and the clients' names.
+        receive_frame: called with MAVLink frames for one robot; None if robots are not MAVLink vehicles.
     """
 
     def __init__(
@@ -132,14 +132,14 @@ class LiveGraph:
         offer_loggers(self._node)
 
     def _declare_starts(self) -> None:
-        """Tell an amcl of others where each robot stands; ours knows it."""
+        """Declare each robot's pose for an external amcl; our own localizer starts with it."""
         for robot, named in enumerate(self._robots):
             pose = self._team.believed_pose(robot)
             for name, value in (("x", pose.x), ("y", pose.y), ("a", pose.theta)):
                 self._node.ros.declare_param(named.topic(f"amcl/initial_pose_{name}"), value)
 
     async def start(self) -> NodeStarted | CannotListen:
-        """Join the graph; its master need not be there yet."""
+        """Join the graph; its master may start later."""
         return await self._node.ros.start()
 
     async def stop(self) -> None:
@@ -147,7 +147,7 @@ class LiveGraph:
         await self._node.ros.stop()
 
     def _on_shutdown(self, reason: str) -> None:
-        # The hunt is the participant's: a node of the graph must not end it.
+        # A node of the graph must not end the participant's hunt, so only the connection is closed.
         _log.warning("disconnected from the ROS graph (%s); the session continues without it", reason)
         self._node.ros.leave()
 
@@ -175,10 +175,10 @@ class LiveGraph:
                 goal = clients.action_goal(message.data)
                 if isinstance(goal, clients.ActionGoal) and isinstance(goal.pose, Pose2):
                     current.publish(pack.pose_stamped(tick, MAP_FRAME, goal.pose))
-        self._tell_of_recoveries()
+        self._publish_recoveries()
 
     def _is_external(self, topic: str) -> bool:
-        """True for a topic of a node that another runs."""
+        """Return True for a topic of a node that another program runs."""
         words = {word for named in self._robots if (word := topic.removeprefix(f"{named.namespace}/")) != topic}
         word = next(iter(words), "")
         if self._external.move_base and (word.startswith("move_base") or word == "cmd_vel"):
@@ -186,18 +186,18 @@ class LiveGraph:
         return self._external.amcl and word in OF_AMCL
 
     def _without_corrections(self, data: bytes) -> bytes:
-        """The transforms of a message but those of the map, which an amcl of others publishes."""
+        """Return a message of transforms without those of the map, which the external amcl publishes."""
         return pack.stamped_transforms(
             [piece for parent, piece in unpack.transform_pieces(data) if parent != MAP_FRAME]
         )
 
-    def _tell_of_recoveries(self) -> None:
+    def _publish_recoveries(self) -> None:
         """Publish each recovery behavior that a robot has begun in the last tick."""
         if self._external.move_base:
             return
         for robot, progress in enumerate(self._team.recoveries):
             before, self._recoveries[robot] = self._recoveries[robot], progress.tried
-            # Where the list was begun again in the same tick, what has been tried since is new.
+            # If the list restarted within the tick, all behaviors tried since then are new.
             first = before if progress.tried >= before else 0
             for number in range(first, progress.tried):
                 name, base = progress.names[number], self._team.believed_pose(robot)
@@ -286,7 +286,7 @@ class LiveGraph:
         return b""
 
     def _set_map(self, robot: int, data: bytes) -> bytes | ServiceFailed:
-        """Serve amcl's set_map: the pose counts, for the map must be the one that all robots have."""
+        """Serve amcl's set_map: only the pose has an effect, because the map must be the one that all robots have."""
         service = self._robots[robot].topic("set_map")
         if not self._limiter.admits(service, "clients"):
             return ServiceFailed("too many requests")
@@ -320,7 +320,7 @@ async def on_graph(
     Args:
         live: the session's node.
         graph: the ROS graph.
-        joined: takes the master, or the reason why there is none or the node cannot listen; it may raise.
+        joined: called with the master, or the reason why there is none or the node cannot listen; it may raise.
     """
     async with ensure_master(graph) as master:
         joined(master)

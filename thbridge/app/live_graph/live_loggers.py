@@ -1,4 +1,4 @@
-"""The levels of a session's logs, for rqt_logger_level and rosservice: roscpp's services of every node."""
+"""Log levels of a session, for rqt_logger_level and rosservice: the services that roscpp gives every node."""
 
 import logging
 
@@ -11,7 +11,7 @@ from thbridge.ros.names import CALLER
 from thbridge.rosgraph.wire.links import ServiceFailed
 
 LOGGERS = ("thbridge", "sim", "ui")
-"""Loggers whose level can be asked and set: one for each package."""
+"""Loggers with a level that can be read and set: one for each package."""
 _LEVELS = {
     "debug": logging.DEBUG,
     "info": logging.INFO,
@@ -33,7 +33,7 @@ def _get(request: bytes) -> bytes:
 
 
 def _word(level: int) -> str:
-    """ROS's word for the highest of its levels that is not above a level of Python's."""
+    """Return ROS's name of its highest level that is not above a Python level."""
     return next((word for word, known in reversed(_LEVELS.items()) if known <= level), "debug")
 
 

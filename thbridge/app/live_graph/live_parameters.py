@@ -1,6 +1,6 @@
 """The robots' parameters on a ROS graph: on the parameter server, and by dynamic_reconfigure.
 
-A change by either acts as a request that the session takes and records, and the other one shows it.
+A change through either becomes a request that the session processes and records; the other one then shows it.
 """
 
 import json
@@ -29,22 +29,22 @@ from thbridge.study.external_nodes import ExternalNodes
 _log = logging.getLogger(__name__)
 
 ROBOT = RobotNames.of(0)
-"""Any robot, to tell nodes by their names."""
+"""Any robot, to recognize nodes by their names."""
 
 
 class LiveParameters:
     """Current parameters of the robots, for nodes of the graph to read and change.
 
-    Differs: in ROS a parameter that is set on the parameter server is read once, when its node starts; here it acts at
-    once, as by dynamic_reconfigure.
+    Differs: in ROS a parameter on the parameter server is read once, when its node starts. Here a change acts at once,
+    as with dynamic_reconfigure.
 
     Args:
         node: of the session.
         software: parameters of each robot at the start.
         body: corners of a robot's body, meters in its base frame.
         limiter: limits the rate of changes.
-        ask: takes requests, with the name of the parameters or of the service.
-        external: nodes that others run: they change their own parameters, which are here to start from.
+        ask: called with requests and the name of the parameters or of the service.
+        external: nodes that other programs run. They change their own parameters; the values here are initial ones.
     """
 
     def __init__(
@@ -79,23 +79,23 @@ class LiveParameters:
                 self._offer(robot, section)
 
     def _servers(self) -> tuple[ReconfigureServer, ...]:
-        """The servers of dynamic_reconfigure of those nodes that are ours."""
+        """Return the dynamic_reconfigure servers of the nodes that this session runs."""
         servers = reconfigure.reconfigure_servers()
         return tuple(section for section in servers if not self._is_external(section.name(ROBOT)))
 
     def _is_external(self, name: str) -> bool:
-        """True for the name of a parameter of another's node, or the name of such a node."""
+        """Return True for the name of an external node, or of one of its parameters."""
         node = next(iter(name.strip("/").split("/")[1:]), "")
         return self._external.amcl if node == "amcl" else self._external.move_base and node == MOVE_BASE
 
     def _as_nodes_read(self, robot: int) -> dict[str, ParameterValue]:
-        """Each parameter of a robot that the parameter server has, with its full name."""
+        """Return a robot's parameters on the parameter server, by their full names."""
         named = self._robots[robot]
         tree = robot_tree(self._software[robot], named, self._body)
         return cast(dict[str, ParameterValue], dict(leaves(named.namespace, tree)))
 
     def follow(self, software: Sequence[RobotParameters]) -> None:
-        """Publish changes of the last tick from any client, and changes that a dead robot did not take."""
+        """Publish changes of the last tick by any client, and changes that a dead robot did not accept."""
         for robot, now in enumerate(software):
             before, self._software[robot] = self._software[robot], now
             if now is not before and now != before:
@@ -103,7 +103,7 @@ class LiveParameters:
                 self._publish_changes(robot, changed)
 
     def _offer(self, robot: int, section: ReconfigureServer) -> None:
-        """Be the dynamic_reconfigure server of a section."""
+        """Offer the dynamic_reconfigure server of a section."""
         name = section.name(self._robots[robot])
         described = self._node.advertise(f"{name}/parameter_descriptions", types.CONFIG_DESCRIPTION, latched=True)
         described.publish(reconfigure.description(section))
@@ -112,7 +112,7 @@ class LiveParameters:
         self._node.serve(service, types.RECONFIGURE, partial(self._reconfigure, robot, section, service))
 
     def _reconfigure(self, robot: int, section: ReconfigureServer, service: str, data: bytes) -> bytes | ServiceFailed:
-        """Serve a change by a client of dynamic_reconfigure; the response holds the resulting values."""
+        """Serve a change by a client of dynamic_reconfigure; the response contains the resulting values."""
         if not self._limiter.admits(service, "clients"):
             return ServiceFailed("too many requests")
         changes = reconfigure.requested_changes(section, self._software[robot], data)
@@ -123,29 +123,29 @@ class LiveParameters:
         return self._publish(robot, section)
 
     def _set(self, robot: int, key: str, value: XmlRpcValue) -> None:
-        """Take a change of a parameter, or of many below one key: valid changes act, the rest is set back."""
+        """Process a change of a parameter, or of many below one key: valid changes act, the others are reset."""
         named, before, key = self._robots[robot], self._software[robot], key.rstrip("/")
         given = {name: leaf for name, leaf in leaves(key, value) if not self._is_external(name)}
         declared = {name: leaf for name, leaf in self._declared[robot].items() if not self._is_external(name)}
-        # What is set to what it says already is no change, so that a dump can be loaded.
-        told = {name: leaf for name, leaf in given.items() if leaf != declared.get(name)}
+        # A value that is set again is no change, so that a dump of all parameters can be loaded.
+        new = {name: leaf for name, leaf in given.items() if leaf != declared.get(name)}
         changes = [
             (path, _readable(leaf))
-            for name, leaf in told.items()
+            for name, leaf in new.items()
             if (path := path_of(named, name)) and has(before, path)
         ]
-        for name in told.keys() & declared.keys() - {name_of(named, path) for path, _ in changes}:
+        for name in new.keys() & declared.keys() - {name_of(named, path) for path, _ in changes}:
             self._complaints.warn(f"{name} keeps its value: it is fixed for robots of this study")
         if self._limiter.admits(key, "clients"):
             self._change(robot, changes, named.topic("parameters"))
-        # Whoever sets a whole section removes what is not in it.
+        # Setting a whole section removes the parameters that are not in it; they are declared again.
         replaced = {name for name in declared if name == key or name.startswith(f"{key}/")}
         self._publish_changes(
             robot, [path for path, _ in changes], {n for n in replaced if declared[n] != given.get(n)}
         )
 
     def _change(self, robot: int, changes: Sequence[tuple[str, SetValue]], sender: str) -> None:
-        """Change parameters: if they are not valid together, one by one as far as they are."""
+        """Change parameters together; if that is not valid, change one by one those that are."""
         whole = with_values(self._software[robot], changes)
         for values in [changes] if not isinstance(whole, ParameterRejection) else [[one] for one in changes]:
             after = with_values(self._software[robot], values)
@@ -161,7 +161,7 @@ class LiveParameters:
         Args:
             robot: its index.
             paths: of the parameters.
-            lost: names of parameters that the server has lost, or of which it has another value.
+            lost: names of parameters that the server has lost, or has with another value.
         """
         self._declare(robot, lost)
         touched = {path.rpartition(".")[0] for path in paths}
@@ -170,7 +170,7 @@ class LiveParameters:
                 self._publish(robot, section)
 
     def _declare(self, robot: int, lost: Collection[str] = ()) -> None:
-        """Set on the parameter server what has changed, and what it has lost."""
+        """Set the parameters on the parameter server that have changed or that it has lost."""
         before, now = self._declared[robot], self._as_nodes_read(robot)
         self._declared[robot] = now
         for name, value in now.items():
@@ -185,10 +185,10 @@ class LiveParameters:
 
 
 def sendable(value: ParameterValue) -> XmlRpcValue:
-    """Return a parameter's value as the parameter server takes it: the same, under another type."""
+    """Return a parameter's value, unchanged, under the type of the parameter server."""
     return cast(XmlRpcValue, value)
 
 
 def _readable(value: object) -> SetValue:
-    """Return a parameter's value as requests hold it: lists, such as footprints, as text."""
+    """Return a parameter's value for a request: lists, such as footprints, become text."""
     return value if isinstance(value, bool | int | float | str | None) else json.dumps(value, default=str)

@@ -1,4 +1,4 @@
-"""Rate limiter: no client can flood a session, its robots' status lists, or its recording."""
+"""Rate limiter, so that no client can flood a session, its robots' status lists, or its recording."""
 
 import logging
 from collections import Counter
@@ -6,24 +6,24 @@ from collections import Counter
 from thbridge.sockets.warn_once import WarnOnce
 
 REQUESTS_PER_TICK = 10
-"""Requests of one client on one topic between two ticks: 500 a second, ten times what a robot can execute."""
+"""Largest number of requests of one client on one topic between two ticks: 500 a second, ten times what robots need."""
 
 _log = logging.getLogger(__name__)
 
 
 class RateLimiter:
-    """Counts requests between two ticks."""
+    """Counter of requests between two ticks."""
 
     def __init__(self) -> None:
         self._asked: Counter[tuple[str, str]] = Counter()
         self._complaints = WarnOnce(_log)
 
     def tick(self) -> None:
-        """Begin to count anew, because the session has taken the requests so far."""
+        """Reset the counts, because the session has processed the requests so far."""
         self._asked.clear()
 
     def admits(self, topic: str, client: str) -> bool:
-        """Count a request; return False above the limit, and log that once."""
+        """Count a request; return False above the limit, which is logged once."""
         self._asked[topic, client] += 1
         if self._asked[topic, client] <= REQUESTS_PER_TICK:
             return True
@@ -33,6 +33,6 @@ class RateLimiter:
         return False
 
     def is_first(self, service: str) -> bool:
-        """Count a call; return True for the first in a tick. For services that need to run only once a tick."""
+        """Count a call; return True for the first in a tick. For services that need to act only once per tick."""
         self._asked[service, ""] += 1
         return self._asked[service, ""] == 1

@@ -1,4 +1,4 @@
-"""Topics and services of a node, declared by the names of their types alone."""
+"""Topics and services of a node, declared only by the names of their types."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ from thbridge.rosgraph.sockets.tcpros_server import ServiceHandler
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TypedNode:
-    """A node together with the definitions of its message types.
+    """A node with the definitions of its message types.
 
     Attributes:
         ros: the node.

@@ -1,6 +1,6 @@
 """Replay of MAVLink frames: a fresh session gets the frames that a recording's vehicles received, and no other input.
 
-Any bag with topics `/robotN/mavlink/to` is accepted, also one that mavros recorded. Each frame goes to the robot of its
+Any bag with topics `/robotN/mavlink/to` is accepted, also one recorded by mavros. Each frame goes to the robot of its
 topic, in the tick in which it was recorded.
 """
 
@@ -38,7 +38,7 @@ from thbridge.timing.pacer import Pacer
 
 _TOPIC = re.compile(r"(?:/robot([1-9]\d{0,2}))?/mavlink/to")
 _LEAD = 1_000_000_000
-"""Nanoseconds for the game to begin, before the start of a bag of another program."""
+"""Nanoseconds before the first message of another program's bag, in which the game begins."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,9 +46,9 @@ class FramesOptions:
     """Options of a replay of frames.
 
     Attributes:
-        rate: simulated seconds per second; 0 as fast as possible.
+        rate: simulated seconds per second; 0 runs as fast as possible.
         to: path of a new recording; None for none.
-        longer: seconds to go on after the end of the recording.
+        longer: seconds to continue after the end of the recording.
     """
 
     rate: float = 0.0
@@ -58,11 +58,11 @@ class FramesOptions:
 
 @dataclass(frozen=True, slots=True)
 class Arrival:
-    """A robot reached a room.
+    """Arrival of a robot in a room.
 
     Attributes:
-        robot: its number.
-        room: its number as people count.
+        robot: number of the robot, from 1.
+        room: number of the room, from 1.
         seconds: session time.
     """
 
@@ -97,11 +97,11 @@ class FramesReplayed:
         frames: number of frames given to vehicles.
         unusable: number of messages without a frame, or for a robot that does not exist.
         ticks: number of ticks run.
-        recorded: result of the recorded game; None where the recording has none.
+        recorded: result of the recorded game; None if the recording has none.
         replayed: result of the fresh session's game.
         compared: number of true poses compared with the recorded ones.
-        parted: seconds of the first pose that differs in any bit; None when all are equal.
-        finished: True when the end was reached, False when it was stopped.
+        parted: session time, in seconds, of the first pose that differs in any bit; None if all are equal.
+        finished: True when the end was reached, False when the replay was stopped.
         wall_seconds: real time of the replay.
     """
 
@@ -123,7 +123,7 @@ class FramesReplayed:
 
 
 def has_session(path: Path) -> bool:
-    """Return True when a bag holds its study. Raises BadFile when it cannot be read."""
+    """Return True when a bag contains its study. Raises BadFile when it cannot be read."""
     return _is_ours(bag_reader.info(path))
 
 
@@ -158,9 +158,9 @@ async def replay_frames(
 
     Args:
         path: the bag.
-        setting: the study; its robots are made vehicles in any case.
+        setting: the study; its robots become vehicles even if the study does not say so.
         options: of the replay.
-        progress: takes every tick.
+        progress: called with every tick.
 
     Raises:
         BadFile: the bag cannot be read or has no frames, or the new one cannot be written (as `BagNotWritten`).
@@ -169,8 +169,8 @@ async def replay_frames(
     info = bag_reader.info(path)
     frames = _RecordedFrames(path, info)
     last_tick = frames.tick_at(info.end_ns or 0) + round(options.longer * TICKS_PER_SECOND)
-    tells_hunt = _is_ours(info) and any(topic.name == names.GAME_EVENTS for topic in info.topics)
-    recorded = hunt_result_of(path) if tells_hunt else None
+    has_hunt = _is_ours(info) and any(topic.name == names.GAME_EVENTS for topic in info.topics)
+    recorded = hunt_result_of(path) if has_hunt else None
     # The true poses in a bag of another program cannot be compared.
     poses, hunt = _PoseComparison(path, setting.study.robots if _is_ours(info) else 0), _HuntRecorder()
     with ExitStack() as opened:
@@ -207,7 +207,7 @@ def _with_vehicles(setting: StudySetting) -> StudySetting:
 
 
 class _RecordedFrames:
-    """The recorded frames, for vehicles of the fresh session.
+    """The recorded frames, which are given to the vehicles of the fresh session.
 
     Attributes:
         given: number of frames so far.
@@ -231,7 +231,7 @@ class _RecordedFrames:
         return (stamp_ns - self._start_ns) // TICK_NS
 
     def give(self, session: Session, robots: int) -> None:
-        """Pass on the frames up to the next tick, to a team of this size."""
+        """Give the session the frames up to its next tick; `robots` is the size of its team."""
         while self._next is not None and self.tick_at(self._next.stamp_ns) <= session.tick + 1:
             message, self._next = self._next, next(self._messages, None)
             robot = self._robots[message.topic]
@@ -251,17 +251,17 @@ class _RecordedFrames:
 
 
 def _robot_of(topic: str) -> int | None:
-    """Return the robot, from 0, that receives a topic's frames (0 without a number); None for another topic."""
+    """Return the index of the robot that receives a topic's frames (0 without a number); None for another topic."""
     match = _TOPIC.fullmatch(topic)
     return None if match is None else index_of(int(match[1] or 1))
 
 
 class _PoseComparison:
-    """Compares true poses of robots with a recording.
+    """Comparison of the robots' true poses with a recording.
 
     Attributes:
         compared: number of poses compared.
-        parted: session time of the first that differs, seconds.
+        parted: session time of the first pose that differs, seconds.
     """
 
     def __init__(self, path: Path, robots: int) -> None:
@@ -287,7 +287,7 @@ class _PoseComparison:
 
 
 class _HuntRecorder:
-    """Records the result of a game."""
+    """Recorder of the result of a game."""
 
     def __init__(self) -> None:
         self.arrivals: list[Arrival] = []

@@ -51,23 +51,23 @@ from thbridge.timing.loop import run_ticks
 from thbridge.timing.pacer import Pacer
 
 BEFORE_THERE_WERE = (StudyChange("robot.amcl.odom_noise_learning_rate", "0"),)
-"""Keys that the studies of older recordings lack, with the values for what robots did then."""
+"""Keys that the studies of older recordings lack, with the values that reproduce what robots did then."""
 NOT_IN_OLDER = frozenset({names.ROOMS, names.DIAGNOSTICS, names.ROSOUT})
-"""Topics that are not compared with recordings of before the names of rooms were recorded: diagnostics and log say more
-since, for whom a robot makes way."""
+"""Topics that are not compared with recordings without names of rooms. Since those, diagnostics and log also say for
+which robot another one makes way."""
 
 
 @dataclass(frozen=True, slots=True)
 class Difference:
-    """The first message in which a replay is not its recording.
+    """The first message that differs between a replay and its recording.
 
     Attributes:
-        number: of the message among all compared, from 1.
-        topic: of the recorded message; where there is none, of the new one.
+        number: of the message among all compared messages, from 1.
+        topic: of the recorded message, or of the new one if no message was recorded.
         topic_number: of the message within its topic, from 1.
         seconds: session time of the message.
         what: one sentence.
-        fields: recorded and new values, where both are messages of one type.
+        fields: recorded and new values, if both are messages of one type.
     """
 
     number: int
@@ -85,8 +85,8 @@ class Replayed:
     Attributes:
         ticks: number of ticks run.
         messages: number of messages found equal.
-        difference: the first, or None when all were equal.
-        cut_off: True when the recording ends within a tick, and its messages of that tick are equal.
+        difference: the first one; None if all messages were equal.
+        cut_off: True when the recording ends in the middle of a tick, and its messages of that tick are equal.
         finished: True when the recording's end or a difference was reached, False when the replay was stopped.
         wall_seconds: real time of the replay.
     """
@@ -104,11 +104,11 @@ class ReplayOptions:
     """Options of a replay.
 
     Attributes:
-        rate: simulated seconds per second; 0 as fast as possible.
-        start: session time up to which it runs as fast as possible in any case, seconds.
+        rate: simulated seconds per second; 0 runs as fast as possible.
+        start: session time up to which the replay runs as fast as possible at any rate, seconds.
         to: path of a new recording; None for none.
-        to_the_end: True to go on after a difference.
-        participant: name of a simulated participant who plays anew in place of the recorded one; None: the recorded
+        to_the_end: True to continue after a difference.
+        participant: name of a simulated participant that replaces the recorded one. If None, the recorded
             participant's messages are sent again, even if they no longer fit.
     """
 
@@ -132,7 +132,7 @@ def session_of(path: Path) -> SessionRecord:
     """Return the session record of a recording.
 
     Raises:
-        BadFile: it cannot be read, it is not one of ours, it is of another release, or its robots were real.
+        BadFile: it cannot be read, thbridge did not record it, another release recorded it, or its robots were real.
     """
     first = next(bag_reader.messages(path, [names.SESSION]), None)
     if first is None:
@@ -154,7 +154,7 @@ def session_of(path: Path) -> SessionRecord:
 
 
 def recorded_study(path: Path, record: SessionRecord) -> Study:
-    """Return the study of a recording, by which robots do as they did; see `BEFORE_THERE_WERE`.
+    """Return the study of a recording, completed by `BEFORE_THERE_WERE` so that robots act as they did.
 
     Raises:
         BadFile: the recorded study is not valid.
@@ -165,7 +165,7 @@ def recorded_study(path: Path, record: SessionRecord) -> Study:
 
 
 def _recorded_by(path: Path, record: SessionRecord) -> MessageFilter:
-    """Return which messages a session recorded, also where studies had no keys for that yet."""
+    """Return the filter of the messages that a session recorded, also for studies from before its keys existed."""
     loaded = load_study_tree(path, parse(path, record.study))
     chosen, written = loaded.value.recording, loaded.lines
     detail = chosen.detail if "recording.detail" in written else RecordingDetail.ALL
@@ -176,14 +176,13 @@ def _recorded_by(path: Path, record: SessionRecord) -> MessageFilter:
 
 
 def _not_in(topics: Collection[str], robots: int) -> frozenset[str]:
-    """Return the topics that are not compared, since the release that recorded these topics did not have them all."""
+    """Return the topics that are not compared because the release that made a recording with `topics` lacked them."""
     older = NOT_IN_OLDER if names.ROOMS not in topics else frozenset()
     p_wrong = frozenset(names.RobotNames.of(robot).topic(P_WRONG) for robot in range(robots))
     return older if p_wrong & set(topics) else older | p_wrong
 
 
 def _is_advice(message: RosMessage) -> bool:
-    """Return True for the event of an advice."""
     return message.topic.name == names.GAME_EVENTS and unpack.game_event(message.data).kind == kind_of(RoomAdvised)
 
 
@@ -203,16 +202,16 @@ def _input(path: Path, message: RawMessage) -> inputs.Input:
 
 
 class RecordingReplay:
-    """A recording that is run again, tick by tick; a context, in which the new recording is open.
+    """A recording that is run again, tick by tick; a context manager, which keeps the new recording open.
 
     Args:
         path: the bag.
-        setting: the study to run it with; the recorded one, or a changed one.
+        setting: the study to run: the recorded one, or a changed one.
         options: of the replay.
-        progress: takes every tick from `options.start` on.
+        progress: called with every tick from `options.start` on.
 
     Raises:
-        BadFile: the bag cannot be read, or the new one not be written (as `BagNotWritten`); also by its methods.
+        BadFile: the bag cannot be read, or the new one cannot be written (as `BagNotWritten`). Methods raise it too.
     """
 
     def __init__(
@@ -239,12 +238,12 @@ class RecordingReplay:
         return self._session.tick
 
     def tick(self) -> bool:
-        """Run one tick, and return True when another is to follow."""
+        """Run one tick; return True if another one follows."""
         was = next(self._recorded, None)
         if was is None:
             self._over = True
             return False
-        if was.number > 0:  # The opening, of tick 0, comes before all steps.
+        if was.number > 0:  # The opening messages have tick 0 and come before all steps.
             for item in was.inputs:
                 self._give(item)
             self._session.step()
@@ -253,7 +252,7 @@ class RecordingReplay:
         return not self._over
 
     def result(self, wall_seconds: float) -> Replayed:
-        """Return what has come of it, after so much real time."""
+        """Return the result so far; `wall_seconds` is the elapsed real time."""
         done = self._comparison
         return Replayed(self._session.tick, done.messages, done.difference, done.cut_off, self._over, wall_seconds)
 
@@ -267,7 +266,7 @@ class RecordingReplay:
 async def replay(
     path: Path, setting: StudySetting, options: ReplayOptions, progress: Callable[[TickRecord], None]
 ) -> Replayed:
-    """Run a recording again, at the rate that `options` say, until its end or Ctrl-C; see `RecordingReplay`."""
+    """Run a recording again at the rate in `options`, until its end or Ctrl-C; see `RecordingReplay`."""
     with RecordingReplay(path, setting, options, progress) as again:
 
         def hurried_tick() -> bool:
@@ -283,7 +282,7 @@ async def replay(
 def _replayed_session(
     setting: StudySetting, record: SessionRecord, participant: str | None, recorders: Sequence[TickRecorder]
 ) -> tuple[Session | SimrSession, Callable[[inputs.Input], None]]:
-    """Return the recorded session anew, and what takes its inputs; messages of its participant are among these."""
+    """Return a fresh session like the recorded one, and the function that gives it inputs, also the participant's."""
     if record.program == SIMR:
         alone = SimrSession(build_simr(setting), recorders)
         return alone, partial(_give_to_simr, alone)
@@ -309,7 +308,7 @@ def _give_to_simr(session: SimrSession, item: inputs.Input) -> None:
 
 
 class _ProgressReporter:
-    """Passes tick records on, from some time on."""
+    """Recorder that passes tick records on from a start time, in seconds."""
 
     def __init__(self, progress: Callable[[TickRecord], None], start: float) -> None:
         self._progress = progress
@@ -321,7 +320,7 @@ class _ProgressReporter:
 
 
 class _MessageBuffer:
-    """Collects the messages that a recording keeps, until `drain`."""
+    """Buffer of the messages that a recording keeps, emptied by `drain`."""
 
     def __init__(self, keep: MessageFilter) -> None:
         self._keep = keep
@@ -337,14 +336,14 @@ class _MessageBuffer:
 
 
 class Comparison:
-    """Compares a replay with its recording, tick by tick.
+    """Comparison of a replay with its recording, tick by tick.
 
     Args:
         left_out: topics that are not compared.
 
     Attributes:
         messages: number of messages found equal.
-        difference: the first; None as long as all are equal.
+        difference: the first one; None as long as all messages are equal.
     """
 
     def __init__(self, left_out: frozenset[str] = frozenset()) -> None:
@@ -356,14 +355,15 @@ class Comparison:
 
     @property
     def cut_off(self) -> bool:
-        """True when the recording ends within its last tick, as after a program was killed."""
+        """True when the recording ends in the middle of its last tick, as after a program was killed."""
         return self._missing is not None
 
     def compare(self, was: Sequence[RawMessage], now: Sequence[RosMessage]) -> None:
         """Compare the messages of the next tick."""
         if self.difference is not None:
             return
-        if self._missing is not None:  # and the recording goes on
+        # Missing messages are no difference at the recording's end; but here, the recording has another tick.
+        if self._missing is not None:
             self.difference, self._missing = self._missing, None
             return
         was = [message for message in was if message.topic not in self._left_out]

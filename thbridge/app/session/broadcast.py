@@ -14,17 +14,17 @@ class Listener(Protocol):
     """Receiver of a session's messages."""
 
     def take(self, tick: int, messages: Sequence[RosMessage]) -> None:
-        """Take the messages of one tick; ticks come in order. May raise; the session then ends."""
+        """Receive the messages of one tick; ticks come in order. May raise; the session then ends."""
 
 
 class Broadcast:
-    """Turns ticks into messages, once for all listeners: live and recorded messages are the same.
+    """Conversion of ticks to messages, once for all listeners, so that live and recorded messages are the same.
 
     Args:
         publisher: of the team.
         session: the record from which the session can be replayed; sent first.
         grid: the map.
-        listeners: get the opening at once.
+        listeners: receivers of the messages; they get the opening messages at once.
     """
 
     def __init__(
@@ -32,12 +32,12 @@ class Broadcast:
     ) -> None:
         self._publisher = publisher
         self._listeners = tuple(listeners)
-        self._say(0, publisher.opening(0, session, grid))
+        self._send(0, publisher.opening(0, session, grid))
 
     def record(self, snapshot: TeamSnapshot, records: Iterable[Record] = ()) -> None:
         """Send one tick. Ticks come in order, from 0 on. Raises what a listener raises."""
-        self._say(snapshot.tick, self._publisher.tick(snapshot, records))
+        self._send(snapshot.tick, self._publisher.tick(snapshot, records))
 
-    def _say(self, tick: int, messages: Sequence[RosMessage]) -> None:
+    def _send(self, tick: int, messages: Sequence[RosMessage]) -> None:
         for listener in self._listeners:
             listener.take(tick, messages)

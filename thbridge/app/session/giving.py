@@ -1,4 +1,4 @@
-"""Recorded inputs, given to a session again by the methods that took them when they were recorded."""
+"""Recorded inputs, given to a session again through the methods that received them in the recorded session."""
 
 from collections.abc import Sequence
 
@@ -9,7 +9,7 @@ from thbridge.text_protocol.wire.lines import TextMessage
 
 
 class RecordedParticipant:
-    """The participant of a replay: sends the messages of the recorded one."""
+    """The participant of a replay, which sends the messages of the recorded participant."""
 
     name = legacy.TABUI
 
@@ -17,10 +17,10 @@ class RecordedParticipant:
         self._lines: list[TextMessage] = []
 
     def connected(self) -> None:
-        """Do nothing: the recorded participant's introduction is one of the messages."""
+        """Do nothing: the recorded messages include the participant's introduction."""
 
     def prompt(self, line: TextMessage) -> None:
-        """Send this with the next step."""
+        """Send this message in the next step."""
         self._lines.append(line)
 
     def step(self, tick: int, messages: Sequence[TextMessage]) -> list[TextMessage]:
@@ -30,7 +30,7 @@ class RecordedParticipant:
 
 
 def give(session: Session, participant: RecordedParticipant | None, item: inputs.Input) -> None:
-    """Give an input to a session of `thbridge play`, by the method that took it when it was recorded."""
+    """Give an input to a session of `thbridge play`, through the method that received it in the recorded session."""
     match item:
         case inputs.ConnectionOpened(_, now, credentials):
             session.perform(session.router.make_room(now))

@@ -1,13 +1,14 @@
-"""The log of a game's inputs, by which a game goes on after its program has died.
+"""The log of a game's inputs, with which a game resumes after its program has died.
 
-What follows from an input can be computed again, so the inputs are all that must not be lost: each is on the disk
-before the tick in which it acts has told anybody of it. A game that goes on is run anew from its study with the inputs
-of its log, as fast as the computer can, up to the last tick that the log knows of.
+The effects of an input can be computed again, so only the inputs must not be lost. Each is on the disk before the tick
+in which it acts sends anything. A resumed game is run again from its study with the logged inputs, as fast as possible,
+up to the last logged tick.
 
-The file has a line that says of which game it is; then one for each tick with inputs, events or utterances, one for
-each tick that took long, and one for each second of simulated time. Lines of seconds have a digest of the robots' poses
-and the score: a game that runs another way than before is noticed. All have the real time of their tick, on which no
-game depends. A torn last line, which was being written when the program died, is dropped.
+The first line of the file identifies the game. Then the file has one line for each tick with inputs, events or
+utterances, one for each tick that took long, and one for each second of simulated time. The lines of seconds contain a
+digest of the robots' poses and the score, so a game that differs from the first run is noticed. All lines contain the
+real time of their tick, on which no game depends. A partly written last line, which remains when the program dies, is
+dropped.
 """
 
 import fcntl
@@ -32,12 +33,12 @@ from thbridge.ros.messages.session_records import InputRecord, SessionRecord
 from thbridge.timing.pace_meter import LATE, PaceMeter, PaceState
 from thbridge.timing.pacer import Pacer
 
-_MACHINE_TELLS = ("libc", "processor", "compiler", "architecture")
-"""Beginnings of the names of what a session record tells of the machine; games are the same on all of them."""
+_MACHINE_KEYS = ("libc", "processor", "compiler", "architecture")
+"""Beginnings of the keys that describe the machine in a session record; games are the same on all machines."""
 
 
 class GameDiffers(BadFile):
-    """The inputs of a log do not lead to the game that it was written for."""
+    """The inputs of a log do not lead to the game for which it was written."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,8 +47,8 @@ class LoggedTick:
 
     Attributes:
         tick: its number.
-        inputs: that acted in it, in order.
-        digest: of poses and score after it; empty: not told.
+        inputs: inputs that acted in it, in order.
+        digest: of poses and score after it; empty if the line has none.
         pace: real time up to it; None in logs of earlier releases, and after the end of the game.
     """
 
@@ -61,13 +62,13 @@ class InputLog:
     """A log of inputs, open for appending; see the module.
 
     Args:
-        path: the file; made where there is none, or it holds nothing whole.
-        record: of the session whose inputs these are.
-        meter: measures the real time of ticks; goes on where the log ends.
+        path: the file; it is begun if it does not exist or has no complete line.
+        record: session record of the game.
+        meter: measures the real time of ticks; it continues where the log ends.
         pacer: of the session.
 
     Attributes:
-        ticks: what was in the log when it was opened, oldest first.
+        ticks: the ticks in the log when it was opened, oldest first.
 
     Raises:
         BadFile: it cannot be read or written, or another program is writing it.
@@ -86,15 +87,17 @@ class InputLog:
                 self.ticks = self._read_or_begin(_line({"game": _fingerprint(record)}))
                 opened.pop_all()
         except BlockingIOError:
-            raise BadFile(path, "another program plays this game", "end that one first") from None
+            raise BadFile(path, "another program is running this game", "stop that program first") from None
         except OSError as error:
-            raise BadFile(path, f"it cannot be written ({error.strerror})", "look at the disk") from None
+            raise BadFile(
+                path, f"it cannot be written ({error.strerror})", "check the disk and its permissions"
+            ) from None
         self._last = self.ticks[-1].tick if self.ticks else -1
         self._digests = {logged.tick: logged.digest for logged in self.ticks if logged.digest}
         meter.go_on((logged.tick, logged.pace) for logged in self.ticks if logged.pace is not None)
 
     def record(self, record: TickRecord) -> None:
-        """See `TickRecorder`; ticks that are in the log already are only compared with it.
+        """See `TickRecorder`; a tick that is already in the log is only compared with it.
 
         Raises:
             BadFile: it cannot be written.
@@ -108,10 +111,10 @@ class InputLog:
                     f"at {record.tick // TICKS_PER_SECOND} s the robots are not where they were in the first run"
                 )
             return
-        # After the end of a game nobody acts, and the window takes as long as it likes to show it.
+        # Real time does not count after the end of a game: only its result is shown, for as long as people look at it.
         pace = None if was_over and self._over else self._meter.measure(record.tick, self._pacer)
-        told_of = pace is not None and (record.events or record.utterances or pace.step > LATE)
-        if not record.inputs and not digest and not told_of:
+        worth_noting = pace is not None and (record.events or record.utterances or pace.step > LATE)
+        if not record.inputs and not digest and not worth_noting:
             return
         given = [[each.kind, each.json] for each in map(to_record, record.inputs)]
         line: dict[str, object] = {"tick": record.tick, "inputs": given, "digest": digest}
@@ -128,7 +131,7 @@ class InputLog:
         self._file.close()
 
     def _read_or_begin(self, first: bytes) -> Sequence[LoggedTick]:
-        """Read the log, without a torn end, or begin it by its first line."""
+        """Read the log and drop a partly written last line, or begin the log with its first line."""
         self._file.seek(0)
         content = self._file.read()
         whole = content[: content.rfind(b"\n") + 1]
@@ -145,10 +148,10 @@ class InputLog:
 
     def _read(self, number: int, line: bytes) -> LoggedTick:
         try:
-            told = json_of(line)
-            given = [from_record(InputRecord(kind, "", "", text)) for kind, text in told["inputs"]]
-            pace = PaceState(*map(float, told["pace"])) if "pace" in told else None
-            return LoggedTick(told["tick"], tuple(given), told["digest"], pace)
+            logged = json_of(line)
+            given = [from_record(InputRecord(kind, "", "", text)) for kind, text in logged["inputs"]]
+            pace = PaceState(*map(float, logged["pace"])) if "pace" in logged else None
+            return LoggedTick(logged["tick"], tuple(given), logged["digest"], pace)
         except (ValueError, KeyError, TypeError):
             remedy = "Move it away; the game then starts from the beginning"
             raise BadFile(self._path, "it is damaged", remedy, line=number) from None
@@ -158,9 +161,9 @@ class InputLog:
 
 
 def _fingerprint(record: SessionRecord) -> str:
-    versions = {name: text for name, text in record.versions.items() if not name.startswith(_MACHINE_TELLS)}
-    told = [record.study, record.seed, sorted(versions.items()), record.program, record.roles, record.participant]
-    return hashlib.blake2b(json.dumps(told).encode(), digest_size=16).hexdigest()
+    versions = {name: text for name, text in record.versions.items() if not name.startswith(_MACHINE_KEYS)}
+    facts = [record.study, record.seed, sorted(versions.items()), record.program, record.roles, record.participant]
+    return hashlib.blake2b(json.dumps(facts).encode(), digest_size=16).hexdigest()
 
 
 def _digest(record: TickRecord) -> str:
@@ -169,5 +172,5 @@ def _digest(record: TickRecord) -> str:
     return hashlib.blake2b(poses + f"{score}".encode(), digest_size=8).hexdigest()
 
 
-def _line(told: dict[str, object]) -> bytes:
-    return json.dumps(told, separators=(",", ":")).encode() + b"\n"
+def _line(fields: dict[str, object]) -> bytes:
+    return json.dumps(fields, separators=(",", ":")).encode() + b"\n"

@@ -1,4 +1,4 @@
-"""Inputs of a session as records of a bag, and requests as JSON for other programs; both hold all of the value."""
+"""Inputs of a session as records of a bag, and requests as JSON for other programs; both contain the whole value."""
 
 import json
 from dataclasses import replace
@@ -39,7 +39,7 @@ _REQUEST_NAMES = {request_class: name for name, request_class in {**REQUESTS, **
 
 
 def to_record(item: inputs.Input) -> InputRecord:
-    """Return the record of an input, which holds all of it."""
+    """Return the record of an input, which contains the whole input."""
     kind = _KINDS[type(item)]
     if isinstance(item, inputs.ClientRequest):
         line = _readable(f"{_REQUEST_NAMES[type(item.request)]} {_json(item.request)}")
@@ -51,7 +51,7 @@ def from_record(record: InputRecord) -> inputs.Input:
     """Return the input of a record.
 
     Raises:
-        ValueError: it is none, or one of another release.
+        ValueError: it is not an input, or an input of another release.
     """
     input_class = _CLASSES.get(record.kind)
     if input_class is None:
@@ -61,7 +61,7 @@ def from_record(record: InputRecord) -> inputs.Input:
 
 
 def encode_request(sender: str, request: Request | PaceRequest) -> str:
-    """Return a request as JSON, in one line: sender, name, fields."""
+    """Return a request as JSON in one line: sender, name, fields."""
     name = _REQUEST_NAMES[type(request)]
     return f'{{"sender":{json.dumps(sender)},"request":{json.dumps(name)},"fields":{_json(request)}}}'
 
@@ -70,7 +70,7 @@ def decode_request(value: object) -> inputs.ClientRequest:
     """Return the request in its JSON.
 
     Raises:
-        ValueError: it is no request.
+        ValueError: it is not a request.
     """
     match value:
         case {"sender": str(sender), "request": str(name), "fields": fields} if name in REQUESTS:
@@ -112,17 +112,17 @@ def _for_people(item: inputs.Input) -> tuple[str, str]:
 
 
 def _readable(text: str) -> str:
-    """Return text that a bag can hold: characters outside UTF-8 (lone surrogates) become question marks."""
+    """Return text that can be stored in a bag: characters outside UTF-8 (lone surrogates) become question marks."""
     return text.encode(errors="replace").decode()
 
 
 def _json(value: object) -> str:
-    """Return a dataclass as JSON: floats to their last bit, infinities and NaN by Python's names, bytes in base 64."""
+    """Return a dataclass as JSON: floats with all digits, infinities and NaN by Python's names, bytes in base 64."""
     return json.dumps(_fields(value), separators=(",", ":"))
 
 
 def _fields(value: object) -> object:
-    """Return a dataclass as builtins; a goal has no owner there, but its number in recordings."""
+    """Return a dataclass as builtins; a goal has its recorded number, which contains its owner."""
     fields: dict[str, object] = msgspec.to_builtins(value, enc_hook=_plain)
     match value:
         case SendGoal(_, goal):
@@ -134,12 +134,12 @@ def _fields(value: object) -> object:
         case GoalRequest(number=number):
             fields["number"] = recorded_number(GoalOwner.ROS_CLIENT, number)
         case inputs.ConnectionOpened(credentials=credentials) if credentials == LOCAL:
-            del fields["credentials"]  # Nearly all are of this machine.
+            del fields["credentials"]  # The default: nearly all connections are of this machine.
     return fields
 
 
 def _with_owner(request: Request) -> Request:
-    """Return a request as it came from a recording, with its goal's owner, and the number that the owner counts."""
+    """Return a request with its goal's owner and the owner's own number, both from the recorded number."""
     match request:
         case SendGoal(_, goal):
             owner, number = owned_number(goal.id)

@@ -1,8 +1,8 @@
-"""Inputs of a session from outside: all that a run depends on beside its study.
+"""Inputs of a session from outside: all that a run depends on in addition to its study.
 
-Each input is a value. It is taken between two ticks and acts in the one that follows; a message of the participant in
-this process (a person, a bot) acts in the tick in which it was sent. A recording holds every input, before its effects;
-a session that is given the same ones in the same ticks does the same.
+Each input is a value. It arrives between two ticks and acts in the next one. Only a message of the participant in this
+process (a person or a bot) acts in the tick in which it was sent. A recording contains every input, before its effects.
+A session with the same inputs in the same ticks behaves identically.
 """
 
 from dataclasses import dataclass
@@ -45,7 +45,7 @@ class ConnectionClosed:
 
 @dataclass(frozen=True, slots=True)
 class ConnectionBacklogged:
-    """A connection was closed because so many bytes waited for it."""
+    """A connection was closed because its client did not read: `size` bytes were queued for it."""
 
     connection: ConnectionId
     sender: str
@@ -54,7 +54,7 @@ class ConnectionBacklogged:
 
 @dataclass(frozen=True, slots=True)
 class ClockAdvanced:
-    """The text server's clock advanced to `now` seconds, and a connection was pinged or dropped for it."""
+    """The text server's clock advanced to `now` seconds, and therefore a connection was pinged or dropped."""
 
     now: float
 
@@ -93,7 +93,7 @@ class LinkOpened:
     Attributes:
         link: its number.
         name: of the link.
-        robot: the only robot on the link, from 0; None: all robots.
+        robot: index of the only robot on the link, from 0; None for all robots.
     """
 
     link: LinkId
@@ -103,7 +103,7 @@ class LinkOpened:
 
 @dataclass(frozen=True, slots=True)
 class LinkClosed:
-    """A link of this name ended."""
+    """A link ended; `sender` is its name."""
 
     link: LinkId
     sender: str
@@ -111,13 +111,13 @@ class LinkClosed:
 
 @dataclass(frozen=True, slots=True)
 class FrameReceived:
-    """A frame came in on a link, checked and without its signature.
+    """A frame was received on a link, checked and without its signature.
 
     Attributes:
         link: its number.
         sender: name of the link.
         frame: the frame.
-        robot: the only robot that gets it, from 0; None: its addressees.
+        robot: index of the only robot that receives it, from 0; None for the robots that it addresses.
     """
 
     link: LinkId
@@ -149,7 +149,7 @@ Input: TypeAlias = (
 
 
 class InputQueue:
-    """Inputs that wait for the next tick."""
+    """Queue of the inputs of the next tick."""
 
     def __init__(self) -> None:
         self._inputs: list[Input] = []

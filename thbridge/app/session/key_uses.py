@@ -6,17 +6,17 @@ from thbridge.hunt.events import KeyUsed
 from thbridge.text_protocol.wire.router import ClientJoined
 
 _MOST_GRANTED = 200
-"""Requests by keys before a tick that are logged one by one: in a pause there may be many about its pace."""
+"""Largest number of requests with keys before a tick that are logged one by one; a pause may have more."""
 
 
 class KeyUses:
-    """Requests that were granted by keys since the last tick."""
+    """Requests that were granted to holders of keys since the last tick."""
 
     def __init__(self) -> None:
         self._granted: list[tuple[str, str]] = []
 
     def granted(self, key: str, request: str) -> None:
-        """Note that the holder of a key was granted a request."""
+        """Note a request that was granted to the holder of a key."""
         if len(self._granted) <= _MOST_GRANTED:
             more = len(self._granted) == _MOST_GRANTED
             self._granted.append((key, f"more than {_MOST_GRANTED} times before the next tick" if more else request))
@@ -25,8 +25,8 @@ class KeyUses:
         """Return the entries for the log of a game; see `KeyUsed.run` for its name.
 
         Args:
-            game: its name; empty: there is none, and what was granted before is forgotten.
-            joined: programs that take part by keys since the last tick.
+            game: its name; if empty, there is no game, and the requests so far are dropped.
+            joined: programs that have joined with keys since the last tick.
         """
         granted, self._granted = self._granted, []
         if not game:

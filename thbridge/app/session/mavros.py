@@ -42,10 +42,10 @@ def frame_in(message: MavlinkFrame) -> Frame:
     """Return the frame in a message, without its signature.
 
     Raises:
-        ValueError: it is no frame, or its MAVLink message is unknown.
+        ValueError: it is not a frame, or its MAVLink message is unknown.
     """
     if message.magic not in {V1, V2}:
-        raise ValueError(f"no frame begins with {message.magic}")
+        raise ValueError(f"a frame cannot begin with {message.magic}")
     seed = crc_extra(message.message_id)
     if seed is None:
         raise ValueError(f"there is no message {message.message_id}")
@@ -61,5 +61,5 @@ def frame_in(message: MavlinkFrame) -> Frame:
         compat_flags=message.compat_flags,
     )
     if frame.checksum != message.checksum:
-        raise ValueError(f"its checksum is {message.checksum}, and should be {frame.checksum}")
+        raise ValueError(f"its checksum is {message.checksum}, but should be {frame.checksum}")
     return frame.unsigned()

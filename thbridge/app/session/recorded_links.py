@@ -1,4 +1,4 @@
-"""Links of a session to its robots' vehicles, with what is recorded of them."""
+"""Links of a session to its robots' vehicles, with the record of their inputs."""
 
 from typing import TYPE_CHECKING
 
@@ -14,11 +14,11 @@ if TYPE_CHECKING:  # Only sessions with robots need these.
 
 
 class RecordedLinks:
-    """Links of ground stations: what comes in is an input of the next tick.
+    """Links of ground stations; everything received is an input of the next tick.
 
     Args:
-        vehicles: the robots; None: they are no vehicles.
-        queue: takes the inputs.
+        vehicles: the robots; None if they are not MAVLink vehicles.
+        queue: of the inputs.
     """
 
     def __init__(self, vehicles: "Vehicles | None", queue: InputQueue) -> None:
@@ -30,7 +30,7 @@ class RecordedLinks:
 
         Args:
             name: of the link.
-            robot: the only robot on the link, from 0; None: all robots.
+            robot: index of the only robot on the link, from 0; None for all robots.
 
         Raises:
             ValueError: the robots are not MAVLink vehicles.
@@ -49,28 +49,28 @@ class RecordedLinks:
             self._inputs.add(inputs.LinkClosed(link, there.name))
 
     def link(self, link: LinkId) -> HubLink | None:
-        """Return the state of an open link; None: there is no such link."""
+        """Return the state of an open link; None if there is no such link."""
         return None if self._vehicles is None else self._vehicles.hub.link(link)
 
     def receive_frame(self, link: LinkId, frame: Frame, robot: int | None = None) -> FrameOutcome:
-        """Take a frame that came in.
+        """Process a received frame.
 
-        It acts at once on vehicles, whose state is that after the last tick; requests of vehicles to robots and game
-        act in the next tick.
+        It acts at once on the vehicles, in their state after the last tick. Requests of vehicles to robots and game act
+        in the next tick.
 
         Args:
-            link: its number; a frame of an unknown link is dropped.
+            link: number of the link; a frame of an unknown link is dropped.
             frame: checked, and without its signature.
-            robot: the only robot that gets it, from 0; None: its addressees.
+            robot: index of the only robot that receives it, from 0; None for the robots that it addresses.
 
         Returns:
-            Why it was dropped, or the frames sent in reply, for `transmit`.
+            The reason why it was dropped, or the frames sent in reply, for `transmit`.
         """
         there = self.link(link)
         if self._vehicles is None or there is None:
             return FrameOutcome()
         outcome = self._vehicles.hub.receive(link, frame, robot)
-        # A dropped frame has no effect, and may hold a secret: it is not recorded.
+        # A dropped frame is not recorded: it has no effect, and may contain a secret.
         if outcome.dropped is None:
             self._inputs.add(inputs.FrameReceived(link, there.name, frame, robot))
         return outcome

@@ -1,4 +1,4 @@
-"""Router of a session for outside connections, with what is recorded of them."""
+"""Router of a session for outside connections, with the record of their inputs."""
 
 from thbridge.app.session import inputs
 from thbridge.app.session.inputs import InputQueue
@@ -13,19 +13,19 @@ from thbridge.text_protocol.wire.router import (
 )
 
 _LINE = 256
-"""Bytes that a line costs beside its own."""
+"""Bytes that each line counts in addition to its own, so that many short lines reach the limits too."""
 _FEW_LINES, _MOST_OF_ONE, _MOST_OF_ALL = 2 * 1024, 32 * 1024, 128 * 1024
-"""Bytes between two ticks that are always heard of a connection, at most, and at most of all together."""
+"""Limits of received bytes between two ticks: always accepted from a connection, most of one, most of all together."""
 
 
 class RecordedRouter:
-    """Router for a server of outside connections: what comes in is an input of the next tick.
+    """Router for a server of outside connections; everything received is an input of the next tick.
 
     See `RouterInterface` for the methods.
 
     Args:
         router: makes the decisions.
-        queue: takes the inputs.
+        queue: of the inputs.
     """
 
     def __init__(self, router: MessageRouter, queue: InputQueue) -> None:
@@ -37,18 +37,18 @@ class RecordedRouter:
         self._joined: list[ClientJoined] = []
 
     def make_room(self, now: float) -> list[RouterOutput]:
-        """See the router; a connection that follows is recorded, and makes room again in a replay."""
+        """See the router. It needs no record: a replay makes room before each connection that was recorded."""
         return self._noted(self._router.make_room(now))
 
     def connect(self, now: float, credentials: Credentials = LOCAL) -> ConnectionId | TurnedAway:
-        """See the router, for this and the next ones; only calls with an effect are recorded as inputs."""
+        """See the router, also for the methods below; only calls with an effect are recorded as inputs."""
         connection = self._router.connect(now, credentials)
         if not isinstance(connection, TurnedAway):
             self._inputs.add(inputs.ConnectionOpened(connection, now, credentials))
         return connection
 
     def receive_data(self, connection: ConnectionId, data: bytes, now: float) -> list[RouterOutput]:
-        """Take bytes of a connection; each line is an input of its own."""
+        """Handle received bytes of a connection; each line is a separate input."""
         outputs: list[RouterOutput] = []
         for line in data.splitlines(keepends=True):
             sender = self._router.display_name(connection)
@@ -62,10 +62,10 @@ class RecordedRouter:
         return outputs
 
     def admits(self, connection: ConnectionId) -> bool:
-        """Return True when a connection may say another line before the next tick.
+        """Return True when a connection may send another line before the next tick.
 
-        What is said is kept until then, in a pause for long, and recorded. The few lines of a program that means well
-        are heard whatever others say.
+        Lines are kept in memory until then, during a pause for a long time, and are recorded; so their amount is
+        limited. The few lines of a well-behaved program are accepted whatever others send.
         """
         said = self._said.get(connection, 0)
         return said < _FEW_LINES or (said < _MOST_OF_ONE and self._said_by_all < _MOST_OF_ALL)
@@ -93,11 +93,11 @@ class RecordedRouter:
         return outputs
 
     def stop(self) -> list[RouterOutput]:
-        """Stop the router; no input comes in any more."""
+        """Stop the router; no input follows."""
         return self._noted(self._router.stop())
 
     def exchange(self) -> list[RouterOutput]:
-        """Begin a tick: pass on all messages that were submitted; each connection may say lines again."""
+        """Begin a tick: pass on all submitted messages, and reset the limits of received bytes."""
         self._said, self._said_by_all = {}, 0
         return self._noted(self._router.exchange())
 
@@ -107,11 +107,11 @@ class RecordedRouter:
         return forwarded
 
     def take_joined(self) -> list[ClientJoined]:
-        """Return the programs that have joined by keys since the last call."""
+        """Return the programs that have joined with keys since the last call."""
         joined, self._joined = self._joined, []
         return joined
 
     def _noted(self, outputs: list[RouterOutput]) -> list[RouterOutput]:
-        """Note the lines that the router forwarded, for the keeper and the record; return its outputs."""
+        """Note the lines that the router forwarded, for the keeper and the record; return the router's outputs."""
         self._forwarded += [output for output in outputs if isinstance(output, Forwarded)]
         return outputs

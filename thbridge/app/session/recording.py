@@ -1,4 +1,4 @@
-"""Recorders of a session: its bag and its telemetry log."""
+"""Recorders of a session: for its bag and for its telemetry log."""
 
 import json
 from collections.abc import Iterator, Sequence
@@ -39,10 +39,10 @@ from thbridge.text_protocol.wire import legacy
 from thbridge.text_protocol.wire.router import Forwarded
 
 JUMP = 0.2
-"""Meters in one tick beyond what a robot can drive: it was carried."""
+"""Meters in one tick, more than a robot can drive: a robot that moves farther was kidnapped (moved by hand)."""
 
 STATE_PERIOD = TICKS_PER_SECOND
-"""Ticks after which the state of a vehicle is recorded again when it has not changed."""
+"""Ticks after which the state of a vehicle is recorded again even if it has not changed."""
 
 
 class TickPublisher(Protocol):
@@ -53,7 +53,7 @@ class TickPublisher(Protocol):
 
 
 class BagRecorder:
-    """Records every tick of a session that has robots.
+    """Recorder of every tick of a session with robots.
 
     Args:
         publisher: of the ticks.
@@ -104,7 +104,7 @@ class BagRecorder:
             yield score
 
     def _states_of_dialogues(self, utterances: Sequence[moves.DialogueUtterance]) -> Iterator[DialogueStateRecord]:
-        """Yield what robots make of what was said in this tick, where that has changed."""
+        """Yield the dialogue states of robots that have changed by the utterances of this tick."""
         for utterance in {utterance.topic.robot: utterance for utterance in utterances}.values():
             if utterance.conversation is None:
                 continue
@@ -120,14 +120,14 @@ class BagRecorder:
             yield request
 
     def _states(self, record: TickRecord) -> Iterator[Record]:
-        """Yield the states of vehicles that have changed, and every `STATE_PERIOD` of all."""
+        """Yield the states of vehicles that have changed; every `STATE_PERIOD` yield all states."""
         before, self._vehicles = self._vehicles, record.vehicles
         for robot, status in enumerate(record.vehicles):
             if record.tick % STATE_PERIOD == 0 or not before or status != before[robot]:
                 yield state_record(robot, status)
 
     def _touches(self, snapshot: TeamSnapshot) -> Iterator[GameEvent]:
-        """Yield the robots that have begun to touch a wall or another robot."""
+        """Yield an event for each robot that has begun to touch a wall or another robot."""
         counts = tuple(snapshot.truth.collisions.tolist())
         before, self._collisions = self._collisions, counts
         for robot, count in enumerate(counts):
@@ -136,7 +136,7 @@ class BagRecorder:
                 yield GameEvent("collision", robot, None, text)
 
     def _incidents(self, snapshot: TeamSnapshot) -> Iterator[GameEvent]:
-        """Yield things that appeared or vanished, and robots that died, revived or were carried."""
+        """Yield events of things that appeared or vanished, and of robots that died, revived or were kidnapped."""
         things = tuple(presence.thing.name for presence in snapshot.truth.things if presence.appeared)
         before, self._things = self._things, things
         for kind, names, others in (("appeared", things, before), ("vanished", before, things)):
@@ -146,16 +146,16 @@ class BagRecorder:
         dead, self._dead = self._dead, snapshot.dead
         for kind, robots in (("died", self._dead - dead), ("revived", dead - self._dead)):
             for robot in sorted(robots):
-                yield _befell(kind, robot)
+                yield _incident(kind, robot)
         places = snapshot.truth.poses[:, :2]
         if self._places is not None:
             for robot in np.flatnonzero(elementary_arrays.hypot(*(places - self._places).T) > JUMP).tolist():
-                yield _befell("carried", robot)
+                yield _incident("carried", robot)
         self._places = places.copy()
 
 
 class TlogRecorder:
-    """Records the frames that vehicles receive and send.
+    """Recorder of the frames that vehicles receive and send.
 
     Args:
         tlog: the file; the caller closes it.
@@ -170,7 +170,7 @@ class TlogRecorder:
             self._tlog.record(stamp_ns(record.snapshot.tick), record.traffic)
 
 
-def _befell(kind: str, robot: int) -> GameEvent:
+def _incident(kind: str, robot: int) -> GameEvent:
     return GameEvent(kind, robot, None, json.dumps({"event": kind, "robot": robot}))
 
 
@@ -207,7 +207,7 @@ def _formal_moves(utterance: moves.DialogueUtterance) -> Iterator[DialogueMoveRe
         return
     for formal in utterance.formal:
         play = utterance.conversation.play(formal.dialogue)
-        # That nothing more could be said shows only after the last move.
+        # A stalemate is a property of the last move alone: before it, more could be said.
         is_stalemate = play.end is DialogueEnd.STALEMATE and formal.index == len(play.moves) - 1
         yield DialogueMoveRecord(
             talk=utterance.dialogue,
@@ -230,8 +230,8 @@ def _formal_moves(utterance: moves.DialogueUtterance) -> Iterator[DialogueMoveRe
 
 
 def _authored(utterance: moves.DialogueUtterance, authored: moves.OfferedSentence) -> GameEvent:
-    """Return the event of what another author of sentences was asked and offered, and why that was not taken."""
-    told = {
+    """Return the event of a sentence by an installed author: the request, the offer, and why it was not accepted."""
+    fields = {
         "event": "authored",
         "robot": utterance.topic.robot,
         "dialogue": utterance.dialogue,
@@ -242,7 +242,7 @@ def _authored(utterance: moves.DialogueUtterance, authored: moves.OfferedSentenc
         "refused": authored.refused,
         "why": authored.why,
     }
-    return GameEvent("authored", utterance.topic.robot, utterance.topic.room.people, json.dumps(told))
+    return GameEvent("authored", utterance.topic.robot, utterance.topic.room.people, json.dumps(fields))
 
 
 def _score(game: GameState) -> ScoreRecord:

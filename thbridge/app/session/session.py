@@ -1,7 +1,7 @@
-"""The session: roles of this process around one router, and the tick they share.
+"""The session: the roles of this process around one router, and the tick they share.
 
-Inputs from outside come in between two ticks, by the methods of `Session`, its router and its links (or of
-`SimrSession`, for robots whose server is another process), and are recorded as an `Input` of the next one.
+Inputs from outside arrive between two ticks, through the methods of `Session`, its router and its links. (For robots at
+a server of another process it is `SimrSession`.) Each is recorded as an `Input` of the next tick.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -43,15 +43,15 @@ class TickRecord:
     Attributes:
         tick: its number.
         inputs: from outside, in order.
-        snapshot: of the robots; None where they are another program's.
+        snapshot: of the robots; None if another program runs them.
         forwarded: the lines that were passed on, in order.
         events: of the game.
         utterances: of its dialogues.
-        wizard: robots that a person speaks for, and the turns that wait for that person.
+        wizard: robots for which a person speaks, and the turns that wait for that person.
         game: after this tick; None before the first.
-        traffic: frames that vehicles received since the last tick, and sent since then and in this one, in order.
-        vehicles: status of each vehicle; empty where the robots are none.
-        refusals: of what programs have asked the keeper for, in order.
+        traffic: frames that vehicles received since the last tick, and sent since then and in this tick, in order.
+        vehicles: status of each vehicle; empty if the robots are not vehicles.
+        refusals: requests of programs that the keeper has refused, in order.
     """
 
     tick: int
@@ -75,16 +75,16 @@ class TickRecorder(Protocol):
 
 
 class EventLog(Protocol):
-    """Log of the game's events and of what is said, written before any of their effects."""
+    """Log of the game's events and utterances, which are written before any of their effects."""
 
     def append(self, entries: Sequence[JournalEntry]) -> None:
-        """Write the entries; return when they are safe."""
+        """Write the entries; return once they are on the disk."""
 
 
 class DeferredRecording:
-    """Recorders and log that a session gets before they are open, for example before the participant has agreed.
+    """Placeholder for recorders and log that are not open yet, for example before the participant has agreed.
 
-    Until `begin`, ticks and entries are dropped; no tick should be run before.
+    Until `begin`, ticks and entries are dropped, so no tick should be run before.
     """
 
     def __init__(self) -> None:
@@ -107,16 +107,16 @@ class DeferredRecording:
 
 
 def _drop(outputs: Sequence[object]) -> None:
-    """Drop the outputs: nobody is connected."""
+    """Drop the outputs: there are no connections."""
 
 
 @dataclass(frozen=True, slots=True)
 class SessionOutlets:
-    """Servers of a session's connections and links; by default nobody is connected.
+    """Servers of a session's connections and links; by default there are none.
 
     Attributes:
         perform: carries out the router's outputs on connections.
-        transmit: sends frames on their links; it may not know all of them.
+        transmit: sends frames on their links; must ignore links that it does not have.
     """
 
     perform: Callable[[Sequence[RouterOutput]], None] = _drop
@@ -127,21 +127,21 @@ NO_OUTLETS = SessionOutlets()
 
 
 class Session:
-    """Runs the roles of one process in step: messages sent in one tick arrive in the next.
+    """The roles of one process, which run in step: messages sent in one tick arrive in the next.
 
     Args:
         keeper: of the game.
         roles: the other roles of this process.
-        recorders: take every tick.
+        recorders: record every tick.
         participant: the participant's role in this process, if any; its messages are inputs.
-        vehicles: makes the robots MAVLink vehicles, given a sink of their requests to robots and game; these requests
-            follow from frames, and so are no inputs. None: the robots are not MAVLink vehicles.
-        log: of the game's events, and of the keys by which programs take part; None: they are not logged.
-        outlets: servers of connections and links; to the text server this session is the router.
-        run: name of this run, unlike all others; it is logged with the keys.
+        vehicles: factory that makes the robots MAVLink vehicles, given a sink of their requests to robots and game.
+            These requests follow from frames, and so are no inputs. If None, the robots are not MAVLink vehicles.
+        log: of the game's events and of uses of keys. If None, these are not logged.
+        outlets: servers of connections and links. For the text server, the router of this session decides.
+        run: unique name of this run; it is logged with the uses of keys.
 
     Attributes:
-        tick: the number of the next tick.
+        tick: number of the next tick.
         router: for a server of outside connections.
         links: for a server of ground stations' links.
         keys: uses of keys, for the log.
@@ -194,7 +194,7 @@ class Session:
 
     @property
     def game_name(self) -> tuple[str, bool]:
-        """Name, unlike all others, of the present game, the last or else the coming one; True where it is over."""
+        """Unique name of the latest game, or of the first game if none has begun; and True if that game is over."""
         game = self.game
         if game is None:
             return self._named(self._keeper.last_game + 1), False
@@ -202,7 +202,7 @@ class Session:
 
     @property
     def snapshot(self) -> "TeamSnapshot | None":
-        """State of the robots; None before the first tick, and where they are another program's."""
+        """State of the robots; None before the first tick, and if another program runs them."""
         return None if self._robots is None else self._robots.snapshot
 
     def perform(self, outputs: Sequence[RouterOutput]) -> None:
@@ -215,7 +215,7 @@ class Session:
 
     @contextmanager
     def undelivered(self) -> Iterator[None]:
-        """Drop what is for connections and links during the context, in which recorded inputs are given again."""
+        """Drop all output to connections and links during the context, in which recorded inputs are given again."""
         outlets, self._outlets = self._outlets, NO_OUTLETS
         try:
             yield
@@ -228,7 +228,7 @@ class Session:
         """Pass on a request to robots or game, in the name of its sender.
 
         Raises:
-            ValueError: the robots are another program's.
+            ValueError: another program runs the robots.
         """
         self._pass_on(request, sender)
         self._inputs.add(inputs.ClientRequest(sender, request))
@@ -239,14 +239,15 @@ class Session:
         """Run one tick.
 
         Raises:
-            Exception: of the log or a recorder that cannot write; the session must end then.
+            Exception: raised by the log or a recorder that cannot write; the session must end then.
         """
-        # Inputs from here on, such as the backlog of a reader of what is sent now, are the next tick's.
+        # Inputs from here on belong to the next tick: for example the backlog of a client that this tick's lines cause.
         given = self._inputs.take()
         self.perform(self.router.exchange())
         forwarded = self.router.take_forwarded()
         self._keeper.tap(forwarded)
-        # The journal has the keeper's events before any message that follows from them is sent: a crash loses none.
+        # The keeper's events are written to the journal before any message about them is sent. So after a crash the
+        # journal has every event that another program has learned of.
         self._step_role(self._keeper)
         decisions = self._keeper.decisions
         by_keys = self._keys_used(decisions.entries)
@@ -278,7 +279,7 @@ class Session:
         return record
 
     def _named(self, game: int) -> str:
-        """Return the name, unlike all others, of the game of a number."""
+        """Return the unique name of the game with this number."""
         return f"{self._run}/{game}"
 
     def keep_alive(self) -> None:
@@ -287,7 +288,7 @@ class Session:
             self.transmit(self.links.keep_alive())
 
     def _keys_used(self, entries: Sequence[JournalEntry]) -> list[KeyUsed]:
-        """Return what was done by keys since the last tick; in the first of a game, who takes part by one."""
+        """Return the uses of keys since the last tick; in the first tick of a game, also all programs with keys."""
         joined = self.router.take_joined()
         if any(isinstance(entry, GameStarted) for entry in entries):
             joined = self._message_router.keyed_programs()

@@ -16,10 +16,10 @@ class SimrSession:
 
     Args:
         simr: the robots' role.
-        recorders: take every tick.
+        recorders: record every tick.
 
     Attributes:
-        tick: the number of the next tick.
+        tick: number of the next tick.
     """
 
     def __init__(self, simr: SimR, recorders: Sequence[TickRecorder] = ()) -> None:
@@ -34,7 +34,7 @@ class SimrSession:
         """Pass on a request to the robots, in the name of its sender.
 
         Raises:
-            ValueError: it is a request to the game, which is another program's.
+            ValueError: it is a request to the game, which another program runs.
         """
         if isinstance(request, GameRequest):
             raise ValueError("the game is not in this process")
@@ -47,7 +47,7 @@ class SimrSession:
         self._simr.connected()
 
     def receive(self, message: TextMessage) -> None:
-        """Take a message to SimR."""
+        """Accept a message to SimR."""
         self._inputs.append(MessageForwarded(message))
 
     # The tick
@@ -56,7 +56,7 @@ class SimrSession:
         """Run one tick; return SimR's messages for the server.
 
         Raises:
-            Exception: of a recorder that cannot write; the program must end then.
+            Exception: raised by a recorder that cannot write; the program must end then.
         """
         inputs, self._inputs = tuple(self._inputs), []
         received = [item.message for item in inputs if isinstance(item, MessageForwarded)]

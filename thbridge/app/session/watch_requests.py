@@ -1,4 +1,4 @@
-"""Requests of watchers (researchers' windows): to the robots, and about the session's pace."""
+"""Requests of watchers (researchers' windows) to the robots and about the session's pace."""
 
 import json
 import logging
@@ -50,16 +50,16 @@ from thbridge.timing.pacer import Pacer
 from thbridge.watching.sockets.server import SessionPace
 
 MOST_PENDING = 200
-"""Requests that may come between two ticks; more than a person makes in a pause."""
+"""Largest number of requests between two ticks; more than a person makes during a pause."""
 
 MOST_CHARACTERS = 500
-"""Characters of a name, and of a sentence in a robot's place."""
+"""Largest number of characters of a name, or of a sentence in a robot's place."""
 
 WATCH_SENDER = "watch"
-"""Sender of the requests that follow when the last watcher has left."""
+"""Sender of the requests that the session makes when the last watcher has left."""
 
 SLOWEST, FASTEST = 0.01, 1000.0
-"""Rates that can be requested, besides 0."""
+"""Range of rates that can be requested, in addition to 0."""
 
 MOST_STEPS = 600 * TICKS_PER_SECOND
 
@@ -85,7 +85,7 @@ WatchRequest: TypeAlias = (
     | WizardMove
     | WizardAdvice
 )
-"""Requests that watchers may send. Others belong to the game, or have another form here."""
+"""Requests that watchers may send. The other requests belong to the game, or have another form here."""
 
 _GRANTED: tuple[type[WatchRequest], ...] = get_args(WatchRequest)
 
@@ -98,14 +98,14 @@ def request_line(sender: str, request: Request | PaceRequest) -> bytes:
 
 
 class WatchRequestHandler:
-    """Grants or refuses requests of watchers.
+    """Handler that grants or refuses requests of watchers.
 
     Args:
-        ask: takes granted requests, with the name of the sender.
+        ask: called with granted requests and the names of their senders.
         robots: the team.
         pacer: of the session.
-        granted: takes the names of keys by which requests were granted, each with the request; None: nobody.
-        has_game: True when the game is this session's, so that a watcher can speak in a robot's place.
+        granted: called with the name of a key and the request that it was granted; None for no callback.
+        has_game: True when the game is in this session, so that a watcher can speak in a robot's place.
     """
 
     def __init__(
@@ -127,7 +127,7 @@ class WatchRequestHandler:
         self._waiting = 0
 
     def take(self, tick: int, messages: Iterable[RosMessage]) -> None:
-        """Note a tick: the session has taken the waiting requests."""
+        """Note a tick: the session has processed the pending requests."""
         self._waiting = 0
 
     def pace(self) -> SessionPace:
@@ -135,7 +135,7 @@ class WatchRequestHandler:
         return SessionPace(self._pacer.paused, self._pacer.rate, self._pacer.lag)
 
     def unwatched(self) -> None:
-        """Undo pause and puppets after the last watcher has left, so that neither session nor robots wait for one."""
+        """End pause and wizard mode after the last watcher has left, so that session and robots do not wait for one."""
         self._pacer.resume()
         for robot in sorted(self._puppets):
             self._ask(WATCH_SENDER, WizardMode(robot, on=False))
@@ -145,9 +145,9 @@ class WatchRequestHandler:
         """Grant a request in JSON; return None, or the reason for a refusal.
 
         Args:
-            watcher: name of the connection; a request may name another sender, unless a key speaks.
+            watcher: name of the connection; a request without a key may name another sender.
             request: as `request_line` writes it.
-            key: name of the watcher's key; empty: it has none.
+            key: name of the watcher's key; empty if it has none.
         """
         said = {**request, "sender": watcher} if key else {"sender": watcher, **request}
         reason = self._ask_for(said)
@@ -201,7 +201,7 @@ class WatchRequestHandler:
         return None
 
     def _numbered(self, request: WatchRequest) -> WatchRequest:
-        """Return a request in which a goal is a researcher's and has a new number, whatever the watcher gave it."""
+        """Return the request; a goal in it gets a new number and the researcher as owner, whatever the watcher sent."""
         match request:
             case SendGoal(_, goal):
                 return replace(request, goal=replace(goal, id=next(self._goals), owner=GoalOwner.RESEARCHER))
@@ -230,12 +230,12 @@ def _is_far(value: object) -> bool:
 
 
 def objection(request: WatchRequest, robots: RobotTeam) -> str | None:
-    """Return the reason why these robots cannot take a request, for people; None where they can.
+    """Return the reason, for people, why these robots cannot accept a request; None if they can.
 
-    A session does not check requests, so all checks of a client's input are here.
+    A session does not check requests, so all checks of a watcher's input are here.
     """
     if not isinstance(request, PutThing | RemoveThing | WizardMove) and not 0 <= request.robot < robots.size:
-        return f"robot counts from 0 here, and there are {robots.size}"
+        return f"there is no robot {request.robot}: robots count from 0 here, and there are {robots.size}"
     match request:
         case SendGoal(_, goal):
             return _objection_to_pose(goal.base_in_map)
@@ -271,5 +271,5 @@ def _objection_to_pose(pose: Pose2) -> str | None:
 
 
 def _are_near(*numbers: float) -> bool:
-    """Return True when no number is farther from 0 than anything can be, or none at all (nan)."""
+    """Return True when each number is at most `FARTHEST` from 0; NaN is not."""
     return all(abs(number) <= FARTHEST for number in numbers)

@@ -1,1 +1,1 @@
-"""Trials of plug-ins: situations of all kinds, in which faults are collected."""
+"""Trials of plug-ins: plug-ins run in situations of all kinds, and their faults are collected."""

@@ -1,4 +1,4 @@
-"""Trial of a localizer: simulated drives with real sensors, and all requests that a localizer gets."""
+"""Trial of a localizer: simulated drives with realistic sensors, and all requests that a localizer gets."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
@@ -84,12 +84,12 @@ def _drive(
             scan = "a scan" if sensed.scan is not None else "no scan"
             trial.note(estimate.fault, remedy, (title, f"After {tick / TICKS_PER_SECOND:.2f} s, with {scan}"))
         if sensed.scan is not None or estimate.fault:
-            told = (estimate.base_in_map, estimate.covariance.tolist(), estimate.lost, estimate.updated)
-            yield f"{tick}: {told!r} {estimate.particles.tobytes().hex()}"
+            result = (estimate.base_in_map, estimate.covariance.tolist(), estimate.lost, estimate.updated)
+            yield f"{tick}: {result!r} {estimate.particles.tobytes().hex()}"
 
 
 def _room(walls: bool) -> OccupancyGrid:
-    """Return a map of a room, with a pillar, or of a hall too large for the laser."""
+    """Return a map of a room with a pillar, or of a hall too large for the laser's range."""
     cells = np.full((100, 160) if walls else (400, 400), FREE, np.int8)
     if walls:
         cells[[0, -1]] = cells[:, [0, -1]] = OCCUPIED

@@ -25,15 +25,15 @@ from thbridge.roles.shared.view import ParticipantRequest, View
 from thbridge.study.study_file import DialogueSection, Study
 
 LONGEST_GAME = 400 * TICKS_PER_SECOND
-"""Ticks after which a game counts as one that never ends."""
+"""Ticks after which a game counts as endless."""
 MOST_REFUSED = 10
-"""Times that the same request may be refused in a game."""
+"""Number of times that the same request may be refused in a game."""
 _TEAMS = ((DialogueCondition.SCRIPT, 1, ()), *((condition, 3, (0,)) for condition in DialogueCondition))
-"""Conditions, numbers of robots, and the indices of those that find no path."""
+"""Conditions, numbers of robots, and indices of robots that find no path."""
 
 
 class _OnTrial:
-    """Player whose faults are collected, and whose time is compared with that of a built-in participant."""
+    """Player that collects the faults of a participant, and compares its time with that of a built-in one."""
 
     def __init__(self, trial: PluginTrial, title: str, tried: InstalledParticipant, built_in: Bot) -> None:
         self._trial = trial
@@ -54,18 +54,18 @@ class _OnTrial:
 
 
 def try_participant(name: str, seed: int, seconds: float) -> PluginTrial:
-    """Return the trial of a simulated participant in games of all conditions, with robots that find no path, too.
+    """Return the trial of a simulated participant in games of all conditions, some with a robot that finds no path.
 
     Args:
         name: of the participant.
         seed: random seed.
-        seconds: of wall time that it may take for a view.
+        seconds: timeout of its reply to a view, in wall time.
 
     Raises:
         BadFile: there is no such participant; see `installed_participant`.
     """
     trial = PluginTrial("participant")
-    # One that argues: it reads all files that any game needs.
+    # A study with arguing robots, because it reads all files that any of the games needs.
     study = Study(templates="everyday-things", seed=seed, dialogue=DialogueSection(DialogueCondition.COLLABORATOR))
     setting = read_setting(study, Path())
     for condition, robots, stuck in _TEAMS:
@@ -81,7 +81,7 @@ def try_participant(name: str, seed: int, seconds: float) -> PluginTrial:
 def _play(
     trial: PluginTrial, title: str, setting: StudySetting, name: str, stuck: Sequence[int], seconds: float
 ) -> Iterator[str]:
-    """Play a game; yield all requests for each view."""
+    """Play a game; yield the requests for each view."""
     study, knowledge = setting.study, knowledge_of(setting.templates)
     caller = trial.caller(seconds)
 

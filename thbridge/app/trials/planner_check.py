@@ -23,7 +23,7 @@ _RESOLUTION = 0.05
 _FRAME = CostFrame(-1.0, -2.0, _RESOLUTION)
 _RADIUS, _INFLATION = 0.2, 0.5
 _QUERIES = 6
-"""Paths that are asked for on each map."""
+"""Number of paths to random goals on each map."""
 
 
 def try_planner(name: str, seed: int, seconds: float) -> PluginTrial:
@@ -39,7 +39,7 @@ def try_planner(name: str, seed: int, seconds: float) -> PluginTrial:
 
 
 def _maps(seed: int) -> Mapping[str, NDArray[np.int8]]:
-    """Return the cells of each map: walls around, and what its name says."""
+    """Return the cells of each map: outer walls, and what the map's name says."""
     empty = np.full((80, 120), FREE, np.int8)
     empty[[0, -1]] = empty[:, [0, -1]] = OCCUPIED
     gap, closed, scattered = empty.copy(), empty.copy(), empty.copy()
@@ -66,13 +66,13 @@ def _plan(
     cells: NDArray[np.int8],
     seed: int,
 ) -> Iterator[str]:
-    """Plan paths from a place to others, some of which cannot be reached; yield the paths."""
+    """Plan paths from one place to reachable and unreachable places; yield the paths."""
     planner, navfn = factory(software, seed), PotentialPlanner(Navfn(NavfnParameters()))
     costs = costmap(OccupancyGrid(cells, _RESOLUTION, Pose2(0.0, 0.0, 0.0)), _RADIUS, _INFLATION)
     key = noise.key(seed, "planner-check", place)
     start = Pose2(0.0, 0.0, 0.5)
     goals = [
-        start,  # The robot is there.
+        start,  # The robot is at its goal already.
         Pose2(100.0, 0.0, 0.0),  # Outside the map.
         *(
             Pose2(_FRAME.x + noise.uniform(key, number, 0) * 6.0, _FRAME.y + noise.uniform(key, number, 1) * 4.0, 1.0)

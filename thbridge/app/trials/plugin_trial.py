@@ -12,7 +12,7 @@ from thbridge.timing.slow_calls import ImpatientCaller, Stopwatch
 T = TypeVar("T")
 
 SLOWEST = 100.0
-"""Times that a plug-in may take as long as the built-in part in the same situations."""
+"""Largest factor by which a plug-in may be slower than the built-in part in the same situations."""
 NOT_DETERMINED = "with the same seed, it decided differently the second time"
 DETERMINED = "Use the arguments alone: keep nothing in the module, draw random numbers by the seed, sort sets"
 
@@ -23,11 +23,11 @@ class PluginTrial:
 
     Attributes:
         what: name of the kind of plug-in.
-        situations: number of situations that it was tried in.
+        situations: number of situations in which it was tried.
         faults: by their problems.
-        digest: of all that it has returned: the same in each process.
+        digest: of all its results; the same in each process.
         own: measures the time of its calls.
-        built_in: measures those of the built-in part.
+        built_in: measures the time of calls of the built-in part.
     """
 
     what: str
@@ -43,16 +43,16 @@ class PluginTrial:
         return self.own.seconds / self.built_in.seconds if self.built_in.seconds else 0.0
 
     def note(self, problem: str, remedy: str, position: Iterable[str]) -> None:
-        """Keep a fault, with the position in which it was found first."""
+        """Keep a fault, with the position in which it occurred first."""
         fault = self.faults.get(problem) or TrialFault(problem, remedy, tuple(position), 0)
         self.faults[problem] = replace(fault, times=fault.times + 1)
 
     def twice(self, title: str, play: Callable[[], Iterable[str]]) -> None:
-        """Play a situation twice, and compare what the plug-in returned.
+        """Play a situation twice, and compare the plug-in's results.
 
         Args:
             title: of the situation.
-            play: plays it, and yields all that the plug-in returned, as text.
+            play: plays it, and yields all results of the plug-in as text.
         """
         self.situations += 1
         first, again = [*play()], [*play()]
@@ -63,7 +63,7 @@ class PluginTrial:
             self.note(NOT_DETERMINED, DETERMINED, (title, *shown))
 
     def caller(self, seconds: float) -> PartCaller:
-        """Return the function that calls the plug-in: it measures calls, each with a timeout."""
+        """Return the function that calls the plug-in: it measures the time of calls, and gives each a timeout."""
         impatient = ImpatientCaller[Any](seconds)
 
         def call(asked: Callable[[], T], /) -> T:
@@ -73,8 +73,8 @@ class PluginTrial:
         return call
 
     def end(self) -> None:
-        """Judge its speed; to be called once, at the end."""
+        """Judge the plug-in's speed; must be called once, at the end."""
         if self.slowness > SLOWEST:
-            # No figure: it is another one each time.
+            # Without the measured factor, which differs in each run.
             problem = f"it takes more than {SLOWEST:.0f} times as long as the built-in {self.what}"
             self.note(problem, "Prepare in the factory what every call needs, or use numpy", ())

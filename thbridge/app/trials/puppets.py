@@ -1,4 +1,4 @@
-"""Robots' program of a trial: the game is played, but no robot is simulated."""
+"""The robots' program of a trial: the game is played, but robots are not simulated."""
 
 from collections.abc import Sequence
 
@@ -20,21 +20,21 @@ from thbridge.text_protocol.wire.notice import encode_notice
 
 
 class Puppets:
-    """Robots that are nowhere: each move takes the same time.
+    """Robots without a position: each move takes the same time.
 
     Args:
-        robots: number of them.
-        costs: energy of each move, by places as people count.
-        ticks: of a move.
+        robots: number of robots.
+        costs: energy of each move, by the places' numbers: 0 for the corridor, rooms from 1.
+        ticks: duration of a move.
         place: name of the map.
 
     Attributes:
         stuck: indices of robots that find no path.
-        mute: True when nobody is told that a room was reached.
+        mute: True if the line that a room was reached is not sent.
         conditions: of each robot.
         researchers: name of the researcher who commands each robot, if any.
-        unfit: reason why the keeper has turned the team away.
-        orders: all that the keeper has sent.
+        unfit: reason why the keeper has rejected the team.
+        orders: all orders of the keeper.
     """
 
     name = legacy.SIMR

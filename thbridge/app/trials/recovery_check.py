@@ -1,4 +1,4 @@
-"""Trial of a recovery behavior: places with and without room, each of which it has to end in."""
+"""Trial of a recovery behavior in places with and without room; it has to end in each of them."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -51,7 +51,7 @@ def _run(
     goal: Pose2 | None,
     seed: int,
 ) -> Iterator[str]:
-    """Run the behavior once on ideal wheels; yield its commands."""
+    """Run the behavior once, with ideal wheels; yield its commands."""
     cells = np.full((_CELLS, _CELLS), FREE, np.int8)
     for row, row_end, col, col_end in walls:
         cells[row:row_end, col:col_end] = OCCUPIED
@@ -85,7 +85,7 @@ def _controller(grid: OccupancyGrid) -> Controller:
 
 
 def _after(now: RecoverySituation, command: Twist, period: float) -> RecoverySituation:
-    """Return the situation after a command, which has no effect where it leads too near to a wall."""
+    """Return the situation after a command; a command that leads too near to a wall has no effect."""
     ahead = Pose2(command.linear * period, 0.0, command.angular * period)
     there = now.base_in_map.compose(ahead)
     frame, costs = now.frame, now.costs

@@ -42,9 +42,9 @@ def test_a_signature_is_left_behind():
 @pytest.mark.parametrize(
     ("wrong", "why"),
     [
-        ({"magic": 252}, "no frame begins with 252"),
+        ({"magic": 252}, "a frame cannot begin with 252"),
         ({"message_id": 0xFFFFFF}, "there is no message 16777215"),
-        ({"checksum": 1}, "its checksum is 1, and should be"),
+        ({"checksum": 1}, "its checksum is 1, but should be"),
         ({"sequence": 9}, "its checksum is"),
     ],
 )
