@@ -1,4 +1,4 @@
-"""Hider: the treasures' program of 2016. It draws the treasure of each room and answers questions about it."""
+"""Hider: the treasures' program of 2016. It chooses the treasure of each room and answers questions about it."""
 
 from collections.abc import Sequence
 from functools import cached_property
@@ -31,11 +31,11 @@ from thbridge.text_protocol.wire.lines import TextMessage
 from thbridge.text_protocol.wire.notice import COUNTED, Notice, encode_notice, is_notice, parse_notice
 
 KEEPER_TIMEOUT = TICKS_PER_SECOND
-"""Ticks that a question waits for a keeper; without any notice of a keeper it is then answered as in 2016."""
+"""Ticks that a question waits for a keeper; if no keeper has sent a notice, it is then answered as in 2016."""
 
 
 MOST_ROOMS = 1000
-"""More than any map has; a number beyond it is a mistake."""
+"""Largest accepted number of rooms, larger than that of any map; a larger number is a mistake."""
 
 _Question = AskTreasure | SnapTreasure | NameTreasure
 
@@ -43,15 +43,15 @@ _Question = AskTreasure | SnapTreasure | NameTreasure
 class Hider:
     """The treasures' role.
 
-    It draws the treasures of every game from its seed and the game's number, and gives them to the keeper, which
-    remembers them: a Hider that is restarted has nothing to restore. The keeper judges every question and determines
-    the reply. Without a keeper (at a server of another make) Hider answers by itself as it did in 2016.
+    It chooses the treasures of every game randomly, by its seed and the game's number, and sends them to the keeper,
+    which stores them. So a restarted Hider has nothing to restore. The keeper decides on every question and determines
+    the reply. Without a keeper (at a server of another make) Hider answers by itself as in 2016.
 
     Args:
         kinds: kinds of treasures, with their pictures.
-        seed: of the random choice.
-        rooms: number of rooms to fill without a keeper (that of the treasures file).
-        properties: that the kinds have.
+        seed: random seed.
+        rooms: number of rooms to fill if there is no keeper (that of the treasures file).
+        properties: properties of the kinds.
     """
 
     name = legacy.HIDER
@@ -69,7 +69,7 @@ class Hider:
         self._questions: list[tuple[int, _Question]] = []
 
     def connected(self) -> None:
-        """Introduce Hider to the keeper with the next step."""
+        """Introduce Hider to the keeper in the next step."""
         self._introduce = True
 
     def step(self, tick: int, messages: Sequence[TextMessage]) -> list[TextMessage]:
@@ -118,7 +118,7 @@ class Hider:
 
     @cached_property
     def _alone(self) -> tuple[TreasureKind, ...]:
-        """The treasures without a keeper."""
+        """The treasures if there is no keeper."""
         return self.hidden(1, self._rooms)
 
     def _answer(self, question: _Question) -> list[TextMessage]:

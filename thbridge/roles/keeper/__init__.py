@@ -1,1 +1,1 @@
-"""The keeper: the one authority for a game's state. It judges requests, and sends orders, views and pictures."""
+"""The keeper: the only authority for a game's state. It decides on requests, and sends orders, views and pictures."""

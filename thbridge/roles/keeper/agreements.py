@@ -27,10 +27,10 @@ MATTERS: dict[Scenario, DialogueMatter] = {
 
 
 class Agreements:
-    """Agreements that are not acted upon yet.
+    """Agreements on which the participant has not acted yet.
 
     Attributes:
-        all: these, oldest first.
+        all: the agreements, oldest first.
     """
 
     def __init__(self) -> None:
@@ -41,18 +41,18 @@ class Agreements:
         self.all += (consent,)
 
     def is_agreed(self, robot: int, matter: DialogueMatter, room: Room, name: str = "") -> bool:
-        """Return True when the participant may act on this now; of an agreement on a name, by this name."""
+        """Return True when the participant may act on this now; if a name was agreed upon, only with this name."""
         return any(
             (consent.robot, consent.matter, consent.room) == (robot, matter, room.people) and consent.name in {"", name}
             for consent in self.all
         )
 
     def has(self, robot: int, matter: DialogueMatter) -> bool:
-        """Return True when there is any with a robot on a matter."""
+        """Return True when there is an agreement with a robot on a matter."""
         return any((consent.robot, consent.matter) == (robot, matter) for consent in self.all)
 
     def covers(self, scenario: Scenario, robot: int, room: Room, name: str) -> bool:
-        """Return True when a dialogue about this would be about what is agreed."""
+        """Return True when a dialogue about this would repeat an agreement."""
         if scenario is Scenario.UNSURE_NAME:
             return any(
                 (consent.robot, consent.matter, consent.room) == (robot, MATTERS[scenario], room.people)
@@ -61,11 +61,11 @@ class Agreements:
         return self.is_agreed(robot, MATTERS[scenario], room, name)
 
     def withdraw(self, robot: int, matter: DialogueMatter) -> None:
-        """Withdraw an agreement, because it was acted upon or the matter is open again."""
+        """Withdraw an agreement, because it was carried out or its matter is open again."""
         self.all = tuple(consent for consent in self.all if (consent.robot, consent.matter) != (robot, matter))
 
     def drop_stale(self, state: GameState) -> None:
-        """Withdraw those that have no purpose any more."""
+        """Withdraw agreements that no longer have a purpose."""
         self.all = tuple(
             consent for consent in self.all if still_open(state, consent.robot, consent.matter, Room(consent.room))
         )
@@ -75,19 +75,19 @@ class LastSentences:
     """Last words of dialogues that have ended, at most one per robot.
 
     Attributes:
-        all: these, the newest last.
+        all: the last words, oldest first.
     """
 
     def __init__(self) -> None:
         self.all: tuple[LastWords, ...] = ()
 
     def keep(self, dialogue: Dialogue, utterances: tuple[DialogueUtterance, ...], *, agreed: bool) -> None:
-        """Keep how a dialogue has ended; where robots do as they are told without a word, there is nothing to keep."""
+        """Keep the last words of a dialogue, unless the robot agreed without a word."""
         if agreed and not dialogue.turns:
             return
         said_truly = true_utterances(utterances, agreed=agreed)
         topic, (said, speakers) = dialogue.topic, sentences(said_truly)
-        # Of what is done the robot's last sentence tells, of what is not only its conclusion.
+        # If the matter is carried out, the robot's last sentence says so; if not, only a conclusion does.
         is_told = agreed or any(isinstance(each.move, Conclude) for each in said_truly[-1:])
         matter = MATTERS[topic.scenario]
         words = LastWords(dialogue.number, topic.robot, matter, topic.room.people, said, speakers, agreed, is_told)
@@ -95,11 +95,11 @@ class LastSentences:
         self.all += (words,)
 
     def forget(self, robot: int) -> None:
-        """Forget those with a robot."""
+        """Forget the last words of a robot."""
         self.all = tuple(words for words in self.all if words.robot != robot)
 
     def drop_stale(self, state: GameState, agreements: Agreements) -> None:
-        """Forget those that matter no more."""
+        """Forget last words that no longer matter."""
         agreed = {(consent.robot, consent.matter, consent.room) for consent in agreements.all}
         self.all = tuple(
             words
@@ -111,13 +111,13 @@ class LastSentences:
 def sentences(
     utterances: Sequence[DialogueUtterance],
 ) -> tuple[tuple[str, ...], tuple[Literal["robot", "person"], ...]]:
-    """Return what was said and by whom; to look for a question, and to ask none after all, says nothing."""
+    """Return the sentences and their speakers; opening and closing the list of questions are no sentences."""
     said = [each for each in utterances if not isinstance(each.move, OpenQuestions | CloseQuestions)]
     return tuple(each.text for each in said), tuple(each.speaker.value for each in said)
 
 
 def true_utterances(utterances: tuple[DialogueUtterance, ...], *, agreed: bool) -> tuple[DialogueUtterance, ...]:
-    """Return what was said, without a conclusion that tells of something that is not done."""
+    """Return the utterances without conclusions about something that is not carried out."""
 
     def is_true(move: Move) -> bool:
         return agreed or not isinstance(move, Conclude) or move.about is None
@@ -126,7 +126,7 @@ def true_utterances(utterances: tuple[DialogueUtterance, ...], *, agreed: bool) 
 
 
 def still_open(state: GameState, robot: int, matter: DialogueMatter, room: Room) -> bool:
-    """Return True while a robot could still do what a dialogue or agreement is about."""
+    """Return True while a robot can still carry out the matter of a dialogue or agreement."""
     if state.ended is not None:
         return False
     if matter == "select-room":
@@ -136,7 +136,7 @@ def still_open(state: GameState, robot: int, matter: DialogueMatter, room: Room)
 
 
 def _still_matters(state: GameState, words: LastWords) -> bool:
-    """Return True until what was agreed is done; without an agreement, until the robot or its treasure moves on."""
+    """Return True until the agreement is carried out; without one, until the robot moves or the treasure is decided."""
     if state.ended is not None:
         return False
     robot, room = state.robots[words.robot], Room(words.room)

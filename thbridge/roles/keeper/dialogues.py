@@ -1,4 +1,4 @@
-"""Open dialogues of robots and participant, and agreements that were not acted upon yet."""
+"""Open dialogues of robots and participant, and agreements that are not carried out yet."""
 
 import math
 from dataclasses import dataclass, replace
@@ -39,12 +39,12 @@ class HeldTurn:
     """A puppet's turn in a dialogue, which waits for the person who speaks in its place.
 
     Attributes:
-        dialogue: its number.
-        turn: place of the move in it, from 0.
+        dialogue: number of the dialogue.
+        turn: index of the move in the dialogue, from 0.
         robot: index in the team, from 0.
         scenario: matter of the dialogue.
-        room: the room it is about, as people count.
-        sentences: for the legal moves, in their order.
+        room: number of the room it is about.
+        sentences: of the legal moves, in their order.
     """
 
     dialogue: int
@@ -56,22 +56,22 @@ class HeldTurn:
 
 
 class GameDialogues:
-    """The open dialogues of one game, at most one per robot, and the consents they led to.
+    """The open dialogues of one game, at most one per robot, and the agreements from them.
 
     Args:
         engine: runs the dialogues.
-        puppets: robots that a person speaks for (Wizard-of-Oz).
+        puppets: robots for which a person speaks (Wizard-of-Oz).
         room_names: names of the map's rooms.
 
     Attributes:
         puppets: the current ones.
-        argues: dialogues need the facts of robots.
-        asked_for_advice: puppets that the participant has asked where to go, in the order of asking; no dialogue yet.
+        argues: True if dialogues need the facts of robots.
+        asked_for_advice: puppets that the participant has asked where to go, in order; their dialogues begin later.
         under_way: the open dialogues.
-        agreements: not yet acted upon.
+        agreements: agreements that are not carried out yet.
         last_words: of dialogues that have ended.
         memories: of the robots.
-        not_restored: numbers of dialogues that were open when the game was cut off, and could not be taken up again.
+        not_restored: numbers of dialogues that were open when the game was interrupted, and could not be resumed.
     """
 
     def __init__(
@@ -117,7 +117,7 @@ class GameDialogues:
         name: str = "",
         restored: int | None = None,
     ) -> None:
-        """Open a dialogue; an earlier one with this robot is withdrawn, and an agreement on the same matter too.
+        """Open a dialogue. An earlier dialogue with this robot, and an agreement on the same matter, are withdrawn.
 
         Args:
             state: of the game.
@@ -126,10 +126,10 @@ class GameDialogues:
             room: the room that it is about.
             reason: of a suggestion, as part of a sentence.
             confidence: to be stated in a suggestion, 0 to 1, or None.
-            facts: of a robot that argues.
-            opener: the side that brings it up.
-            name: that the treasure is to be given.
-            restored: the number that it had before the game was cut off; what was said follows by `retake`.
+            facts: of an arguing robot.
+            opener: the side that opens it.
+            name: proposed name of the treasure.
+            restored: its number before the game was interrupted; its turns follow by `retake`.
         """
         self._forget(robot, MATTERS[scenario])
         room_name = self._room_names.name(room.people)
@@ -141,13 +141,13 @@ class GameDialogues:
         self._follow(state, self._engine.open(self._opened, topic, held=held, former=former))
 
     def retake(self, state: GameState, said: DialogueSaid) -> None:
-        """Take a turn again, as a journal has it; a dialogue in which it is not legal any more is withdrawn."""
+        """Repeat a turn from a journal; if it is no longer legal, the dialogue is withdrawn."""
         self._opened = max(self._opened, said.dialogue)
         dialogue = self.under_way.numbered(said.dialogue)
         if dialogue is None:
             return
         if said.turn < len(dialogue.turns):
-            # With the move that opens it.
+            # The opening move is made by `open`, and must only be the same.
             if move_text(dialogue.turns[said.turn].move) == said.move:
                 return
         elif said.turn == len(dialogue.turns):
@@ -161,30 +161,30 @@ class GameDialogues:
         self.not_restored += (dialogue.number,)
 
     def go_on(self, state: GameState) -> None:
-        """Let robots speak whose turn it was when the game was cut off; what was restored is not said again."""
+        """Let robots make the turns that were due when the game was interrupted; restored turns are not repeated."""
         self._utterances.clear()
         for dialogue in self.under_way:
             self._follow(state, self._engine.release(dialogue))
 
     def await_advice(self, robot: int) -> None:
-        """Note that the participant asked a puppet where to go; earlier dialogue and agreement are withdrawn."""
+        """Note that the participant asked a puppet where to go; its dialogue and agreement are withdrawn."""
         self._forget(robot, "select-room")
         self.asked_for_advice += (robot,)
 
     def has_advised(self, robot: int) -> bool:
-        """Return True while a request for this robot's advice has its effect: advice, or its agreement, or a wait."""
+        """Return True while an earlier request for this robot's advice is pending, discussed or agreed upon."""
         waits = robot in self.asked_for_advice or self.under_way.suggestion_stands(robot)
         return waits or self.agreements.has(robot, "select-room")
 
     def is_discussed(self, scenario: Scenario, robot: int, room: Room, name: str = "") -> bool:
-        """Return True while this robot and the participant talk about just this, or have agreed on it."""
+        """Return True while this robot and the participant talk about exactly this, or have agreed on it."""
         dialogue = self.under_way.of(robot)
         topic = None if dialogue is None else dialogue.topic
         is_open = topic is not None and (topic.scenario, topic.room, topic.name) == (scenario, room, name)
         return is_open or self.agreements.covers(scenario, robot, room, name)
 
     def answer(self, state: GameState, number: int, turn: int, choice: int) -> None:
-        """Make the participant's choice; one for an earlier turn changes nothing."""
+        """Make the participant's choice; a choice for an earlier turn changes nothing."""
         dialogue = self.under_way.at_turn(number, turn)
         choices = () if dialogue is None else self._engine.choices(dialogue)
         if dialogue is not None and 0 <= choice < len(choices):
@@ -192,7 +192,7 @@ class GameDialogues:
             self._follow(state, self._engine.move(dialogue, choices[choice].move, held=held))
 
     def decided_alone(self, state: GameState, robot: int, room: Room, waited: float) -> None:
-        """Let a robot say that it goes to a room by itself, after it has waited for so many seconds."""
+        """Let a robot announce that it goes to a room by its own decision, after it has waited `waited` seconds."""
         self._forget(robot, "select-room")
         topic = _topic(state, Scenario.DONT_KNOW, robot, room, self._room_names.name(room.people))
         self._opened += 1
@@ -208,7 +208,7 @@ class GameDialogues:
         self.puppets |= {robot}
 
     def release(self, state: GameState | None, robot: int) -> None:
-        """Let the robot speak for itself again, at once if it is its turn; a waiting request for advice is dropped."""
+        """Let the robot speak for itself again, at once if it is its turn; a pending request for advice is dropped."""
         self.puppets -= {robot}
         self.asked_for_advice = _without(self.asked_for_advice, robot)
         dialogue = self.under_way.of(robot)
@@ -216,7 +216,7 @@ class GameDialogues:
             self._follow(state, self._engine.release(dialogue))
 
     def speak_for(self, state: GameState, number: int, turn: int, move: int, text: str) -> None:
-        """Make a puppet's move; one for an earlier turn changes nothing."""
+        """Make a puppet's move; a move for an earlier turn changes nothing."""
         dialogue = self.under_way.at_turn(number, turn)
         choices = () if dialogue is None else self._engine.choices(dialogue, Speaker.ROBOT)
         if dialogue is not None and 0 <= move < len(choices):
@@ -239,7 +239,7 @@ class GameDialogues:
 
     @property
     def discussed(self) -> tuple[Discussed, ...]:
-        """Matters of open dialogues, then those of agreements not yet acted upon."""
+        """Matters of open dialogues, then those of agreements."""
         topics = (dialogue.topic for dialogue in self.under_way)
         return (
             *(Discussed(topic.robot, MATTERS[topic.scenario], topic.room.people) for topic in topics),
@@ -247,7 +247,7 @@ class GameDialogues:
         )
 
     def drop_stale(self, state: GameState) -> None:
-        """Withdraw dialogues without purpose: the robot left, the room is taken, or the treasure is decided."""
+        """Withdraw dialogues without a purpose: the robot has left, the room is taken, or the treasure is decided."""
         for dialogue in self.under_way:
             topic = dialogue.topic
             if not still_open(state, topic.robot, MATTERS[topic.scenario], topic.room):
@@ -292,7 +292,7 @@ class GameDialogues:
             self._utterances += step.utterances
             self.under_way.put(step.dialogue)
             return
-        # What both agreed upon in the end may have been done by another robot while they talked.
+        # While they talked, another robot may have done what they finally agreed upon.
         can_be_done = still_open(state, topic.robot, matter, topic.room)
         agreed = step.outcome is DialogueOutcome.CONSENSUS and can_be_done
         self.under_way.drop(topic.robot)
@@ -336,7 +336,7 @@ def _topic(state: GameState, scenario: Scenario, robot: int, room: Room, room_na
 
 
 def _nearest_other(state: GameState, robot: int, room: Room) -> int | None:
-    """Return the robot besides this one that could get to a room for the least energy, or None."""
+    """Return the other robot that could get to a room with the least energy, or None."""
     costs = {
         other: state.cost(other, room)
         for other, mover in enumerate(state.robots)

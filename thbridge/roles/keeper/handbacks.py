@@ -1,4 +1,4 @@
-"""Requests of the participant to get robots back from their commanders."""
+"""The participant's requests to get robots back from their commanders."""
 
 from sim.common.observations import TICKS_PER_SECOND
 from thbridge.hunt.events import CommanderChanged, HandbackRequested, JournalEntry
@@ -8,7 +8,7 @@ _ASK_AGAIN = 10 * TICKS_PER_SECOND
 
 
 class RecentHandbacks:
-    """Robots that the participant asked for a moment ago, and cannot ask for again yet."""
+    """Robots for which the participant has asked recently, and cannot ask again yet."""
 
     def __init__(self) -> None:
         # By robot, the tick of the request.

@@ -1,4 +1,4 @@
-"""Initiative of robots: what they suggest, open dialogues about, and decide by themselves."""
+"""Initiative of robots: their suggestions, the dialogues that they open, and their own decisions."""
 
 from msgspec import structs
 
@@ -18,7 +18,7 @@ from thbridge.roles.shared.view import RequestSuggestion
 from thbridge.text_protocol.wire.notice import kind_of
 
 _READING = 30 * TICKS_PER_SECOND
-"""Ticks that a robot gives the participant at least to read what it has said, and to answer."""
+"""Smallest number of ticks that a robot gives the participant to read its sentences and answer."""
 
 
 def suggest(game: OpenGame, state: GameState, robot: int, advice: Advice, *, unasked: bool = False) -> None:
@@ -27,7 +27,7 @@ def suggest(game: OpenGame, state: GameState, robot: int, advice: Advice, *, una
     if game.dialogues.argues:
         chosen = game.dialogues.memories.decision(game.where_facts(state, robot, room))
         if chosen is None:
-            sentence = "I know of no room that I should go to, after all that you have told me."
+            sentence = "After what you have said, I know of no room to go to."
             game.refuse(kind_of(RequestSuggestion), RequestRefused(NoTour.NOTHING_LEFT, sentence))
             return
         room = chosen
@@ -39,7 +39,7 @@ def suggest(game: OpenGame, state: GameState, robot: int, advice: Advice, *, una
 def discuss(
     game: OpenGame, state: GameState, scenario: Scenario, robot: int, room: Room, name: str | None = None
 ) -> None:
-    """Open the dialogue about what the participant wants, unless it is open or has led to an agreement.
+    """Open the dialogue about a participant's request, unless it is open already or has led to an agreement.
 
     Args:
         game: the open game.
@@ -47,7 +47,7 @@ def discuss(
         scenario: the decision.
         robot: index in the team.
         room: the room that it is about.
-        name: that the treasure is to be given; empty: she asks what it is; None: she does not say.
+        name: proposed name of the treasure. If empty, the participant asks what it is. If None, they propose no name.
     """
     if name == "" and game.dialogues.argues:
         scenario = Scenario.UNSURE_NAME
@@ -69,30 +69,30 @@ def _opening(
     return DialogueOpened(game.dialogues.next_number, scenario, robot, room, at, opener, advised)
 
 
-def decide_alone(game: OpenGame, patience: int) -> bool:
-    """Let robots decide that nobody has attended to for too long; return True if any did.
+def decide_alone(game: OpenGame, timeout: int) -> bool:
+    """Let robots decide that the participant has ignored for too long; return True if any robot was.
 
     Args:
         game: the open game.
-        patience: ticks after which a robot that nobody attends to decides by itself.
+        timeout: ticks without the participant's attention after which a robot decides by itself.
     """
     state = game.state
     if state is None:
         return False
     waiting = [
         robot
-        for robot in neglected(state, game.attended, game.tick, patience)
-        # Reading a robot's reasons is attending to it.
+        for robot in neglected(state, game.attended, game.tick, timeout)
+        # In an open dialogue the participant may be reading the robot's reasons, so it waits longer.
         if robot not in game.dialogues.under_way or game.tick - game.attended.get(robot, 0) >= _READING
     ]
     for robot in waiting:
         game.attend(robot)
         if game.state is not None:
-            _decide_alone(game, game.state, robot, patience)
+            _decide_alone(game, game.state, robot, timeout)
     return bool(waiting)
 
 
-def _decide_alone(game: OpenGame, state: GameState, robot: int, patience: int) -> None:
+def _decide_alone(game: OpenGame, state: GameState, robot: int, timeout: int) -> None:
     here = state.robots[robot].at
     names = game.knowledge.what(state, robot, here, game.tick).names if state.has_room(here) else ()
     decision = decide_about_treasure(state, robot, names)
@@ -105,11 +105,11 @@ def _decide_alone(game: OpenGame, state: GameState, robot: int, patience: int) -
     if decision is not None:
         game.record(decision.events)
         if decision.departs and game.state is not None:
-            game.dialogues.decided_alone(game.state, robot, decision.room, patience / TICKS_PER_SECOND)
+            game.dialogues.decided_alone(game.state, robot, decision.room, timeout / TICKS_PER_SECOND)
 
 
 def report_failures(game: OpenGame) -> None:
-    """Let robots that argue say where they would go instead, when they did not get where they were sent."""
+    """Let arguing robots suggest another room after they have failed to reach one."""
     unreached = game.knowledge.unreached
     for robot in unreached.to_report:
         state = game.state

@@ -1,7 +1,8 @@
-"""The keeper of the game: the one authority for what is hidden, visited, spent and scored.
+"""The keeper of the game: the only authority for treasures, visited rooms, energy and score.
 
-It lives beside the router, sees every line that is forwarded (a *tap*), and takes requests as notices. Its decisions
-are events; the caller must write them to the journal before it passes on the messages of the same step.
+It runs next to the router, reads every forwarded line (a *tap*), and receives requests as notices. Its decisions are
+events. The caller must write them to the journal before it passes on the messages of the same step, so that no program
+learns of an event that a crash could lose.
 """
 
 import math
@@ -94,9 +95,10 @@ _BEFORE_AGREEING = RequestRefused(KeeperReason.NOT_AGREED, "You have not agreed 
 _WISHES = {kind_of(kind) for kind in get_args(ParticipantRequest)}
 _AFTER_AGREEING = _WISHES - {kind_of(GiveConsent)}
 _COUNTED_WISHES = _AFTER_AGREEING - {kind_of(PlayAgain)}
-"""Requests that count once. The game that is over tells repetitions of `PlayAgain`, which waits until robots join."""
+"""Requests that count only once. `PlayAgain` names the finished game, so its repetitions have no effect anyway; it is
+repeated until robots join."""
 _QUOTED = 200
-"""Characters of a refused line that are repeated."""
+"""Largest number of characters of a refused line that are quoted."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,7 +106,7 @@ class GameRules:
     """Rules of the game that a study sets.
 
     Attributes:
-        seed: of the game's random numbers; recorded.
+        seed: random seed; recorded.
         energy: of each robot at the start.
         picture_cost: energy of taking a picture.
         identify_cost: energy of naming a treasure.
@@ -118,7 +120,7 @@ class GameRules:
     wrong_share: float
 
     def start(self, game: int, robots: int, costs: CostMatrix, properties: tuple[TreasureProperty, ...]) -> GameStarted:
-        """Return the start of the game of a number, with a team of this size; see `GameStarted`."""
+        """Return the start of the game with this number and a team of this size; see `GameStarted`."""
         return GameStarted(
             seed=self.seed,
             game=game,
@@ -134,7 +136,7 @@ class GameRules:
 
 @dataclass(frozen=True, slots=True)
 class ProgramRefusal:
-    """Something that a program asked for and did not get.
+    """Refusal of a program's request.
 
     Attributes:
         program: name of the program.
@@ -147,10 +149,10 @@ class ProgramRefusal:
     refused: RequestRefused
 
     def __str__(self) -> str:
-        """A sentence for logs: `TabUI asked "%%goto TabUI SimR 0 39 39 45", refused: Room 40 is not a room ...`."""
+        """Return a sentence for logs: `refused "%%goto TabUI SimR 0 39 39 45" of TabUI: Room 40 is not a room ...`."""
         if self.refused.reason == LineReason.NOBODY:
-            return f'{self.program} said "{self.asked}", which reached nobody: {self.refused.sentence}'
-        return f'{self.program} asked "{self.asked}", refused: {self.refused.sentence}'
+            return f'could not deliver "{self.asked}" of {self.program}: {self.refused.sentence}'
+        return f'refused "{self.asked}" of {self.program}: {self.refused.sentence}'
 
 
 @dataclass(frozen=True, slots=True)
@@ -158,10 +160,10 @@ class KeeperDecisions:
     """Decisions of one step of the keeper.
 
     Attributes:
-        entries: for the journal: the events of the game, and what was said between them, in order.
+        entries: for the journal: the events of the game and the utterances between them, in order.
         utterances: of its dialogues, in order.
         wizard: the turns that wait for a wizard.
-        refusals: of what programs have asked for, in order.
+        refusals: refused requests of programs, in order.
     """
 
     entries: tuple[JournalEntry, ...]
@@ -180,16 +182,17 @@ class Keeper:
 
     Args:
         rules: of the game.
-        engine: makes the dialogue engine of a game, given the game's number.
-        history: entries of the game in progress, oldest first, as the journal has them; empty for none.
-        last_game: number of the last game so far; the next one gets the number after it.
-        briefing: for participants, beside the state of the game.
+        engine: factory of the dialogue engine of a game, given the game's number.
+        history: entries of the game in progress from its journal, oldest first; empty for a new game.
+        last_game: number of the last game so far; the next game gets the number after it.
+        briefing: for participants, in addition to the state of the game.
         adviser: suggests rooms in the place of robots.
-        patience: ticks after which a robot that nobody attends to decides by itself; None: it waits for ever.
-        tells_refusals: True: programs of 2016 are told what is refused to them, by `%%error`.
+        attention_timeout: ticks without the participant's attention after which a robot decides by itself. If None, it
+            waits for an unlimited time.
+        tells_refusals: True sends refusals to programs of 2016, by `%%error`.
 
     Attributes:
-        decisions: those of the last step; its entries belong in the journal before anything else is done.
+        decisions: of the last step; its entries must be in the journal before anything else is done.
     """
 
     name = KEEPER
@@ -202,7 +205,7 @@ class Keeper:
         last_game: int = 0,
         briefing: Briefing | None = None,
         adviser: Adviser | None = None,
-        patience: int | None = None,
+        attention_timeout: int | None = None,
         *,
         tells_refusals: bool = False,
     ) -> None:
@@ -212,11 +215,11 @@ class Keeper:
         self._briefing = briefing or Briefing()
         knowledge = RobotKnowledge(adviser or Adviser(), self._briefing.kinds)
         self._game = OpenGame(engine, last_game, self._briefing.room_names, knowledge)
-        self._patience = patience
+        self._attention_timeout = attention_timeout
         self._game.restore(history)
         return_robots(self._game)
         self._legacy_lines = LegacyLines(self._game)
-        # The programs that are connected, and what they were sent last.
+        # The connected programs, with the last notices to them.
         self._team = ConnectedTeam(self._game)
         self._hider = ConnectedHider(self._game)
         self._participants = Participants(KEEPER, self._briefing)
@@ -235,24 +238,24 @@ class Keeper:
 
     @property
     def last_game(self) -> int:
-        """Number of the current game, or of the last one; before the first that before it."""
+        """Number of the current game, or of the last one; before the first game, the number before its own."""
         return self._game.last_game
 
     @property
     def dialogues_not_restored(self) -> tuple[int, ...]:
-        """Numbers of dialogues that were open when the game was cut off, and could not be taken up again."""
+        """Numbers of dialogues that were open when the game was interrupted, and could not be resumed."""
         return self._game.dialogues.not_restored
 
     @property
     def consent(self) -> ConsentStatus:
-        """State of the participant's agreement to take part."""
+        """State of the participant's consent to take part."""
         return self._consent.status(self.state)
 
     def connected(self) -> None:
         """Do nothing: the other programs introduce themselves to the keeper."""
 
     def tap(self, forwarded: Sequence[Forwarded]) -> None:
-        """Take the lines that were forwarded since the last step; call it right before `step`."""
+        """Process the lines that were forwarded since the last step; must be called right before `step`."""
         for item in forwarded:
             if item.message.sender == self.name and not item.delivered:
                 self._participants.note_unreachable(item.message.receiver)
@@ -275,7 +278,7 @@ class Keeper:
     def _handle_line(self, item: Forwarded) -> None:
         if self.state is None:
             return
-        # Programs of 2016 hold their dialogues internally: no consent of theirs is visible here.
+        # Only for our own programs: those of 2016 hold dialogues internally, and the keeper does not see agreements.
         ours = item.sender_extended and item.message.sender in self._participants
         request = decode_request_line(item)
         if ours and request is not None and self._consent.awaited(self.state):
@@ -294,7 +297,8 @@ class Keeper:
         if self._game.advance(tick):
             self._has_input = True
         attended = self.consent.recordable and not self._participants.is_empty
-        if attended and self._patience is not None and decide_alone(self._game, self._patience):
+        timeout = self._attention_timeout
+        if attended and timeout is not None and decide_alone(self._game, timeout):
             self._has_input = True
         requests, self._requests = self._requests, []
         for request in requests:
@@ -314,16 +318,16 @@ class Keeper:
                 now = self._game.refusal
                 if value.kind in _WISHES and now is not None and now is not last:
                     self._note_refusal(value.sender, value.kind, RequestRefused(now.reason, now.sentence))
-        # A robot that has stopped is priced anew by a message of the same tick.
+        # After the messages, because one of the same tick has the new prices of a robot that has stopped.
         report_failures(self._game)
         wizard = self.decisions.wizard
-        # State changes only by messages and requests; most ticks have none.
+        # Only then, because state changes only by messages and requests, and most ticks have none.
         if self._has_input:
             self._has_input = False
             if self.state is not None:
                 sense_for_stations(self._game, self.state)
             if self.state is not None:
-                # No decision of 2016's programs, which never give a treasure up, is awaited.
+                # Decisions are awaited only from our own programs: those of 2016 never give a treasure up.
                 awaits = not self._participants.is_empty
                 self._game.record(rules.ending(self.state, wait_for_decisions=awaits))
             self._send_notices()
@@ -371,18 +375,18 @@ class Keeper:
             case PlayAgain(game):
                 self._play_again(game)
             case ParticipantFault() | None:
-                pass  # The first is for the record alone.
+                pass  # A fault is only recorded.
             case _:
                 if state is not None:
                     awaits = self._hider.awaits_treasures(state)
                     handle_participant_request(self._game, state, value, awaits_treasures=awaits)
 
     def _is_turned_away(self, notice: Notice) -> bool:
-        """Return True for a request that is a repetition, or that comes before the participant has agreed."""
+        """Return True for a repeated request, or a request before the participant has agreed."""
         if self.state is None:
             return False
         if notice.kind in _COUNTED_WISHES and self._participants.is_repetition(notice):
-            # It was granted or refused; the view shows that.
+            # The first one was granted or refused, and the view shows the result.
             return True
         if notice.kind in _AFTER_AGREEING and self._consent.awaited(self.state):
             self._game.refuse(notice.kind, _BEFORE_AGREEING)
@@ -409,7 +413,7 @@ class Keeper:
 
     def _start(self, robots: int, costs: CostMatrix) -> None:
         started = self._rules.start(self._game.last_game + 1, robots, costs, self._briefing.properties)
-        # Agreement to take part, and commands of ground stations, outlast a game.
+        # Consent and the commands of ground stations stay valid after a game.
         former = self.state
         kept = () if former is None else kept_commands(former, robots)
         self._game.record((started, *self._consent.first_events(former), *kept))
@@ -450,7 +454,7 @@ class Keeper:
         self._send(legacy.SIMR, self._team.changed_permission(recordable=self.consent.recordable))
 
     def _debriefed(self, state: GameState) -> Debrief | None:
-        """Return the debrief of a game that is over, made once."""
+        """Return the debrief of a game that is over; it is computed once."""
         if state.ended is None:
             self._debrief = None
         elif self._debrief is None:
@@ -481,10 +485,10 @@ _SAID_BY = {
     **{kind_of(each): legacy.SIMR for each in (RobotsReady, TeamStatus, MoveCosts, ConsentQuery)},
     **{kind_of(each): legacy.HIDER for each in (HiderReady, HideTreasures)},
 }
-"""Kinds of notices that one program alone says; all others are participants'."""
+"""Kinds of notices that only one program may send; all others are the participants'."""
 
 
 def _is_from_its_program(notice: Notice) -> bool:
-    """Return True for a notice of the program that such notices are for: a right is one of saying these alone."""
+    """Return True if the sender may send notices of this kind: the rights of keys are granted by program."""
     program = _SAID_BY.get(notice.kind)
     return notice.sender not in _PROGRAMS if program is None else notice.sender == program

@@ -1,4 +1,4 @@
-"""Moves of the robots in one game: what is ordered to SimR, who was stopped, who did not get there."""
+"""Moves of the robots in one game: orders to SimR, stopped robots, and rooms that were not reached."""
 
 from thbridge.hunt.events import JournalEntry, MoveFailed, RobotArrived, RobotDeparted
 from thbridge.hunt.game import GameState
@@ -7,14 +7,14 @@ from thbridge.roles.shared.notices import MoveOrder
 
 
 class TeamMoves:
-    """Moves of a game's robots, by the numbers that orders to SimR have.
+    """Moves of a game's robots, by their numbers in orders to SimR.
 
     Args:
         robots: size of the team.
     """
 
     def __init__(self, robots: int) -> None:
-        # The number of each robot's latest move; then those of them that are ordered.
+        # By robot: number of the latest move, and number of the latest move that is ordered.
         self._latest = [0] * robots
         self._ordered = [0] * robots
         self._departures = 0
@@ -34,19 +34,19 @@ class TeamMoves:
         return self._ordered[robot] == self._latest[robot]
 
     def stop(self, robot: int) -> None:
-        """Stop a moving robot; its move ends when SimR reports how far it came."""
+        """Stop a moving robot; its move ends when SimR reports the driven share."""
         self._stopping.add(robot)
 
     def is_stopping(self, robot: int) -> bool:
-        """Return True while a robot that was to stop still moves."""
+        """Return True while a robot still moves after `stop`."""
         return robot in self._stopping
 
     def is_executing(self, state: GameState, robot: int, move: int) -> bool:
-        """Return True while a robot executes the move of this number."""
+        """Return True while a robot executes the move with this number."""
         return state.has_robot(robot) and state.robots[robot].bound_for is not None and self._latest[robot] == move
 
     def orders(self, state: GameState) -> tuple[MoveOrder | None, ...]:
-        """Return the order of each robot, and note these as sent."""
+        """Return the order of each robot, and note the orders as sent."""
         self._ordered = list(self._latest)
         return tuple(
             None
@@ -57,15 +57,15 @@ class TeamMoves:
 
 
 class UnreachedRooms:
-    """Rooms that robots did not reach lately, and the failures that they have not talked about yet."""
+    """Rooms that robots have recently failed to reach, and the failures that they have not talked about yet."""
 
     def __init__(self) -> None:
-        # By robot, the rooms that it could not reach since it last reached one.
+        # By robot, the rooms that it failed to reach since it last reached one.
         self._rooms: dict[int, frozenset[Room]] = {}
         self._to_report: set[int] = set()
 
     def note(self, event: JournalEntry, state: GameState | None, moves: TeamMoves) -> None:
-        """Note an event before it changes state and moves; a robot that reaches a room reconsiders all others."""
+        """Note an event before it changes state and moves; a robot that reaches a room considers all rooms again."""
         if isinstance(event, RobotArrived):
             self._rooms.pop(event.robot, None)
         elif isinstance(event, MoveFailed) and state is not None and not moves.is_stopping(event.robot):
@@ -75,14 +75,14 @@ class UnreachedRooms:
                 self._to_report.add(event.robot)
 
     def of(self, robot: int) -> frozenset[Room]:
-        """Return the rooms that a robot could not reach."""
+        """Return the rooms that a robot has failed to reach."""
         return self._rooms.get(robot, frozenset())
 
     @property
     def to_report(self) -> list[int]:
-        """Robots that did not get where they were sent, and have not said so yet."""
+        """Robots that failed to reach a room and have not talked about it yet."""
         return sorted(self._to_report)
 
     def reported(self) -> None:
-        """Forget the failures, which robots have talked about, or will not."""
+        """Forget the failures: robots have talked about them, or will not."""
         self._to_report.clear()

@@ -1,4 +1,4 @@
-"""Open dialogues of one game, and what robots remember of earlier ones."""
+"""Open dialogues of one game, and the robots' memories of earlier ones."""
 
 from collections.abc import Iterator
 
@@ -24,7 +24,7 @@ class OpenDialogues:
         return robot in self._by_robot
 
     def put(self, dialogue: Dialogue) -> None:
-        """Put a dialogue in the place of that with its robot, or last."""
+        """Replace the dialogue of the same robot, or add the dialogue at the end."""
         self._by_robot[dialogue.topic.robot] = dialogue
 
     def drop(self, robot: int) -> None:
@@ -32,11 +32,11 @@ class OpenDialogues:
         self._by_robot.pop(robot, None)
 
     def of(self, robot: int) -> Dialogue | None:
-        """Return the dialogue with a robot."""
+        """Return the dialogue with a robot, or None."""
         return self._by_robot.get(robot)
 
     def numbered(self, number: int) -> Dialogue | None:
-        """Return the dialogue of a number."""
+        """Return the dialogue with this number, or None."""
         return next((dialogue for dialogue in self._by_robot.values() if dialogue.number == number), None)
 
     def robot_of(self, number: int) -> int | None:
@@ -45,36 +45,36 @@ class OpenDialogues:
         return None if dialogue is None else dialogue.topic.robot
 
     def at_turn(self, number: int, turn: int) -> Dialogue | None:
-        """Return the dialogue of this number if it is at this turn."""
+        """Return the dialogue with this number if it is at this turn, otherwise None."""
         dialogue = self.numbered(number)
         return dialogue if dialogue is not None and len(dialogue.turns) == turn else None
 
     def suggestion_stands(self, robot: int) -> bool:
-        """Return True while participant and robot talk about a room that the robot suggested."""
+        """Return True while participant and robot talk about a room that the robot has suggested."""
         given = self.of(robot)
         return given is not None and given.topic.scenario is Scenario.DONT_KNOW
 
 
 class RobotMemories:
-    """By robot: the situation it was in when it last talked, and all that was said and believed."""
+    """By robot: the situation of its last dialogue, and all that was said and believed in it."""
 
     def __init__(self) -> None:
         self._memories: dict[int, tuple[WhereFacts | WhatFacts, Conversation]] = {}
 
     def note(self, dialogue: Dialogue) -> None:
-        """Remember a dialogue of a robot that argues."""
+        """Store a dialogue of an arguing robot."""
         if dialogue.conversation is not None and dialogue.topic.facts is not None:
             self._memories[dialogue.topic.robot] = (situation_of(dialogue.topic.facts), dialogue.conversation)
 
     def former(self, robot: int, facts: WhereFacts | WhatFacts) -> Conversation | None:
-        """Return what was said before; where the situation is another one, without what was decided in the last."""
+        """Return the earlier conversation; if the situation has changed since, without its decisions."""
         if robot not in self._memories:
             return None
         situation, conversation = self._memories[robot]
         return conversation if situation == situation_of(facts) else conversation.begun_anew(is_decision)
 
     def decision(self, facts: WhereFacts) -> Room | None:
-        """Return the room that a robot would go to by itself, in the light of what it was told; None: none."""
+        """Return the room that a robot would choose by itself, given what the participant has said; or None."""
         decision = decision_of(facts, self.former(facts.robot, facts))
         goes = None if decision is None else decision.proposition
         return goes.room if isinstance(goes, NextRoom) else None

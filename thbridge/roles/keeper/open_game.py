@@ -1,4 +1,4 @@
-"""The open game: its state, the journal entries of this step, the dialogues, the last refusal."""
+"""The open game: its state, the journal entries of this step, the dialogues, and the last refusal."""
 
 from collections.abc import Callable, Iterable, Sequence
 
@@ -29,10 +29,10 @@ from thbridge.roles.shared.view import RefusalView
 
 
 class OpenGame:
-    """The game in progress, as the keeper knows it; every change is an entry of the journal and passes through here.
+    """The game in progress in the keeper. Every change of it is an entry of the journal and passes through here.
 
     Args:
-        engine: makes the dialogue engine of a game, given the game's number.
+        engine: factory of the dialogue engine of a game, given the game's number.
         last_game: number of the last game so far.
         room_names: names of the map's rooms.
         knowledge: of robots.
@@ -40,14 +40,13 @@ class OpenGame:
     Attributes:
         state: of the game; None before the first.
         last_game: number of the current game, or of the last one.
-        tick: present tick. Ticks go on where they were when the game was cut off, so that what was said before is not
-            the fresher.
-        attended: by robot, the tick at which something last happened to it, or was asked of it.
+        tick: present tick. After an interruption of the game ticks continue, so that earlier utterances stay older.
+        attended: by robot, the tick of the last event or request that concerned it.
         dialogues: of the game.
         moves: of the robots.
-        handbacks: robots that the participant asked for a moment ago.
+        handbacks: robots for which the participant has recently asked.
         knowledge: of robots.
-        refusal: the last one in this game, for the view.
+        refusal: the last refusal in this game, for the view.
     """
 
     def __init__(
@@ -73,7 +72,7 @@ class OpenGame:
         self._utterances: list[DialogueUtterance] = []
 
     def advance(self, tick: int) -> bool:
-        """Set the current tick; return True when a robot may be asked for again."""
+        """Set the current tick; return True when the participant may ask for a robot again."""
         self.tick = self._restored_until + tick
         return self.handbacks.advance(self.tick)
 
@@ -82,7 +81,7 @@ class OpenGame:
         self.attended[robot] = self.tick
 
     def restore(self, history: Iterable[JournalEntry]) -> None:
-        """Restore state and dialogues from the journal of an unfinished game; nothing of it is recorded again."""
+        """Restore state and dialogues from the journal of an unfinished game; no entry is recorded again."""
         for entry in history:
             if isinstance(entry, DialogueOpened):
                 self.tick = self._restored_until = round(entry.at * TICKS_PER_SECOND)
@@ -97,25 +96,25 @@ class OpenGame:
         """Apply entries, and queue them for the journal."""
         for entry in entries:
             self._gather_utterances()
-            # What is said in a dialogue comes after its opening.
+            # Utterances are queued first, so that the journal has those of a dialogue right after its opening.
             self._entries.append(entry)
             self._apply(entry)
         if entries and self.state is not None:
             self.dialogues.drop_stale(self.state)
 
     def _gather_utterances(self) -> None:
-        """Queue what was said since the last call for the journal."""
+        """Queue the utterances since the last call for the journal."""
         fresh = self.dialogues.take_utterances()
         self._utterances += fresh
         self._entries += [
             DialogueSaid(said.dialogue, said.index, said.speaker, said.author, move_text(said.move), said.text)
             for said in fresh
-            # It follows from the turns, and is none.
+            # A conclusion follows from the turns and is not a turn.
             if not isinstance(said.move, Conclude)
         ]
 
     def apply_ruling(self, request: str, ruling: rules.Ruling) -> bool:
-        """Record the events of a ruling, or keep its refusal for the view; return True if it was allowed."""
+        """Record the events of a ruling, or keep its refusal for the view; return True if it is allowed."""
         if isinstance(ruling, RequestRefused):
             self.refuse(request, ruling)
             return False
@@ -128,15 +127,15 @@ class OpenGame:
         self.refusal = RefusalView(self._refusals, request, refused.reason, refused.sentence)
 
     def advice(self, state: GameState, robot: int) -> Advice | RequestRefused:
-        """Return what a robot suggests now."""
+        """Return the present advice of a robot."""
         return self.knowledge.advice(state, self.dialogues, robot)
 
     def where_facts(self, state: GameState, robot: int, advised: Room) -> WhereFacts:
-        """Return what a robot that argues knows about where to go, and which room its planner has chosen."""
+        """Return an arguing robot's facts about where to go; `advised` is the room that its planner has chosen."""
         return self.knowledge.where(state, self.dialogues, robot, self.tick, advised)
 
     def stop(self, robot: int) -> None:
-        """Stop a moving robot; its move ends when SimR reports how far it came, or now if it was never ordered."""
+        """Stop a moving robot. Its move ends when SimR reports the driven share, or now if SimR has no order yet."""
         if self.state is not None and not self.moves.is_ordered(robot):
             self.apply_ruling("Failed", rules.fail(self.state, robot, CALLED_BACK, 0.0))
         else:
@@ -149,7 +148,7 @@ class OpenGame:
         return tuple(entries)
 
     def take_utterances(self) -> tuple[DialogueUtterance, ...]:
-        """Return what was said since the last call, in order."""
+        """Return the utterances since the last call, in order."""
         self._gather_utterances()
         utterances, self._utterances = self._utterances, []
         return tuple(utterances)

@@ -1,4 +1,4 @@
-"""SimR and Hider as the keeper knows them: what they said last, and what they were sent."""
+"""The keeper's records of SimR and Hider: their last notices, and the last notices to them."""
 
 from contextlib import suppress
 
@@ -25,7 +25,7 @@ from thbridge.text_protocol.wire.notice import kind_of
 
 
 class ConnectedTeam:
-    """SimR, as far as it is connected: its robots, where they are, its last orders.
+    """SimR, once it has connected: its robots, their poses, its last orders.
 
     Args:
         game: the open game.
@@ -39,26 +39,26 @@ class ConnectedTeam:
         self.ready: RobotsReady | None = None
         self._poses: tuple[tuple[float, float, float], ...] | None = None
         self._ordered: Orders | None = None
-        # The answer to SimR's last question for consent; None: it has not asked.
+        # The last answer to SimR's question for consent; None if SimR has not asked.
         self._permission: RecordingPermission | None = None
 
     @property
     def map(self) -> str | None:
-        """Name of the map that the robots are on; None while that is unknown."""
+        """Name of the robots' map; None while that is unknown."""
         return None if self.ready is None else self.ready.map
 
     @property
     def from_starts(self) -> tuple[tuple[float | None, ...], ...]:
-        """Energy from the start of each robot to each place; empty where that is not known."""
+        """Energy from the start of each robot to each place; empty if unknown."""
         return () if self.ready is None else self.ready.from_starts
 
     def begin(self, game: int) -> None:
-        """Price moves from the starts, because a game begins."""
+        """Begin a game: price moves from the starts."""
         self.price(MoveCosts(game, self.from_starts))
         self._poses = None
 
     def take_status(self, status: TeamStatus) -> None:
-        """Take in where robots are, and which moves have ended."""
+        """Process a status: the robots' poses, and moves that have ended."""
         game = self._game
         state = game.state
         if state is None or status.game != state.started.game or state.ended is not None:
@@ -85,7 +85,7 @@ class ConnectedTeam:
                 game.apply_ruling("Commanded", rules.intervene(game.state, robot, researcher))
 
     def price(self, priced: MoveCosts) -> None:
-        """Take in what moves cost from where robots stand."""
+        """Process the costs of moves from where robots stand."""
         state = self._game.state
         if state is None or priced.game != state.started.game or len(priced.costs) != len(state.robots):
             return
@@ -94,7 +94,7 @@ class ConnectedTeam:
                 self._game.apply_ruling("Priced", rules.price(state, robot, costs))
 
     def orders(self, state: GameState, *, with_poses: bool) -> Orders | None:
-        """Return the orders for SimR, with the poses to put robots at; None: without these it has them."""
+        """Return the orders for SimR, optionally with poses for the robots; None if SimR already has these orders."""
         orders = Orders(
             game=state.started.game,
             moves=self._game.moves.orders(state),
@@ -111,24 +111,24 @@ class ConnectedTeam:
         return orders
 
     def permission(self, *, recordable: bool) -> RecordingPermission:
-        """Return the answer to the question whether the participant may be recorded."""
+        """Return the answer to SimR's question if the participant may be recorded."""
         self._permission = RecordingPermission(recordable)
         return self._permission
 
     def changed_permission(self, *, recordable: bool) -> RecordingPermission | None:
-        """Return the answer if it is another than before; None where SimR has not asked."""
+        """Return the answer if it has changed; None if it has not, or if SimR has not asked."""
         known = self._permission
         return None if known in {None, RecordingPermission(recordable)} else self.permission(recordable=recordable)
 
 
 class ConnectedHider:
-    """Hider, as far as it is connected.
+    """Hider, once it has connected.
 
     Args:
         game: the open game.
 
     Attributes:
-        ready: it has joined.
+        ready: True when it has joined.
     """
 
     def __init__(self, game: OpenGame) -> None:
@@ -140,14 +140,14 @@ class ConnectedHider:
         return self.ready and state.treasures is None
 
     def request(self) -> HideRequest | None:
-        """Return the request to hide the treasures, if they are still to be hidden."""
+        """Return the request to hide the treasures; None if there is nothing to hide."""
         state = self._game.state
         if state is None or not self.awaits_treasures(state) or state.ended is not None:
             return None
         return HideRequest(state.started.game, len(state.rooms))
 
     def hide(self, hidden: HideTreasures) -> None:
-        """Take in what Hider has hidden."""
+        """Record the treasures that Hider has hidden."""
         state = self._game.state
         fresh = state is not None and state.treasures is None and state.started.game == hidden.game
         if state is None or not fresh or len(hidden.treasures) != len(state.rooms):

@@ -1,1 +1,1 @@
-"""Programs of the participant: TabUI, and the simulated participants that may sit at it."""
+"""Programs of the participant: TabUI, and the simulated participants that may use it."""

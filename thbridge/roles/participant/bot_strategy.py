@@ -1,13 +1,13 @@
-"""The simulated participants that there are, by name."""
+"""The built-in simulated participants, by name."""
 
 from enum import StrEnum
 
 
 class BotStrategy(StrEnum):
-    """Strategy by which a simulated participant chooses rooms.
+    """Strategy of a simulated participant for choosing rooms.
 
-    `suggestion` takes the robot's advice, `nearest` the room that costs the robot least, `random` any room; the last
-    one also breaks off one dialogue in ten.
+    `suggestion` follows the robot's advice, `nearest` chooses the room that costs the robot least, `random` any room.
+    `random` also breaks off one dialogue in ten.
     """
 
     SUGGESTION = "suggestion"

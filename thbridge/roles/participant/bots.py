@@ -1,4 +1,4 @@
-"""Simulated participants, which decide from the view alone, as a person in front of the window does."""
+"""Simulated participants, which decide only from the view, as a person in front of the window does."""
 
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
@@ -37,19 +37,17 @@ from thbridge.roles.shared.view import (
 STOP_PROBABILITY = 0.1
 """Probability that the `random` participant answers Stop."""
 MAX_ATTEMPTS = 3
-"""Times that a robot is sent to a room that it does not reach, and that a treasure there is talked about in vain."""
+"""Number of failed moves of a robot to a room, or of failed talks about a treasure, after which the bot gives up."""
 TALKS_AS_USUAL, TALKS_ABOUT_ROOMS, MOST_TALKS = 2, 4, 6
-"""Talks with a robot in vain after which its advice is asked no more, rooms are named no more, and it is left alone.
-
-In between, when rooms are named no more, the participant takes whatever the robot advises.
-"""
+"""Numbers of failed talks with a robot after which the bot no longer asks for advice, no longer chooses rooms itself,
+and no longer talks with the robot. Between the last two it asks for advice again, and accepts any."""
 DEAR = 2.0
-"""Energy, as a multiple of the cheapest room's, beyond which a room costs too much for somebody cautious."""
+"""Energy, as a multiple of the cheapest room's, above which a room is too expensive for a cautious participant."""
 
 
 @dataclass(frozen=True, slots=True)
 class TreasureKnowledge:
-    """Knowledge of the participant: which treasures there are and what a picture of each shows.
+    """Knowledge of the participant: all treasures, and what a picture of each shows.
 
     Attributes:
         kinds: of the participant's treasure list.
@@ -63,21 +61,25 @@ class TreasureKnowledge:
 class Bot:
     """A simulated participant; a player for TabUI.
 
-    It plays each robot on its own: it looks at what a robot found before that robot goes on, names a treasure that
-    what is known of it determines, otherwise lets the robot sense more where that costs less than a picture, or takes a
-    picture and tells what only people can tell, as far as the energy suffices, and else gives the treasure up.
-    For a robot that somebody else commands it only decides about the treasures found, and waits. A room that a robot
-    did not reach is left for last, whatever the strategy, and after three attempts for good. A lost robot is sent once,
-    because it may localize itself while it drives. When nothing is left to request, the bot ends the game.
+    It handles each robot separately. Before a robot drives on, the bot decides about the treasure that the robot found:
 
-    Talks that end without an agreement are counted until the robot drives again: after two about one room the bot
-    names another one, after some more it takes the robot's advice, and in the end it leaves that robot alone.
+    * If the known properties determine its name, the bot names it.
+    * Otherwise the robot senses more, if that costs less than a picture.
+    * Otherwise the bot takes a picture and enters the properties that only people can recognize.
+    * If the energy does not suffice for that, the bot leaves the treasure.
+
+    For a robot with another commander the bot only decides about the treasures found, and waits. Rooms that a robot
+    did not reach come last with any strategy, and are given up after three attempts. A lost robot is sent once, because
+    it may localize itself while it drives. When nothing is left to request, the bot ends the game.
+
+    Talks that end without an agreement are counted until the robot drives again. After two about one room the bot
+    chooses another room, after some more it follows the robot's advice, and in the end it stops talking with the robot.
 
     Args:
         strategy: chooses rooms.
         knowledge: of treasures.
-        seed: of its random numbers; only `random` and the sceptical draw any.
-        attitude: towards what robots say.
+        seed: random seed; only `random` and the sceptical attitude use random numbers.
+        attitude: toward what robots say.
     """
 
     def __init__(
@@ -97,11 +99,11 @@ class Bot:
         self._destinations: dict[int, int] = {}
         self._failed_moves: Counter[tuple[int, int]] = Counter()
         self._lost: set[int] = set()
-        # By robot: the last request to talk, and what became of it as far as the views have shown.
+        # By robot: the last request to talk that has no result in the views yet.
         self._asked: dict[int, _TalkRequest] = {}
         self._talking: set[int] = set()
         self._refusals = 0
-        # By robot, since it last drove: rooms talked about in vain, and None for advice.
+        # By robot: rooms of failed talks since it last drove; None stands for advice.
         self._vain: dict[int, list[int | None]] = {}
         self._vain_matters: Counter[tuple[str, int]] = Counter()
 
@@ -145,7 +147,7 @@ class Bot:
                 self._destinations[robot.robot] = robot.moving_to
 
     def _count_talks_in_vain(self, view: View) -> None:
-        """Count the talks that ended without an agreement, or to which the robot was not ready at all."""
+        """Count the talks that ended without an agreement, or that were refused."""
         is_refused = view.refusal is not None and view.refusal.number > self._refusals
         self._refusals = self._refusals if view.refusal is None else view.refusal.number
         talking = {*view.thinking, *(dialogue.robot for dialogue in view.dialogues)}
@@ -193,7 +195,7 @@ class Bot:
         vain = self._vain.get(robot.robot, [])
         if not open_to_it or len(vain) >= MOST_TALKS:
             return
-        # Elsewhere the robot would suggest the room that it missed, again and again.
+        # Otherwise the robot would suggest the room that it did not reach again and again.
         is_advised = self._strategy is BotStrategy.SUGGESTION and fresh == rooms and len(vain) < TALKS_AS_USUAL
         if is_advised or len(vain) >= TALKS_ABOUT_ROOMS:
             yield RequestSuggestion(robot.robot)
@@ -202,7 +204,7 @@ class Bot:
             yield SelectRoom(robot.robot, self._choice(view, robot, untold or open_to_it))
 
     def _is_given_up(self, robot: int, room: int) -> bool:
-        """True for a room that a robot has not reached too often, whatever anybody says."""
+        """Return True for a room that a robot has failed to reach too often."""
         return self._failed_moves[robot, room] >= MAX_ATTEMPTS
 
     def _affordable(self, view: View, robot: RobotView, taken: set[int]) -> list[int]:
@@ -212,7 +214,7 @@ class Bot:
 
     def _choice(self, view: View, robot: RobotView, rooms: Sequence[int]) -> int:
         if self._strategy is BotStrategy.RANDOM:
-            # The same choice while nothing happened to this robot, another one after each dialogue broken off.
+            # The choice stays the same while the robot's state does; it changes after each dialogue broken off.
             turn = (len(self._stopped) * len(view.costs) + robot.place) * len(view.robots) + robot.robot
             return rooms[int(noise.uniform(self._choices, turn, 0) * len(rooms))]
         costs = view.costs_from(robot)
@@ -230,7 +232,7 @@ class Bot:
         return AnswerDialogue(dialogue.dialogue, dialogue.turn, policy.reply(dialogue, self._opinion(view, dialogue)))
 
     def _opinion(self, view: View, dialogue: DialogueView) -> Opinion:
-        """Return what the participant makes of a dialogue's matter, by the costs that the view shows."""
+        """Return the participant's opinion of a dialogue's matter, by the costs in the view."""
         if dialogue.matter != "select-room":
             return Opinion(is_own=True)
         robot = view.robots[dialogue.robot]
@@ -292,7 +294,7 @@ class Bot:
         ]
 
     def _measured(self, view: View, robot: RobotView, room: RoomView) -> MeasureProperty | None:
-        """Return the request for a property that tells fitting treasures apart for less energy than a picture."""
+        """Return the request for a property that distinguishes the fitting treasures for less energy than a picture."""
         fitting = self._fitting(room)
         telling = [
             each
@@ -306,7 +308,7 @@ class Bot:
         return MeasureProperty(room.room, min(telling, key=lambda each: each.cost).name) if telling else None
 
     def _told(self, view: View, room: RoomView, name: str) -> TellProperty | None:
-        """Return the next property that a person tells by the picture of a treasure."""
+        """Return the next property that a person recognizes on the picture of a treasure."""
         shown = next((kind for kind in self._knowledge.kinds if kind.name == name), None)
         untold = (each for each in view.properties if each.told_by is Teller.PERSON and each.name not in room.told)
         each = next(untold, None)
@@ -320,6 +322,6 @@ _TalkRequest: TypeAlias = SelectRoom | RequestSuggestion | OpenDialogue
 
 
 def _waits_for(robot: RobotView, room: RoomView) -> bool:
-    """Return True when this robot has to sense the treasure in a room, or to name one that it found there earlier."""
+    """Return True when this robot has to sense the treasure in a room, or to name one that it has found there."""
     beside = robot.place == room.room and robot.moving_to is None
     return room.undecided and room.robot == robot.robot and (room.found or beside)

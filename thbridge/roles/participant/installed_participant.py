@@ -1,4 +1,4 @@
-"""Simulated participants that labs bring, as plug-ins."""
+"""Simulated participants of labs, as plug-ins."""
 
 import copy
 from collections.abc import Callable, Sequence
@@ -15,11 +15,11 @@ from thbridge.roles.shared.participant_lines import encode_request_line
 from thbridge.roles.shared.view import ParticipantRequest, View
 
 MOST_REQUESTS = 1000
-"""Greatest number of requests for one view."""
+"""Largest number of requests for one view."""
 
 
 ParticipantCaller: TypeAlias = Callable[[Callable[[], Sequence[ParticipantRequest]]], Sequence[ParticipantRequest]]
-"""Function that calls a lab's program, and returns what it returns."""
+"""Function that calls a lab's program and returns its result."""
 
 
 class ParticipantFactory(Protocol):
@@ -29,24 +29,24 @@ class ParticipantFactory(Protocol):
         """Return the participant of one game.
 
         Args:
-            knowledge: treasures that there are, and what a picture of each shows.
-            attitude: of the study toward what robots say.
+            knowledge: all treasures, and what a picture of each shows.
+            attitude: toward what robots say, as the study sets it.
             seed: random seed of the study. The same seed and views must give the same requests.
         """
         ...
 
 
 class InstalledParticipant:
-    """Simulated participant of a lab. Where it fails, a built-in participant decides, and that is reported.
+    """Simulated participant of a lab. If it fails, a built-in participant decides, and the failure is reported.
 
     Args:
         player: the lab's participant.
         stand_in: the built-in participant.
         call: calls the lab's program; in a trial, with a timeout.
-        report: takes each fault.
+        report: called with each fault.
 
     Attributes:
-        fault: the error of the last view; empty where there was none.
+        fault: the error of the last view; empty if there was none.
     """
 
     def __init__(
@@ -64,12 +64,12 @@ class InstalledParticipant:
 
     def requests(self, view: View) -> Sequence[ParticipantRequest]:
         """Return the requests of the lab's participant, or those of the built-in one; see `Player`."""
-        # A copy, so that what is done to it changes nothing here.
+        # A copy, so that the lab's program cannot change the view of the session.
         given = copy.deepcopy(view)
         try:
             requests = self._call(lambda: _checked(self._player.requests(given)))
         except RAISED as error:
-            # The game goes on, whatever the lab's program does.
+            # The game must continue, whatever the lab's program raises.
             self.fault = str(error) if isinstance(error, _NotARequest) else told_error(error)
         else:
             self.fault = ""
@@ -78,12 +78,12 @@ class InstalledParticipant:
         return self._stand_in.requests(view)
 
 
-class _NotARequest(Exception):  # noqa: N818 - it is the fault of a program of others, as a sentence
+class _NotARequest(Exception):  # noqa: N818 - the sentence describes the fault of a lab's program
     pass
 
 
 def _checked(returned: object) -> Sequence[ParticipantRequest]:
-    """Return requests that can be sent. Raises _NotARequest: one of them cannot."""
+    """Return the requests of a result. Raises _NotARequest if one of them cannot be sent."""
     if isinstance(returned, str | bytes) or not hasattr(returned, "__iter__"):
         raise _NotARequest(f"it returned a {type(returned).__name__}, not a list of requests")
     requests: list[ParticipantRequest] = []

@@ -1,4 +1,4 @@
-"""Replies of a simulated participant in dialogues: which of the choices it makes, by its attitude."""
+"""Replies of a simulated participant in dialogues: its choices, by its attitude."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -8,25 +8,25 @@ from thbridge.dialogue.games.strategies import Attitude
 from thbridge.roles.shared.view import DialogueView
 
 MOST_REPLIES = 8
-"""Replies of a sceptic in one dialogue, after which it gives in or leaves."""
+"""Number of replies in one dialogue after which a sceptic gives in or leaves."""
 MOST_TALK = 24
-"""Replies of any participant in one dialogue, after which it leaves: a robot may mishear it again and again."""
+"""Number of replies in one dialogue after which any participant leaves: a robot may mishear it again and again."""
 QUESTION_PROBABILITY = 0.2
 """Probability that a sceptic asks something before it replies."""
 REJECTION_PROBABILITY = 0.5
-"""Probability that a sceptic does not accept what it has heard reasons for, and that it does not give in at last."""
+"""Probability that a sceptic rejects a claim after hearing reasons, and that it does not give in at the end."""
 STOP_PROBABILITY = 0.3
-"""Probability that a sceptic stops a robot that asks scripted questions about a room that it did not choose."""
+"""Probability that a sceptic stops a robot that asks scripted questions about a room the sceptic did not choose."""
 
 
 @dataclass(frozen=True, slots=True)
 class Opinion:
-    """Opinion of a participant of what a dialogue is about.
+    """Opinion of a participant about the matter of a dialogue.
 
     Attributes:
-        is_own: they brought it up.
-        is_liked: no other room costs less.
-        is_dear: it costs much more than another room.
+        is_own: True if the participant brought it up.
+        is_liked: True if no other room costs less.
+        is_dear: True if it costs much more than another room.
     """
 
     is_own: bool = False
@@ -36,16 +36,16 @@ class Opinion:
 
 @dataclass(frozen=True, slots=True)
 class ReplyPolicy:
-    """Policy by which a simulated participant replies in dialogues: a function of the view and of its seed.
+    """Policy for the replies of a simulated participant in dialogues: a function of the view and of its seed.
 
-    The credulous make the first choice, the most agreeable one. The cautious agree to what they would choose
-    themselves; they challenge anything else, and accept the reasons; where none can be asked for, they stop what costs
-    too much. The sceptical challenge whatever they can, reject half of what they hear reasons for, hold to what they
-    chose, ask questions now and then, and in the end give in or leave.
+    The credulous make the first choice, which is the most agreeable one. The cautious agree to what they would choose
+    themselves. They challenge anything else, and accept the reasons; if they cannot ask for reasons, they stop what
+    costs too much. The sceptical challenge whatever they can, reject half of what is justified to them, insist on their
+    own choices, sometimes ask questions, and in the end give in or leave.
 
     Attributes:
-        attitude: towards what robots say.
-        seed: of its random numbers; only the sceptical draw any.
+        attitude: toward what robots say.
+        seed: random seed; only the sceptical use random numbers.
     """
 
     attitude: Attitude
@@ -66,12 +66,12 @@ class ReplyPolicy:
         if act is None:
             return 0
         found = [choice for choice, offered in enumerate(dialogue.acts) if offered == act]
-        # A sceptic has its wish, and other reasons; the others put forward what comes first.
+        # A sceptic chooses randomly among equal acts, for example among reasons; the others choose the first.
         varies = self.attitude is Attitude.SCEPTICAL
         return found[int(self._chance("reasons", dialogue) * len(found))] if varies else found[0]
 
     def _sceptical(self, dialogue: DialogueView, is_own: bool) -> tuple[str, ...]:
-        """Return the acts that a sceptic would make, the one it likes best first."""
+        """Return the acts that a sceptic would choose, in order of preference."""
         doubts = self._chance("rejections", dialogue) < REJECTION_PROBABILITY
         if "continue" in dialogue.acts:
             stops = not is_own and self._chance("stops", dialogue) < STOP_PROBABILITY
@@ -81,7 +81,7 @@ class ReplyPolicy:
         if "open-questions" in dialogue.acts and self._chance("questions", dialogue) < QUESTION_PROBABILITY:
             return ("open-questions",)
         insists = ("override", "assert") if is_own else ()
-        # Whoever is asked has three answers: that it is so, that it is not so, and not to know.
+        # Three assertions are the answers to a question of the robot: yes, no, and don't know.
         answers = ("assert",) if dialogue.acts.count("assert") == 3 else ()
         return ("enquire", "challenge", *insists, "reject" if doubts else "accept", "question", *answers, "leave")
 
@@ -90,7 +90,7 @@ class ReplyPolicy:
 
 
 def _cautious(dialogue: DialogueView, opinion: Opinion) -> Sequence[str]:
-    """Return the acts that somebody cautious would make, the one they like best first."""
+    """Return the acts that a cautious participant would choose, in order of preference."""
     if "continue" in dialogue.acts:
         return ("stop",) if opinion.is_dear and not opinion.is_own else ("continue",)
     liked = ("accept",) if opinion.is_liked else ()

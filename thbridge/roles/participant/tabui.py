@@ -1,4 +1,4 @@
-"""TabUI: the program of a participant, who is a person or simulated."""
+"""TabUI: the program of a participant, who may be a person or simulated."""
 
 from collections.abc import Sequence
 from typing import Protocol, TypeAlias, assert_never
@@ -36,9 +36,9 @@ REJOIN_PERIOD = TICKS_PER_SECOND // 2
 """Ticks after joining again before a request is sent again: the first view may show its effect."""
 
 NUMBER_PERIOD = 30 * TICKS_PER_SECOND
-"""Ticks after which a request that the player still has gets another number: its effect was lost before it was seen.
+"""Ticks after which a request that the player still makes gets a new number, because its effect must have been lost.
 
-After this time without a connection, the server has closed it.
+The server closes a connection that is interrupted for this time.
 """
 
 RENEWAL_PERIOD = 3 * TICKS_PER_SECOND
@@ -54,34 +54,35 @@ class ParticipantObserver(Protocol):
     """Observer of the notices to a participant, such as a window."""
 
     def observe(self, level: ParticipantUpdate) -> None:
-        """Take a notice; called in the order of arrival."""
+        """Receive a notice; called in the order of arrival."""
 
 
 class Player(Protocol):
-    """Decision maker for the participant: a window, a bot."""
+    """Decision maker for the participant: a window or a bot."""
 
     def requests(self, view: View) -> Sequence[ParticipantRequest]:
         """Return the requests for this view; called for every new view, and again after `RETRY_PERIOD`."""
 
 
 class TabUI:
-    """Sends a player's requests, as lines of 2016 where there are such, and repeats them until the view shows them.
+    """The participant's role, which sends a player's requests and repeats them until the view shows their effects.
 
-    It holds no state of the game: a TabUI that starts in the middle of one goes on with the next view.
+    Requests are lines of 2016 if such lines exist, otherwise notices. TabUI keeps no state of the game: if it starts
+    during a game, it continues with the next view.
 
     Args:
         player: decides.
-        observer: takes all notices; without one TabUI does not subscribe to pose telemetry.
-        consent: of a participant who agreed to take part before this program joined; it is the first thing said.
-        first_number: number of its first request. Where another program of the same mark may follow, such as a window
-            that was opened again, it is random: the keeper must not take new requests for repetitions of old ones.
+        observer: receives all notices; without one TabUI does not subscribe to pose telemetry.
+        consent: of a participant who agreed to take part before this program joined; it is sent first.
+        first_number: number of its first request. It is random if another program with the same mark may follow, such
+            as a window that is opened again, so that the keeper does not mistake new requests for repetitions.
 
     Attributes:
         view: the latest view, None before the first.
-        room_names: of the game's map, as far as the keeper has told.
-        texts: of the game's language; likewise.
-        run: marks this run of the program; see `ParticipantReady`.
-        declined: the participant has said that they do not take part; this program is to leave then.
+        room_names: of the game's map; empty until the keeper has sent them.
+        texts: of the game's language; None until the keeper has sent them.
+        run: mark of this run of the program; see `ParticipantReady`.
+        declined: True when the participant has declined to take part; this program must leave then.
     """
 
     name = legacy.TABUI
@@ -103,7 +104,7 @@ class TabUI:
         self.declined = False
         self._introduce = False
         self._renew_at: int | None = None
-        # By request that the player has now: its number, and the tick up to which that is good; when it was last sent.
+        # By current request of the player: its number and the tick up to which that is used; the tick it was last sent.
         self._numbers: dict[ParticipantRequest, tuple[int, int]] = {}
         self._sent: dict[ParticipantRequest, int] = {}
         self._last_number = first_number - 1
@@ -111,16 +112,16 @@ class TabUI:
         self._fault = ""
 
     def connected(self) -> None:
-        """Request the view from the keeper with the next step; requests sent before may be lost."""
+        """Request the view from the keeper in the next step; requests sent before may be lost."""
         self._introduce = True
         self._renew_at = 0
 
     def poll_player(self) -> None:
-        """Ask the player with the next step, even if the view has not changed: a person has decided."""
+        """Ask the player in the next step even if the view has not changed, because a person has decided."""
         self._next_poll = 0
 
     def decline(self) -> None:
-        """Tell the keeper with the next step that the participant does not take part."""
+        """Inform the keeper in the next step that the participant does not take part."""
         self.declined = True
 
     def step(self, tick: int, messages: Sequence[TextMessage]) -> list[TextMessage]:
@@ -145,7 +146,7 @@ class TabUI:
         outgoing: list[TextMessage] = []
         if self._introduce:
             self._introduce = False
-            # The view that comes next may show that they were not lost.
+            # Requests are repeated a little later, since the next view may show that they were not lost.
             self._sent = dict.fromkeys(self._sent, tick + REJOIN_PERIOD - RETRY_PERIOD)
             self._next_poll = min(self._next_poll, tick + REJOIN_PERIOD)
             if self._consent is not None:
@@ -179,7 +180,7 @@ class TabUI:
         return self._last_number, tick + NUMBER_PERIOD
 
     def _note_refusal(self, view: View) -> None:
-        """Forget the numbers of refused requests: a player that still has one of them asks again."""
+        """Forget the numbers of refused requests, so that a player that still makes one of them sends it again."""
         if view.refusal is not None and (self.view is None or view.refusal != self.view.refusal):
             wish = view.refusal.wish
             self._numbers = {
@@ -188,6 +189,6 @@ class TabUI:
 
 
 def _decode_update(message: TextMessage) -> ParticipantUpdate | None:
-    """Return the notice in a message, or None when it holds none for participants or is malformed."""
+    """Return the notice in a message; None if it is malformed or not for participants."""
     update = _UPDATES.read(message)
     return None if isinstance(update, View) and not update.is_consistent() else update

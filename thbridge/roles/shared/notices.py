@@ -1,6 +1,6 @@
-"""Notices by which the game's own programs keep each other up to date; see docs/design.md.
+"""Notices with which the game's own programs keep each other up to date; see docs/design.md.
 
-Each holds a state and not a change, so a notice that is sent twice does no harm.
+Each contains a state and not a change, so a notice that is sent twice does no harm.
 """
 
 import base64
@@ -19,7 +19,7 @@ from thbridge.text_protocol.wire.notice import NoticeDecoder, NoticeValue
 KEEPER = "Game"
 """Name of the keeper at the text server."""
 LARGEST_TEXTS = 1_000_000
-"""Most bytes of a language's texts, unpacked."""
+"""Largest size of a language's texts, unpacked, in bytes."""
 
 
 class RobotsReady(NoticeValue, frozen=True, tag="RobotsReady"):
@@ -28,8 +28,8 @@ class RobotsReady(NoticeValue, frozen=True, tag="RobotsReady"):
     Attributes:
         map: name of the map.
         robots: size of the team.
-        costs: energy from place to place as people count them, None where there is no move.
-        from_starts: energy from the start of each robot to each place; empty: `costs` holds there.
+        costs: energy from place to place, by number: 0 for the corridor, rooms from 1; None where there is no move.
+        from_starts: energy from the start of each robot to each place; if empty, `costs` applies there.
     """
 
     map: str
@@ -40,7 +40,7 @@ class RobotsReady(NoticeValue, frozen=True, tag="RobotsReady"):
 
 @dataclass(frozen=True, slots=True)
 class MoveOrder:
-    """An order to drive to a room. `move` numbers the moves of one game; `room` is as people count."""
+    """An order to drive to a room. `move` numbers the moves of one game; `room` counts from 1."""
 
     move: int
     room: int
@@ -51,11 +51,11 @@ class Orders(NoticeValue, frozen=True, tag="Orders"):
 
     Attributes:
         game: number of the game; a new one begins with every robot at its start.
-        moves: one entry a robot; None where it shall stand.
-        energy: one entry a robot.
-        at: the room each stands in as people count, 0 the corridor; while it moves, the room it set out from.
-        poses: last known x, y, theta of every robot, for a SimR that is restarted within a game.
-        taken: robots that somebody else than the participant commands; text lines of 2016 do not drive them.
+        moves: one entry per robot; None for a robot that shall stand.
+        energy: one entry per robot.
+        at: room in which each robot stands, from 1, or 0 for the corridor; for a moving robot, where it started.
+        poses: last known x, y, theta of every robot, for a SimR that is restarted during a game.
+        taken: robots that are not commanded by the participant; text lines of 2016 do not drive them.
     """
 
     game: int
@@ -68,7 +68,7 @@ class Orders(NoticeValue, frozen=True, tag="Orders"):
 
 @dataclass(frozen=True, slots=True)
 class MoveResult:
-    """Result of the move of this number.
+    """Result of a move.
 
     Attributes:
         move: number of the order.
@@ -89,10 +89,10 @@ class TeamStatus(NoticeValue, frozen=True, tag="Status"):
     Attributes:
         game: number of the game that SimR plays; 0 before the first orders.
         poses: x, y, theta of every robot.
-        results: one entry a robot; None during a move and before the first.
-        conditions: one entry a robot.
-        researchers: one entry a robot, the name of the researcher who intervenes now, or None; empty from programs
-            that do not report it.
+        results: one entry per robot; None during a move and before the first.
+        conditions: one entry per robot.
+        researchers: one entry per robot: the name of the researcher who intervenes now, or None. Empty from programs
+            that do not report researchers.
     """
 
     game: int
@@ -103,12 +103,12 @@ class TeamStatus(NoticeValue, frozen=True, tag="Status"):
 
 
 class MoveCosts(NoticeValue, frozen=True, tag="MoveCosts"):
-    """SimR to keeper: what moves cost from where the robots stand.
+    """SimR to keeper: the costs of moves from where the robots stand.
 
     Attributes:
         game: as in `TeamStatus`.
-        costs: one entry a robot, the energy to each place as people count them, None where there is no move; an empty
-            entry for a robot whose costs are not known.
+        costs: one entry per robot: the energy to each place, by number as in `RobotsReady`, None where there is no
+            move. The entry of a robot with unknown costs is empty.
     """
 
     game: int
@@ -116,7 +116,7 @@ class MoveCosts(NoticeValue, frozen=True, tag="MoveCosts"):
 
 
 class HiderReady(NoticeValue, frozen=True, tag="HiderReady"):
-    """Hider to keeper: Hider is ready; the keeper answers with `HideRequest` when its game has no treasures yet."""
+    """Hider to keeper: Hider is ready; the keeper answers with `HideRequest` if its game has no treasures yet."""
 
 
 class HideRequest(NoticeValue, frozen=True, tag="HidePlease"):
@@ -127,14 +127,14 @@ class HideRequest(NoticeValue, frozen=True, tag="HidePlease"):
 
 
 class HideTreasures(NoticeValue, frozen=True, tag="HideTreasures"):
-    """Hider to keeper: the treasure of each room, room 1 first, each as journals hold it (`hunt.codec`)."""
+    """Hider to keeper: the treasure of each room, room 1 first, each in the form of journals (`hunt.codec`)."""
 
     game: int
     treasures: tuple[Mapping[str, str | int | None], ...]
 
 
 class LegacyReply(NoticeValue, frozen=True, tag="Reply"):
-    """Keeper to Hider: send this line of the 2016 dialect, which the keeper has judged, to the participant."""
+    """Keeper to Hider: send this line of the 2016 dialect, on which the keeper has decided, to the participant."""
 
     command: str
     text: str
@@ -144,7 +144,7 @@ class ParticipantReady(NoticeValue, frozen=True, omit_defaults=True, tag="Partic
     """Participant to keeper: the program is ready for views.
 
     Attributes:
-        run: marks this run of the program: another one may be another person's. Empty: unknown.
+        run: mark of this run of the program; another run may be another person's. Empty if unknown.
     """
 
     run: str = ""
@@ -165,7 +165,7 @@ class Subscribe(NoticeValue, frozen=True, tag="Subscribe"):
 
 
 Activity = Literal["resting", "planning", "driving", "waiting", "clearing", "silent"]
-"""Activity of a robot: "waiting" lets another one pass, "clearing" tries to get free."""
+"""Activity of a robot: "waiting" is to let another one pass, "clearing" is to try to get free."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -177,7 +177,7 @@ class RobotMotion:
         waits_for: the robot that it lets pass.
         progress: driven share of the path, 0 to 1; 0 at rest.
         remaining: meters still to drive; 0 at rest.
-        makes_way_for: the robot that has the right of way while this one waits for it, or drives aside or round it.
+        makes_way_for: the robot with the right of way, while this one waits for it, drives aside or drives round it.
     """
 
     doing: Activity = "resting"
@@ -189,7 +189,7 @@ class RobotMotion:
 
 @dataclass(frozen=True, slots=True)
 class Ellipse:
-    """Ellipse that holds 95 % of a robot's position belief: half axes in meters, the longer one turned by `angle`."""
+    """Ellipse with 95 % of the probability of a robot's position: half axes in meters, the longer one at `angle`."""
 
     major: float
     minor: float
@@ -197,13 +197,13 @@ class Ellipse:
 
 
 class PoseTelemetry(NoticeValue, frozen=True, tag="Whereabouts"):
-    """SimR to subscribers: estimated poses of the robots, and what else the study shows; many times a second.
+    """SimR to subscribers: estimated poses of the robots, and all else that the study shows; many times a second.
 
     Attributes:
-        tick: of the simulation, 50 to the second.
+        tick: of the simulation, 50 per second.
         poses: estimated x, y, theta of every robot, map frame.
-        motions: one entry a robot.
-        ellipses: one entry a robot, if the study shows the uncertainty of poses.
+        motions: one entry per robot.
+        ellipses: one entry per robot, if the study shows the uncertainty of poses.
         truth: true x, y, theta of every robot, only if the study shows that.
     """
 
@@ -219,7 +219,7 @@ class PlannedPaths(NoticeValue, frozen=True, tag="Ways"):
 
     Attributes:
         tick: of the simulation.
-        ways: x, y of each robot's planned path in the map frame, thinned; empty without one.
+        ways: x, y of each robot's planned path in the map frame, thinned; empty if the robot has no path.
     """
 
     tick: int
@@ -231,7 +231,7 @@ class RoomOutline:
     """A room on the map.
 
     Attributes:
-        room: its number as people count, from 1.
+        room: its number, from 1.
         name: for people.
         region: x, y of the corners of its floor, map frame, meters.
         goal: x, y, theta of the robots' goal pose in it.
@@ -248,11 +248,11 @@ class FloorPlan(NoticeValue, frozen=True, tag="House"):
 
     Attributes:
         map: its name.
-        resolution: meters a cell.
+        resolution: meters per cell.
         origin: x, y, theta of the lower left corner of the cells, map frame.
         width: cells in a row.
         height: rows.
-        cells: one byte a cell, 0 free, 1 wall, 2 unknown, row 0 at the origin; packed by zlib, in base 64.
+        cells: one byte per cell, 0 free, 1 wall, 2 unknown, row 0 at the origin; packed with zlib, in base 64.
         rooms: room 1 first.
         footprint: x, y of the corners of a robot's body, its own frame, meters.
     """
@@ -277,7 +277,7 @@ class GameTexts(NoticeValue, frozen=True, tag="Texts"):
 
     Attributes:
         language: name of the language.
-        packed: the texts as JSON, packed by zlib, in base 64.
+        packed: the texts as JSON, packed with zlib, in base 64.
     """
 
     language: str
@@ -289,7 +289,7 @@ class GameTexts(NoticeValue, frozen=True, tag="Texts"):
         return cls(texts.language, base64.b64encode(zlib.compress(msgspec.json.encode(texts), 9)).decode("ascii"))
 
     def texts(self) -> Texts | None:
-        """Return the texts; None where they are malformed."""
+        """Return the texts; None if they are malformed."""
         try:
             unpacker = zlib.decompressobj()
             unpacked = unpacker.decompress(base64.b64decode(self.packed, validate=True), LARGEST_TEXTS)
@@ -303,7 +303,7 @@ class PicturePiece(NoticeValue, frozen=True, tag="Picture"):
 
     Attributes:
         game: number of the game.
-        room: its number as people count.
+        room: its number, from 1.
         piece: number of the piece, from 0.
         pieces: number of all pieces.
         data: the bytes of this piece of the image file, in base 64.
@@ -317,14 +317,14 @@ class PicturePiece(NoticeValue, frozen=True, tag="Picture"):
 
 
 class ConsentQuery(NoticeValue, frozen=True, tag="MayRecord"):
-    """SimR to keeper: tell whether the participant may be recorded, now and whenever that changes."""
+    """SimR to keeper: asks if the participant may be recorded, now and after every change."""
 
 
 class RecordingPermission(NoticeValue, frozen=True, tag="Recordable"):
     """Keeper to SimR, in answer to `ConsentQuery`.
 
     Attributes:
-        granted: the participant has agreed to take part, or the study does not ask, or their program cannot.
+        granted: True if the participant has agreed to take part, the study does not ask, or their program cannot ask.
     """
 
     granted: bool

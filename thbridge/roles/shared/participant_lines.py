@@ -1,4 +1,4 @@
-"""Lines of the participant's requests: those of 2016 where there are such, else notices to the keeper."""
+"""Lines of the participant's requests: a line of 2016 if one exists, otherwise a notice to the keeper."""
 
 from thbridge.hunt.rooms import Room
 from thbridge.roles.shared.notices import KEEPER
@@ -13,7 +13,7 @@ LineRequest = SendRobot | SenseTreasure | TakePicture | IdentifyTreasure
 
 
 def encode_request_line(request: ParticipantRequest, number: int | None = None) -> TextMessage:
-    """Return the message for a request: a line of 2016 where there is one, else a notice to the keeper.
+    """Return the message for a request: a line of 2016 if one exists, otherwise a notice to the keeper.
 
     Args:
         request: the request.
@@ -33,7 +33,7 @@ def encode_request_line(request: ParticipantRequest, number: int | None = None) 
 
 
 def decode_request_line(line: Forwarded) -> LineRequest | None:
-    """Return the request in a line of 2016, whoever its receiver is; None if it holds none."""
+    """Return the request in a line of 2016 to any receiver; None if the line contains no request."""
     match line.legacy_value:
         case legacy.GotoRoom(robot, room):
             return SendRobot(robot, Room.of_wire(room).people)

@@ -1,9 +1,9 @@
-"""Rules for the participant's requests: the game's own, and those about what robots and participant talk about.
+"""Rules for the participant's requests: the game's own rules, and the rules about dialogues and agreements.
 
-`judge` answers "may the participant do this?" for everybody. The keeper asks it about the game itself; a window asks
-it about the part of the game that its view reveals (`revealed`), so that it offers what the keeper will grant. That
-part has all that these rules read, except two facts of a few ticks or of programs of 2016: whether Hider is still
-about to hide the treasures, and whether a Hider of 2016 keeps them to itself.
+`judge` decides if the participant may do something. The keeper applies it to the game itself. A window applies it to
+the part of the game that its view reveals (`revealed`), so that it offers what the keeper will grant. That part has
+everything that these rules read, with two exceptions: if Hider is still about to hide the treasures (for a few ticks),
+and if a Hider of 2016 does not reveal them.
 """
 
 import math
@@ -55,7 +55,7 @@ JudgedRequest: TypeAlias = (
 
 
 class KeeperReason(StrEnum):
-    """Reason of the keeper for a refusal of what the game's own rules allow."""
+    """Reason of the keeper for refusing something that the game's own rules allow."""
 
     NO_CONSENSUS = "no-consensus"
     NOT_READY = "not-ready"
@@ -66,7 +66,7 @@ class KeeperReason(StrEnum):
 
 
 class Discussed(NamedTuple):
-    """Subject that robot and participant talk about, or have agreed on and not carried out yet."""
+    """Matter that robot and participant discuss, or have agreed on but not carried out yet."""
 
     robot: int
     matter: DialogueMatter
@@ -75,12 +75,12 @@ class Discussed(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Situation:
-    """All that decides about a request.
+    """All facts that decide about a request.
 
     Attributes:
         state: of the game.
         discussed: matters of open dialogues, then those of agreements.
-        awaits_treasures: Hider is about to hide them; until then no robot is sent.
+        awaits_treasures: True while Hider is about to hide the treasures; until then no robot is sent.
     """
 
     state: GameState
@@ -89,7 +89,7 @@ class Situation:
 
 
 def judge(now: Situation, request: JudgedRequest) -> rules.Ruling:
-    """Return a refusal, or events: of what the participant asks to talk about, those that would follow an agreement."""
+    """Return a refusal or events; for a request to open a dialogue, the events that would follow an agreement."""
     state = now.state
     match request:
         case SelectRoom(robot, room):
@@ -115,23 +115,23 @@ def judge(now: Situation, request: JudgedRequest) -> rules.Ruling:
 
 
 def other_candidate(discussed: Sequence[Discussed], room: Room, robot: int) -> int | None:
-    """Return another robot with which it is discussed or agreed that it goes to this room, or None."""
+    """Return another robot for which going to this room is discussed or agreed, or None."""
     others = (about.robot for about in discussed if (about.matter, about.room) == ("select-room", room.people))
     return next((other for other in others if other != robot), None)
 
 
 def free_to_discuss(now: Situation, robot: int) -> list[Room]:
-    """Return the rooms that are neither visited nor reserved, nor discussed with other robots."""
+    """Return the rooms that are not visited, not reserved, and not discussed with other robots."""
     return [room for room in now.state.free_rooms if other_candidate(now.discussed, room, robot) is None]
 
 
 def place(number: int) -> Room:
-    """Return the place of a number as people count. A negative one becomes the corridor, which every rule refuses."""
+    """Return the place with this number. A negative number becomes the corridor, which every rule refuses."""
     return Room(max(number, 0))
 
 
 def revealed(view: View) -> Situation:
-    """Return the situation as far as a view reveals it; what it does not reveal is empty, and no rule here reads it."""
+    """Return the situation as far as a view reveals it; the rest is empty, and no rule here reads it."""
     matters: list[DialogueView | Consent] = [*view.dialogues, *view.consents]
     started = GameStarted(
         seed=0,
@@ -152,7 +152,7 @@ def revealed(view: View) -> Situation:
         robots=tuple(_robot(view, robot) for robot in view.robots),
         rooms=tuple(_room(room) for room in view.rooms),
         score=view.score,
-        # Rules read only whether a game has ended; a view of a later release may give a reason unknown here.
+        # Any reason will do, because rules only read that the game has ended; a later release may have unknown reasons.
         ended=None if view.over is None else GameEnded(EndReason.GIVEN_UP, view.score),
         agreed=view.consent is None,
         by_position=view.by_position,
@@ -178,7 +178,7 @@ def _immovable(now: Situation, robot: int) -> RequestRefused | None:
 
 
 def _no_advice(now: Situation, robot: int) -> RequestRefused | None:
-    """Return the reason why there is no room that this robot could suggest, or None."""
+    """Return the reason why this robot cannot suggest any room, or None."""
     adviser = now.state.robots[robot]
     return why_no_tour(now.state.costs_from(robot), adviser.at, free_to_discuss(now, robot), adviser.energy)
 
@@ -188,7 +188,7 @@ def _discuss(state: GameState, robot: int, matter: str, room: Room) -> rules.Rul
         return RequestRefused(rules.RuleReason.NOBODY_THERE, f"This robot does not stand in {room}.")
     if matter == "take-picture":
         return rules.picture(state, room)
-    # The name is still open; whether naming is allowed and can be paid is not.
+    # Any name will do: this checks only that naming is allowed and can be paid.
     return rules.identify(state, room, "", 0)
 
 

@@ -1,4 +1,4 @@
-"""Requests to robots and game beside the participant's: from ROS clients, researchers' windows, ground stations."""
+"""Requests to robots and game from others than the participant: ROS clients, researchers' windows, ground stations."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -16,18 +16,18 @@ from thbridge.ros.messages.records import (
 )
 
 ParameterValue = bool | int | float | str | None
-"""Value of one parameter; a list of corners is a text, `[[x, y], ...]`."""
+"""Value of one parameter; a list of corners is text, `[[x, y], ...]`."""
 
 
 @dataclass(frozen=True, slots=True)
 class SetParameters:
     """Change parameters of a robot's software, or the noise of its true sensors, while it runs.
 
-    Unlike `SetSoftwareParameters` it holds only what changes, so it also suits a robot whose other parameters differ.
+    Unlike `SetSoftwareParameters` it contains only the changes, so it also fits robots with different parameters.
 
     Attributes:
         robot: index in the team, from 0.
-        values: by path, such as `amcl.kld_err` or `world.laser.range_noise`. All are changed, or none.
+        values: by path, such as `amcl.kld_err` or `world.laser.range_noise`. Either all are changed, or none.
     """
 
     robot: int
@@ -40,8 +40,8 @@ class WizardMode:
 
     Attributes:
         robot: index in the team, from 0.
-        on: True makes its turns in dialogues wait for `WizardMove`, and its advice for `WizardAdvice`; False lets its
-            strategy decide at once what waits, and all that follows.
+        on: True makes its turns in dialogues wait for `WizardMove`, and its advice for `WizardAdvice`. False lets its
+            strategy decide pending turns at once, and all later ones.
     """
 
     robot: int
@@ -50,13 +50,13 @@ class WizardMode:
 
 @dataclass(frozen=True, slots=True)
 class WizardMove:
-    """Make the move of a robot whose turn it is, for its strategy.
+    """Make the next move of a robot in place of its strategy.
 
     Attributes:
         dialogue: number of the dialogue.
-        turn: place of the move in the dialogue, from 0; a move for a turn that is past changes nothing.
-        move: place among the legal moves, from 0.
-        text: replaces the sentence that belongs to the move; empty: that sentence.
+        turn: index of the move in the dialogue, from 0; a move for a past turn changes nothing.
+        move: index among the legal moves, from 0.
+        text: replaces the sentence of the move; if empty, that sentence is used.
     """
 
     dialogue: int
@@ -67,11 +67,11 @@ class WizardMove:
 
 @dataclass(frozen=True, slots=True)
 class WizardAdvice:
-    """Answer a participant's "don't know" that waits for a robot's advice, for the robot.
+    """Answer a participant's pending "don't know" in the robot's place.
 
     Attributes:
         robot: index in the team, from 0.
-        room: the room to suggest, as people count, from 1.
+        room: the room to suggest, from 1.
     """
 
     robot: int
@@ -83,8 +83,8 @@ class TakeCommand:
     """A ground station takes command of a robot from the participant or from another ground station.
 
     Attributes:
-        robot: index in the team, from 0; as in all that follows.
-        name: of the ground station, for people, within a sentence.
+        robot: index in the team, from 0; also in the requests below.
+        name: name of the ground station within a sentence, for people.
     """
 
     robot: int
@@ -103,7 +103,7 @@ class StationSend:
     """The ground station that commands a robot sends it to a room, by the game's rules and without a dialogue.
 
     Attributes:
-        room: as people count, from 1.
+        room: number of the room, from 1.
     """
 
     robot: int
@@ -112,7 +112,7 @@ class StationSend:
 
 @dataclass(frozen=True, slots=True)
 class StationStop:
-    """Stop a robot that drives for the game. Any ground station may request that, whoever commands the robot."""
+    """Stop a robot that drives for the game. Any ground station may request that, also one without command of it."""
 
     robot: int
 
@@ -154,7 +154,7 @@ class SetRate:
     """Set the rate of simulated time.
 
     Attributes:
-        rate: simulated seconds per second; 0: as fast as the machine can.
+        rate: simulated seconds per second; 0 runs as fast as possible.
     """
 
     rate: float
@@ -162,17 +162,17 @@ class SetRate:
 
 @dataclass(frozen=True, slots=True)
 class Step:
-    """Run so many ticks, then pause.
+    """Run some ticks, then pause.
 
     Attributes:
-        ticks: at least 1.
+        ticks: number of ticks, at least 1.
     """
 
     ticks: int = 1
 
 
 PaceRequest = Pause | Resume | SetRate | Step
-"""A request about a session's pace. It acts at once, changes no result, and so is no input."""
+"""A request about a session's pace. It acts at once and changes no result, so it is not an input."""
 
 WizardRequest = WizardMode | WizardMove | WizardAdvice
 """A request of a person who speaks in a robot's place (Wizard-of-Oz); acts in the next tick."""
@@ -186,7 +186,7 @@ GameRequest = WizardRequest | CommandRequest
 """A request to the game that does not come from the participant."""
 
 RobotRequest = TeamInput | GraphRequest | SetParameters
-"""A request to a robot; acts in the next tick. It delays a move of the game, and does not end it."""
+"""A request to a robot; acts in the next tick. It delays a move of the game, but does not end it."""
 
 Request = RobotRequest | GameRequest
 """Any request to a session that is recorded as an input."""
@@ -210,7 +210,7 @@ REQUESTS: dict[str, type[Request]] = {
     "IdentifyFor": StationIdentify,
     "LeaveFor": StationLeave,
 }
-"""Requests by their names in recordings and at the watch port, which do not change."""
+"""Requests by their names in recordings and at the watch port. These names never change."""
 
 PACE_REQUESTS: dict[str, type[PaceRequest]] = {"Pause": Pause, "Resume": Resume, "SetRate": SetRate, "Step": Step}
 """Requests about the pace by their names at the watch port."""
@@ -241,7 +241,7 @@ class Tuning:
 def with_values(parameters: P, values: Sequence[tuple[str, ParameterValue]]) -> P | ParameterRejection:
     """Return the parameters with all these values, or the reason why one is rejected.
 
-    Their order does not matter: a new minimum above the old maximum waits until the new maximum is set.
+    The order of values does not matter: a new minimum above the old maximum waits until the new maximum is set.
     """
     left = tuple(values)
     while left:

@@ -1,4 +1,4 @@
-"""The interface of the robots' role to a session beside that of any role: requests in, the state of the team out."""
+"""Additional interface of the robots' role to a session: requests in, the state of the team out."""
 
 from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
@@ -22,5 +22,5 @@ class RobotsRole(Role, Protocol):
 
         Args:
             request: the request.
-            researcher: name of the researcher who intervenes by it, and so commands the robot; None: nobody.
+            researcher: name of the researcher who intervenes with it, and so commands the robot; None if none does.
         """

@@ -1,4 +1,4 @@
-"""The interface of a role to the session or program that runs it."""
+"""Interface of a role to the session or program that runs it."""
 
 from collections.abc import Sequence
 from typing import Protocol
@@ -11,10 +11,10 @@ class Role(Protocol):
 
     @property
     def name(self) -> str:
-        """The name it holds at the server."""
+        """Name of the role at the server."""
 
     def connected(self) -> None:
-        """Note that the server has (again) accepted the name: the role introduces itself with the next step."""
+        """Note that the server has (again) accepted the name: the role introduces itself in the next step."""
 
     def step(self, tick: int, messages: Sequence[TextMessage]) -> list[TextMessage]:
-        """Take the messages to this role since the last tick, and return those that it sends."""
+        """Process the messages to this role since the last tick, and return its own messages."""

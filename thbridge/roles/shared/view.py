@@ -1,8 +1,8 @@
-"""The participant's view of the game, and the participant's requests: all that keeper and participant exchange.
+"""The participant's view of the game, and the participant's requests: everything that keeper and participant exchange.
 
-A view is an allow-list. Each field is copied on purpose from what the game has revealed; a treasure's kind, picture or
-room is in here only from the moment the rules reveal it. A view holds the state and not a change, so a program that
-missed some views is up to date with the next.
+A view is an allow-list. Each field is copied explicitly from what the game has revealed. A treasure's kind, picture or
+room is included only once the rules reveal it. A view contains the state and not a change, so a program that missed
+some views is up to date with the next one.
 """
 
 from collections.abc import Mapping
@@ -19,19 +19,19 @@ from thbridge.text_protocol.wire.notice import COUNTED, Notice, NoticeValue, dec
 
 @dataclass(frozen=True, slots=True)
 class RobotView:
-    """One robot, as the game sees it.
+    """One robot in the game.
 
     Attributes:
         robot: index in the team, from 0; people count from 1.
-        place: the room it stands in as people count, 0 the corridor; while it moves, the room it set out from.
-        moving_to: the room it drives to; None at rest.
+        place: room in which it stands, from 1, or 0 for the corridor; while it moves, the room where it started.
+        moving_to: room to which it drives; None at rest.
         energy: energy left.
-        blocked: it has no energy left and can do nothing any more.
+        blocked: True if it has no energy left and can do nothing more.
         condition: well, lost or silent; a silent robot can do nothing until it responds again.
-        commander: while this is not the participant, the robot can be neither sent nor stopped.
-        commander_name: name of the ground station, for people; else empty.
-        asked_back: the participant has asked for it back recently, and can ask again once this is False.
-        costs: energy to each place from where it stands, as a row of the view's costs; empty: that of its place.
+        commander: unless this is the participant, the robot can be neither sent nor stopped.
+        commander_name: name of the ground station that commands it, for people; otherwise empty.
+        asked_back: True if the participant has recently asked for it back; until it is False they cannot ask again.
+        costs: energy to each place from where it stands, like a row of the view's costs; if empty, the row of `place`.
     """
 
     robot: int
@@ -47,7 +47,7 @@ class RobotView:
 
     @property
     def has_other_commander(self) -> bool:
-        """True when somebody other than the participant commands it."""
+        """True when it is not commanded by the participant."""
         return self.commander is not Commander.PARTICIPANT
 
 
@@ -61,17 +61,17 @@ class IdentificationVerdict:
 
 @dataclass(frozen=True, slots=True)
 class RoomView:
-    """One room and what the team has found out about it.
+    """One room, with the team's knowledge about it.
 
     Attributes:
-        room: its number as people count, from 1.
+        room: its number, from 1.
         state: "reserved" while a robot drives to it.
         robot: the robot that drives to it, stands there, or found the undecided treasure there.
-        sensed: what robots sensed of its treasure, by the names of properties; None before.
-        told: what the participant told of it.
+        sensed: properties of its treasure that robots sensed, by name; None before that.
+        told: properties that the participant entered.
         picture: file name of its picture, once taken.
-        verdict: once identified.
-        left: True when the treasure was given up, and not taken up again.
+        verdict: result of its identification, once identified.
+        left: True when the treasure was left and not taken up again.
     """
 
     room: int
@@ -90,18 +90,18 @@ class RoomView:
 
     @property
     def known(self) -> Properties:
-        """Properties of its treasure that are known, by whomever."""
+        """Known properties of its treasure, both sensed and entered."""
         return {**(self.sensed or {}), **self.told}
 
     @property
     def undecided(self) -> bool:
-        """True when the room is visited and its treasure neither identified nor given up."""
+        """True when the room is visited and its treasure is neither identified nor left."""
         return self.state == "visited" and self.verdict is None and not self.left
 
 
 @dataclass(frozen=True, slots=True)
 class RoomDebrief:
-    """Treasure of a room, told after the game: its name, and the points for naming it."""
+    """Treasure of a room, shown after the game: its name, and the points for naming it."""
 
     room: int
     name: str
@@ -113,9 +113,9 @@ class Debrief:
     """Debrief of participants after the game.
 
     Attributes:
-        rooms: what was in each room; empty where the study does not tell, or nobody here knows.
-        best: most points that could have been won with the same energy; None likewise.
-        farewell: thanks, and what comes next; empty: the window's own words.
+        rooms: the treasure of each room; empty if the study does not show it, or the keeper does not know it.
+        best: most points that could have been won with the same energy; None if not shown or unknown.
+        farewell: thanks, and what comes next; if empty, the window's own words are used.
     """
 
     rooms: tuple[RoomDebrief, ...] = ()
@@ -133,15 +133,15 @@ class DialogueView:
 
     Attributes:
         dialogue: its number.
-        turn: number of moves so far; an answer must name it, so that none is counted twice.
+        turn: number of moves so far; an answer must contain it, so that no answer counts twice.
         robot: index of the robot, from 0.
         matter: of the dialogue.
-        room: the room it is about, as people count.
+        room: number of the room it is about.
         said: all sentences so far, oldest first; the robot waits for an answer to the last.
-        choices: possible answers of the participant, most agreeable first; none while it is the robot's turn.
-        acts: words for what each choice does, as recordings name moves, for programs; empty where nobody tells.
-        speakers: who said each sentence; empty likewise.
-        suggested: True where the robot has suggested the room. Asking for its advice again changes nothing.
+        choices: possible answers of the participant, most agreeable first; empty while it is the robot's turn.
+        acts: move of each choice, by its name in recordings, for programs; empty from servers that do not send it.
+        speakers: speaker of each sentence; empty from servers that do not send it.
+        suggested: True if the robot has suggested the room. Asking for its advice again then changes nothing.
     """
 
     dialogue: int
@@ -158,17 +158,17 @@ class DialogueView:
 
 @dataclass(frozen=True, slots=True)
 class LastWords:
-    """A dialogue that has ended, until the participant turns to its robot again, or what was agreed is done.
+    """A dialogue that has ended, until the participant talks with its robot again, or the agreement is carried out.
 
     Attributes:
         dialogue: its number.
         robot: index of the robot, from 0.
         matter: of the dialogue.
-        room: the room that was agreed upon, or else the one it was about, as people count.
-        said: all sentences, oldest first; none where everything had been said before.
-        speakers: who said each sentence.
-        agreed: True when it is done, by whoever has the last word.
-        is_told: the robot has said itself what comes of it.
+        room: number of the room that was agreed upon; without an agreement, of the room it was about.
+        said: all sentences, oldest first; empty if everything had been said before.
+        speakers: speaker of each sentence.
+        agreed: True when the matter is carried out, by decision of the side that has the last word.
+        is_told: True when the robot itself has said what happens next.
     """
 
     dialogue: int
@@ -183,13 +183,13 @@ class LastWords:
 
 @dataclass(frozen=True, slots=True)
 class Consent:
-    """Agreement of participant and robot, which the participant may now act upon.
+    """Agreement of participant and robot, on which the participant may now act.
 
     Attributes:
         robot: index of the robot, from 0.
         matter: that they agreed on.
-        room: the room it is about, as people count.
-        name: of the treasure, where they agreed on that; empty: any.
+        room: number of the room it is about.
+        name: of the treasure, if they agreed on one; empty for any name.
     """
 
     robot: int
@@ -203,7 +203,7 @@ class RefusalView:
     """The participant's last request that was refused.
 
     Attributes:
-        number: counts refusals, so that a second equal one is distinguishable from the first.
+        number: count of refusals, which distinguishes a second equal refusal from the first.
         wish: kind of the request.
         reason: a code for programs.
         sentence: the reason, for people.
@@ -220,31 +220,31 @@ class View(NoticeValue, frozen=True, tag="View"):
 
     Attributes:
         game: number of the game, from 1; 0 before the first begins.
-        ready: the robots are connected; until then every request is refused.
-        costs: energy of a move, [from][to], as people count rooms; None where there is no move.
+        ready: True when the robots are connected; until then every request is refused.
+        costs: energy of a move, [from][to], by room numbers, 0 for the corridor; None where there is no move.
         robots: in the team's order.
         rooms: room 1 first.
-        dialogues: those that wait for an answer.
-        consents: agreements that are not yet acted upon.
+        dialogues: open dialogues.
+        consents: agreements on which the participant has not acted yet.
         score: so far.
-        over: reason for the game's end; None while it goes on.
+        over: reason for the game's end; None while it continues.
         picture_cost: energy of taking a picture.
         identify_cost: energy of naming a treasure.
         refusal: the last refused request.
-        names: possible names of treasures, in alphabetical order; empty until one was sensed.
-        called: words for names that are told, in the participant's language; see `word_for`.
-        consent: text that the participant has to agree to before anything else; None when that is done, or not needed.
+        names: possible names of treasures, in alphabetical order; empty until the first one was sensed.
+        called: words for the shown names, in the participant's language; see `word_for`.
+        consent: text to which the participant has to agree first; None when that is done, or not needed.
         thinking: robots that were asked where to go and have not answered yet.
-        debrief: once the game is over.
-        worth: points of the treasure of each name in `names`, None where it is not the same for all of that name; empty
-            where the study does not tell.
-        wrong_share: share of a treasure's points that a wrong name costs; None where the study does not tell.
-        sound: the window may sound.
-        properties: that treasures have, with words for their values in the participant's language.
+        debrief: shown once the game is over.
+        worth: points of the treasure of each name in `names`, None if treasures of that name differ; empty if the study
+            does not show points.
+        wrong_share: share of a treasure's points that a wrong name costs; None if the study does not show it.
+        sound: True if the window may play sounds.
+        properties: properties of treasures, with words for their values in the participant's language.
         last_words: of robots that argue.
-        has_last_word: decides in the end where robots argue; None where they do not.
-        by_position: moves from outside rooms are priced by where the robot stands: the row of the corridor holds
-            nowhere.
+        has_last_word: the side that decides in the end, if robots argue; otherwise None.
+        by_position: True if moves from outside rooms are priced by the robot's position, so that the row of the
+            corridor applies nowhere.
     """
 
     game: int
@@ -273,7 +273,7 @@ class View(NoticeValue, frozen=True, tag="View"):
     called: Mapping[str, str] = msgspec.field(default_factory=dict)
 
     def word_for(self, name: str) -> str:
-        """Return a treasure's name as the participant reads it."""
+        """Return a treasure's name in the words that are shown to the participant."""
         return self.called.get(name) or name_in_words(name)
 
     def room(self, number: int) -> RoomView:
@@ -281,16 +281,16 @@ class View(NoticeValue, frozen=True, tag="View"):
         return self.rooms[number - 1]
 
     def costs_from(self, robot: RobotView) -> tuple[float | None, ...]:
-        """Return the energy of a robot's moves, by the number of the room; while it moves, from where it set out."""
+        """Return the energy of a robot's moves, by room number; while it moves, from where it started."""
         return robot.costs or self.costs[robot.place]
 
     def costs_when_stopped(self) -> tuple[float | None, ...] | None:
-        """Return the energy of moves of a robot stopped on its way; None where that depends on where it will stand."""
+        """Return the energy of moves of a robot that is stopped while moving; None if that depends on its position."""
         return None if self.by_position else self.costs[0]
 
     @classmethod
     def of_notice(cls, notice: Notice) -> "View | None":
-        """Return the view in a notice, or None when there is none or it is malformed, as from another release."""
+        """Return the view in a notice; None if there is no view, or a malformed one, as from another release."""
         view = decode_notice(notice, cls)
         return view if view is not None and view.is_consistent() else None
 
@@ -347,7 +347,7 @@ class AnswerDialogue(NoticeValue, frozen=True, tag="Answer"):
 
 
 class SendRobot(NoticeValue, frozen=True, tag="SendRobot"):
-    """Send a robot to the room agreed upon."""
+    """Send a robot to the agreed room."""
 
     robot: int
     room: int
@@ -372,14 +372,14 @@ class SenseTreasure(NoticeValue, frozen=True, tag="Sense"):
 
 
 class MeasureProperty(NoticeValue, frozen=True, tag="Measure"):
-    """Let the robot in a room sense one more property of the treasure there, for energy."""
+    """Let the robot in a room sense another property of the treasure there, at a cost in energy."""
 
     room: int
     property: str
 
 
 class TellProperty(NoticeValue, frozen=True, tag="Tell"):
-    """Tell a property of the treasure in a room that only people can tell."""
+    """Enter a property of the treasure in a room that only people can recognize."""
 
     room: int
     property: str
@@ -393,7 +393,8 @@ class OpenDialogue(NoticeValue, frozen=True, tag="Discuss"):
         robot: index of the robot, from 0.
         matter: of the dialogue.
         room: where the treasure is.
-        name: that it is to be given; empty: the participant asks the robot what it is; None: she does not say.
+        name: proposed name of the treasure. If empty, the participant asks the robot what it is. If None, the
+            participant proposes no name.
     """
 
     robot: int
@@ -422,7 +423,7 @@ class LeaveTreasure(NoticeValue, frozen=True, tag="Leave"):
 
 
 class TakeUpTreasure(NoticeValue, frozen=True, tag="TakeUp"):
-    """Take up a treasure again that was left, while its robot still stands there."""
+    """Take up a treasure that was left, while its robot still stands there."""
 
     room: int
 
@@ -443,7 +444,7 @@ class GiveConsent(NoticeValue, frozen=True, omit_defaults=True, tag="Agree"):
     """Agree to take part in the study, as `View.consent` asks.
 
     Attributes:
-        at: time of day at which the participant said yes, ISO 8601 in UTC; empty where nobody looked at a clock.
+        at: time at which the participant agreed, ISO 8601 in UTC; empty if the program has no clock.
     """
 
     at: Annotated[str, msgspec.Meta(max_length=40)] = ""
@@ -475,7 +476,7 @@ ParticipantRequest = (
 
 
 def refusal_wishes(request: ParticipantRequest) -> tuple[str, ...]:
-    """Return the values of `RefusalView.wish` that may mean this request; a dialogue is also refused by its matter."""
+    """Return the values of `RefusalView.wish` for this request; the refusal of a dialogue may have its matter there."""
     match request:
         case SelectRoom() | RequestSuggestion():
             return ("select-room", kind_of(type(request)))

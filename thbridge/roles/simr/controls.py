@@ -1,4 +1,4 @@
-"""Controls of the robots: requests beside the game, and their effects."""
+"""Controls of the robots: requests from outside the game, and their effects."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -24,25 +24,25 @@ from thbridge.ros.messages.goal_owners import GoalOwner
 from thbridge.ros.messages.records import CancelRequest, GoalRequest, InitialPose, SimpleGoal, VelocityCommand
 
 MANUAL_DRIVE_TICKS = TICKS_PER_SECOND // 2
-"""Ticks that one command of manual driving lasts; then the base stops, as real ones do."""
+"""Ticks that one command of manual driving lasts; then the base stops, as real bases do."""
 
 
 @dataclass(frozen=True, slots=True)
 class _ManualDrive:
-    """Manual driving of a robot for so many more ticks, by the researcher of this name, or None."""
+    """Manual driving of a robot: remaining ticks, and the name of the researcher who drives, or None."""
 
     ticks: int
     researcher: str | None
 
 
 class RobotControls:
-    """Takes requests between two ticks of a team, and turns them into its inputs for the next.
+    """Queue of requests between two ticks of a team, which become its inputs in the next tick.
 
     Args:
-        robots: the team; the caller steps it.
+        robots: the team; the caller runs its steps.
 
     Attributes:
-        researchers: the researcher who intervenes, by robot: who set its goal, or drives it by hand; None: nobody.
+        researchers: by robot, the researcher who has set its goal or drives it by hand; None if none does.
     """
 
     def __init__(self, robots: RobotTeam) -> None:
@@ -51,7 +51,7 @@ class RobotControls:
         self._actions: list[ActionRequest] = []
         self._inputs: list[TeamInput] = []
         self._by_hand: dict[int, _ManualDrive] = {}
-        # Researchers, by robot, owner and number of the goal that they have set.
+        # Researchers by the goals that they have set: robot, owner, number of the goal.
         self._goals: dict[tuple[int, str, int], str] = {}
         self.researchers: tuple[str | None, ...] = (None,) * robots.size
 
@@ -60,7 +60,7 @@ class RobotControls:
 
         Args:
             request: the request.
-            researcher: name of the researcher who intervenes by it; None: it is no intervention.
+            researcher: name of the researcher who intervenes with it; None if it is no intervention.
         """
         if not (isinstance(request, PutThing | RemoveThing) or 0 <= request.robot < self._robots.size):
             return
@@ -85,7 +85,7 @@ class RobotControls:
                 self._take(request, researcher)
 
     def take_inputs(self, tick: int) -> list[TeamInput]:
-        """Return the team's inputs for the step of this tick: requests as they came, then goals of action clients."""
+        """Return the team's inputs for this tick: requests in order of arrival, then goals of action clients."""
         actions, self._actions = self._actions, []
         for robot, server in enumerate(self._servers):
             for decided in server.take(tick, [action for action in actions if action.robot == robot]):
@@ -94,7 +94,7 @@ class RobotControls:
         return inputs
 
     def follow(self, snapshot: TeamSnapshot) -> None:
-        """Update action servers and researchers from the team's step."""
+        """Update action servers and researchers after a step of the team."""
         self._by_hand = {
             robot: replace(hand, ticks=hand.ticks - 1) for robot, hand in self._by_hand.items() if hand.ticks > 1
         }
@@ -121,9 +121,9 @@ class RobotControls:
         self._inputs.append(item)
 
     def tuning(self, robot: int) -> Tuning | None:
-        """Return a robot's parameters as they will be after all requests so far.
+        """Return a robot's parameters after all requests so far.
 
-        None for real robots, whose parameters cannot be changed here.
+        Return None for real robots, because their parameters cannot be changed here.
         """
         if robot >= len(self._robots.parameters):
             return None

@@ -1,4 +1,4 @@
-"""Moves of the game as SimR carries them out: goals of robots, results, and what further moves would cost."""
+"""Moves of the game, as SimR carries them out: goals of robots, results, and the costs of further moves."""
 
 from collections.abc import Callable, Collection
 from dataclasses import dataclass, replace
@@ -16,19 +16,19 @@ from thbridge.text_protocol.wire import legacy
 from thbridge.text_protocol.wire.lines import TextMessage
 
 PRICED_DISTANCE = 0.5
-"""Meters that a robot moves before its moves are priced anew: an estimate at rest wanders a little."""
+"""Meters that a robot must move before its moves are priced again, because the estimate drifts a little at rest."""
 
 
 @dataclass(frozen=True, slots=True)
 class GameMap:
-    """The map of the game as SimR needs it.
+    """The data of the game's map that SimR needs.
 
     Attributes:
         name: of the map.
         goals: goal pose of each room, room 1 first.
         starts: start pose of each robot.
-        costs: energy from place to place as people count them, None where there is no move.
-        travel: travel times from any other place; None: the costs of the corridor count there.
+        costs: energy from place to place, by number: 0 for the corridor, rooms from 1; None where there is no move.
+        travel: travel times from any other place. If None, the costs of the corridor apply there.
     """
 
     name: str
@@ -40,7 +40,7 @@ class GameMap:
 
 @dataclass(frozen=True, slots=True)
 class _Move:
-    """A move in progress. `length` is its longest plan so far, meters; 0 until there is one."""
+    """A move in progress. `length` is its longest plan so far, meters; 0 before the first plan."""
 
     order: MoveOrder
     length: float = 0.0
@@ -51,7 +51,7 @@ class _Move:
 
 
 class MovesInProgress:
-    """Moves that robots were ordered to make, and the results of their last ones.
+    """Moves in progress of the robots, and the results of their last moves.
 
     Args:
         goals: goal pose of each room, room 1 first.
@@ -67,12 +67,12 @@ class MovesInProgress:
         self.results: list[MoveResult | None] = [None] * robots
 
     def __contains__(self, robot: int) -> bool:
-        """Return True while a robot makes a move of the game."""
+        """Return True while a robot carries out a move of the game."""
         return robot in self._moves
 
     @property
     def shares(self) -> dict[int, float]:
-        """Driven share of the path, by robot that makes a move."""
+        """Driven share of the path, by robot with a move in progress."""
         return {robot: move.share() for robot, move in self._moves.items()}
 
     def restart(self) -> None:
@@ -87,7 +87,7 @@ class MovesInProgress:
         return SendGoal(robot, self._goal(order))
 
     def last(self, robot: int) -> int:
-        """Return the number of the robot's move in progress, or else of its last one; 0 before the first."""
+        """Return the number of the robot's move in progress, otherwise of its last move; 0 before the first."""
         move, result = self._moves.get(robot), self.results[robot]
         if move is not None:
             return move.order.move
@@ -100,16 +100,16 @@ class MovesInProgress:
         stopped: Collection[int],
         is_driven: Callable[[int], bool],
     ) -> tuple[list[TextMessage], list[SendGoal]]:
-        """Follow the moves by the team's step.
+        """Update the moves after a step of the team.
 
         Args:
             snapshot: of the team.
             silent: robots that do not respond.
-            stopped: robots whose orders say that they are to stand.
+            stopped: robots that the keeper has ordered to stand.
             is_driven: returns True for a robot that is driven by hand.
 
         Returns:
-            The lines of 2016 about rooms that were reached, and goals that robots have lost.
+            The lines of 2016 about reached rooms, and the goals that robots have lost, to be sent again.
         """
         lines: list[TextMessage] = []
         lost: list[SendGoal] = []
@@ -127,7 +127,7 @@ class MovesInProgress:
             if robot in silent:
                 self._fail(robot, move, reasons.unresponsive_sentence(robot))
             elif result is not None and result.goal != goal:
-                pass  # The result of an earlier goal, or of one that somebody else set.
+                pass  # The result of an earlier goal, or of a goal that did not come from the game.
             elif isinstance(result, GoalReached):
                 del self._moves[robot]
                 self.results[robot] = MoveResult(move.order.move, True, "", 1.0)
@@ -138,7 +138,7 @@ class MovesInProgress:
                 if robot in stopped:
                     self._fail(robot, move, reasons.CALLED_BACK)
                 elif not is_driven(robot):
-                    # It was dead for a while, or sent elsewhere or driven by hand: its navigator has lost the goal.
+                    # Its navigator has lost the goal: the robot was dead for a while, sent elsewhere or driven by hand.
                     lost.append(SendGoal(robot, goal))
         return lines, lost
 
@@ -151,16 +151,16 @@ class MovesInProgress:
 
 
 class MovePrices:
-    """Prices of moves from where robots stand, updated whenever one has come to rest elsewhere.
+    """Prices of moves from where robots stand, updated whenever a robot has come to rest elsewhere.
 
     Args:
-        travel: travel times from any place; None: moves are not priced.
+        travel: travel times from any place. If None, moves are not priced.
         robots: size of the team.
     """
 
     def __init__(self, travel: TravelTimes | None, robots: int) -> None:
         self._travel = travel
-        # Where each robot stood when its moves were priced, and their costs.
+        # By robot: where it stood when its moves were priced, and their costs.
         self._priced: list[tuple[Pose2, tuple[float | None, ...]] | None] = [None] * robots
 
     def restart(self) -> None:
@@ -168,7 +168,7 @@ class MovePrices:
         self._priced = [None] * len(self._priced)
 
     def update(self, snapshot: TeamSnapshot, busy: Collection[int]) -> bool:
-        """Price the moves of robots that have come to rest elsewhere; return True if any was priced anew.
+        """Price the moves of robots that have come to rest elsewhere; return True if any prices are new.
 
         Args:
             snapshot: of the team.
@@ -176,19 +176,19 @@ class MovePrices:
         """
         if self._travel is None:
             return False
-        anew = False
+        changed = False
         for robot, output in enumerate(snapshot.robots):
             if robot in busy or output.navigation.goal is not None or output.lost:
                 continue
             here, priced = output.estimate.base_in_map, self._priced[robot]
             if priced is None or elementary.hypot(here.x - priced[0].x, here.y - priced[0].y) > PRICED_DISTANCE:
                 self._priced[robot] = here, self._travel.costs_from(here)
-                anew = True
-        return anew
+                changed = True
+        return changed
 
     @property
     def costs(self) -> tuple[tuple[float | None, ...], ...] | None:
-        """Costs of each robot's moves, empty where they are not known; None where no robot's are."""
+        """Costs of each robot's moves, empty if unknown; None if they are unknown for all robots."""
         if not any(self._priced):
             return None
         return tuple(() if priced is None else priced[1] for priced in self._priced)

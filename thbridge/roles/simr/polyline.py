@@ -12,10 +12,10 @@ def needed_points(points: FloatArray, tolerance: float) -> NDArray[np.bool_]:
 
     Args:
         points: (m, 2); at least one.
-        tolerance: greatest distance of a removed point from the drawn line, in the unit of the points.
+        tolerance: largest distance of a removed point from the drawn line, in the unit of the points.
 
     Returns:
-        (m,) True for the points to keep; both ends are.
+        (m,) True for the points to keep; both ends are kept.
 
     Source: Ramer, An iterative procedure for the polygonal approximation of plane curves (1972); Douglas and Peucker
     (1973).
@@ -37,7 +37,7 @@ def needed_points(points: FloatArray, tolerance: float) -> NDArray[np.bool_]:
 
 
 def _off(points: FloatArray, start: FloatArray, end: FloatArray) -> FloatArray:
-    """Return the (m,) distances of (m, 2) points from the segment between two."""
+    """Return the (m,) distances of (m, 2) points from the segment between two points."""
     along = end - start
     length = float((along * along).sum())
     if length == 0.0:

@@ -1,6 +1,6 @@
 """Pose telemetry: SimR sends poses, activities and planned paths of the robots to subscribers, many times a second.
 
-Values that the study does not show are never sent; a receiver has nothing to hide.
+Values that the study does not show are never sent, so receivers need not hide anything.
 """
 
 import math
@@ -22,20 +22,20 @@ from thbridge.text_protocol.wire.lines import TextMessage
 from thbridge.text_protocol.wire.notice import NoticeValue, encode_notice
 
 POSE_PERIOD = TICKS_PER_SECOND // 25
-"""Ticks from one message of poses to the next."""
+"""Ticks between two messages of poses."""
 PATH_PERIOD = TICKS_PER_SECOND // 10
-"""Ticks from one message of planned paths to the next, if they change."""
+"""Ticks between two messages of planned paths, if the paths change."""
 SUBSCRIPTION_TICKS = 60 * TICKS_PER_SECOND
-"""Ticks that a subscription lasts unless it is renewed: long enough for windows that renew it in real time while the
-simulation runs many times as fast."""
+"""Ticks that a subscription lasts without renewal. Windows renew it in real time, and the simulation may run many
+times faster."""
 
 PATH_TOLERANCE = 0.01
-"""Meters by which removed points may be off a path. The error doubles at the robot, which is itself up to this far off
-its path; with the rounding to centimeters a path that is sent is off by less than 0.03 m."""
+"""Largest distance of removed points from the path, in meters. The error doubles at the robot, which itself may be this
+far from its path. With the rounding to centimeters, the error of a sent path is less than 0.03 m."""
 MOST_PATH_POINTS = 2000
-"""Points of all paths in one message."""
+"""Largest number of points of all paths in one message."""
 CHI_SQUARE_95 = 5.991
-"""Squared Mahalanobis distance that holds 95 % of a normal distribution in the plane (chi-square, 2 dof)."""
+"""Squared Mahalanobis distance that contains 95 % of a normal distribution in the plane (chi-square, 2 dof)."""
 
 Triple = tuple[float, float, float]
 Line = tuple[tuple[float, float], ...]
@@ -43,7 +43,7 @@ Line = tuple[tuple[float, float], ...]
 
 @dataclass(frozen=True, slots=True)
 class TelemetryOptions:
-    """Options of what a study shows of robots, beside estimated poses and activities.
+    """Choice of what a study shows of robots in addition to estimated poses and activities.
 
     Attributes:
         path: planned paths.
@@ -139,7 +139,7 @@ class TelemetryPublisher:
 
 
 def ellipse_of(covariance: FloatArray) -> Ellipse:
-    """Return the ellipse that holds 95 % of a belief; its covariance is at least 2 x 2, x and y first, in m^2.
+    """Return the ellipse with 95 % of a robot's position; the covariance is at least 2 x 2, x and y first, in m^2.
 
     The half axes are the square roots of the eigenvalues of the 2 x 2 covariance, scaled by the chi-square quantile."""
     (xx, xy), (_, yy) = covariance[:2, :2].tolist()
@@ -171,12 +171,12 @@ def _motion(output: RobotOutput, condition: Condition, progress: float) -> Robot
 
 
 class _Plan:
-    """A robot's plan in few points: thinned when it is new, and only cut while it is driven.
+    """A robot's plan in few points: thinned when it is new, and then only shortened while it is driven.
 
-    A plan that were thinned anew at each step would jump on the map.
+    Thinning the plan again at each step would make it jump on the map.
 
     Args:
-        most: number of points to send.
+        most: largest number of points to send.
     """
 
     def __init__(self, most: int) -> None:
@@ -185,7 +185,7 @@ class _Plan:
         self._kept: NDArray[np.bool_] = np.empty(0, dtype=np.bool_)
 
     def ahead(self, output: RobotOutput) -> Line:
-        """Return the path from the robot's position on; empty unless the robot is driving along a plan."""
+        """Return the path from the robot's position to the goal; empty unless the robot drives along a plan."""
         navigation, here = output.navigation, output.estimate.base_in_map
         points = navigation.plan[1:, :2]
         if navigation.state != "controlling" or not len(points):
@@ -211,5 +211,5 @@ def _triple(pose: FloatArray) -> Triple:
 
 
 def _milli(number: float) -> float:
-    """Round to the millimeter, or thousandth of a radian: nobody sees more, and lines stay short."""
+    """Round to a millimeter, or a thousandth of a radian: windows show no more, and lines stay short."""
     return round(number, 3)

@@ -1,4 +1,4 @@
-"""SimR: the robots' program. It drives a team of robots by the keeper's orders and reports the results."""
+"""SimR: the robots' program. It drives a team of robots as the keeper orders, and reports the results."""
 
 from collections.abc import Sequence
 from typing import assert_never
@@ -37,10 +37,10 @@ from thbridge.text_protocol.wire.lines import TextCommand, TextMessage
 from thbridge.text_protocol.wire.notice import encode_notice
 
 STATUS_PERIOD = TICKS_PER_SECOND
-"""Ticks from one status to the next; one is also sent whenever a move, a condition or a researcher changes."""
+"""Ticks between two statuses; a status is also sent whenever a move, a condition or a researcher changes."""
 
 KEEPER_TIMEOUT = TICKS_PER_SECOND
-"""Ticks that a `%%goto` waits for a keeper; without orders of a keeper it is then obeyed as in 2016."""
+"""Ticks that a `%%goto` waits for a keeper; if no keeper has sent orders, it is then obeyed as in 2016."""
 
 RESPONSE_TIMEOUT = 5 * TICKS_PER_SECOND
 """Default ticks without observations after which a robot counts as silent."""
@@ -53,25 +53,25 @@ MANUAL_SPEEDS = {
     canonical.MoveDirection.TURN_CLOCKWISE: (0.0, -1.0),
     canonical.MoveDirection.TURN_ANTICLOCKWISE: (0.0, 1.0),
 }
-"""Shares of forward speed and turn rate; at full intensity 0.5 m/s and 1 rad/s."""
+"""Shares of forward speed and turn rate, by direction; full intensity is 0.5 m/s and 1 rad/s."""
 
 
 class SimR(RobotsRole):
     """The robots' role.
 
-    Moves are the keeper's orders. Without a keeper (at a server of another make) a `%%goto` is obeyed as SimR did in
-    2016. In either case SimR answers `%%where`, takes `%%move`, and goes to points in meters.
+    Moves are the keeper's orders. Without a keeper (at a server of another make) SimR obeys `%%goto` as in 2016. In
+    both cases it answers `%%where`, obeys `%%move`, and drives to points in meters.
 
     Args:
         robots: the team.
         game_map: rooms, start poses and costs.
-        dialect: the reading of `%%goto` that is tried first.
-        response_timeout: ticks without observations after which a robot counts as silent and its move has failed.
+        dialect: the meaning of `%%goto` that is tried first.
+        response_timeout: ticks without observations after which a robot counts as silent and its move fails.
         telemetry: options of pose telemetry.
 
     Attributes:
         snapshot: the team after the last step; None before the first.
-        rejection: the keeper's reason for not taking these robots into its game; None when it takes them.
+        rejection: the keeper's reason for rejecting these robots; None while it accepts them.
     """
 
     name = legacy.SIMR
@@ -96,7 +96,7 @@ class SimR(RobotsRole):
         self._prices = MovePrices(game_map.travel, robots.size)
         self._conditions = (Condition.WELL,) * robots.size
         self._researchers: tuple[str | None, ...] = (None,) * robots.size
-        # The keeper's last orders; None until a keeper gives some.
+        # The keeper's last orders; None before the first.
         self._orders: Orders | None = None
         self._waiting: list[tuple[int, legacy.GotoRoom]] = []
         self._without_keeper = 0
@@ -104,7 +104,7 @@ class SimR(RobotsRole):
         self.rejection: str | None = None
 
     def connected(self) -> None:
-        """Introduce the robots to the keeper with the next step."""
+        """Introduce the robots to the keeper in the next step."""
         self._introduce = True
 
     def ask(self, request: RobotRequest, researcher: str | None = None) -> None:
@@ -118,7 +118,7 @@ class SimR(RobotsRole):
     def step(self, tick: int, messages: Sequence[TextMessage]) -> list[TextMessage]:
         """Run one tick of the role and of the team; see `Role`."""
         outgoing: list[TextMessage] = []
-        # Goals to restore come first: requests are newer than they are, and orders of this tick newer still.
+        # In order of age, so that the newest input wins: restored goals, then requests, then orders of this tick.
         resumed, self._inputs = self._inputs, []
         if self._introduce:
             self._introduce = False
@@ -180,7 +180,7 @@ class SimR(RobotsRole):
             case TeamRejection(sentence):
                 self.rejection = sentence
             case RecordingPermission() | None:
-                pass  # The program that runs this role takes it.
+                pass  # Handled by the program that runs this role.
             case _:
                 assert_never(notice)
 
@@ -196,7 +196,7 @@ class SimR(RobotsRole):
         )
 
     def _follow(self, orders: Orders) -> None:
-        """Start and stop moves as the keeper orders."""
+        """Start and stop moves as ordered."""
         former, self._orders = self._orders, orders
         if former is None or former.game != orders.game:
             self._begin(orders, again=former is not None)
@@ -208,7 +208,7 @@ class SimR(RobotsRole):
         self._inputs += [SetCharge(robot, charge) for robot, charge in enumerate(orders.energy)]
 
     def _begin(self, orders: Orders, *, again: bool) -> None:
-        """Put every robot in its place for a new game, or for one in progress that SimR comes back to."""
+        """Place every robot for a new game, or for a game in progress after a restart of SimR."""
         self._waiting.clear()
         self._moves.restart()
         self._prices.restart()
@@ -223,7 +223,7 @@ class SimR(RobotsRole):
             self._inputs += [CancelGoal(robot), PlaceRobot(robot, pose)]
 
     def _obey_without_keeper(self, tick: int) -> None:
-        """Obey lines that have waited for a keeper until the timeout; with a keeper only its orders count."""
+        """Obey lines that have waited for a keeper until the timeout; if there is a keeper, only its orders count."""
         if self._orders is not None:
             self._waiting.clear()
         while self._waiting and tick - self._waiting[0][0] >= KEEPER_TIMEOUT:
@@ -233,12 +233,12 @@ class SimR(RobotsRole):
             self._inputs.append(self._moves.go(goto.robot, order))
 
     def _is_free(self, robot: int) -> bool:
-        """Return True when a text line may drive a robot: it has no move of the game, and nobody else commands it."""
+        """Return True when a text line may drive a robot: it has no move of the game and no other commander."""
         taken = () if self._orders is None else self._orders.taken
         return 0 <= robot < self._team.size and robot not in self._moves and robot not in taken
 
     def _is_judged(self, message: TextMessage) -> bool:
-        """Return True for the form of 2016 where there is a keeper, who refuses rooms that there are not."""
+        """Return True for a line of 2016 if there is a keeper, which decides on it and refuses unknown rooms."""
         return (
             self._orders is not None
             and self._dialect is Dialect.LEGACY_2016
@@ -262,7 +262,7 @@ class SimR(RobotsRole):
         return lines
 
     def _price(self, snapshot: TeamSnapshot) -> bool:
-        """Price the moves of robots that have come to rest elsewhere; return True if any was priced anew."""
+        """Price the moves of robots that have come to rest elsewhere; return True if any prices are new."""
         robots = range(self._team.size)
         moving = {robot for robot in robots if robot in self._moves or self._controls.is_driven(robot)}
         return self._prices.update(snapshot, moving | self._silent(snapshot))
@@ -279,7 +279,7 @@ class SimR(RobotsRole):
         return {robot for robot, output in enumerate(snapshot.robots) if output.tick <= due}
 
     def _conditions_in(self, snapshot: TeamSnapshot) -> tuple[Condition, ...]:
-        """Return the condition of each robot, as far as its messages show it."""
+        """Return the condition of each robot, as its messages show it."""
         silent = self._silent(snapshot)
         return tuple(
             Condition.SILENT if robot in silent else Condition.LOST if output.lost else Condition.WELL

@@ -21,7 +21,7 @@ class RobotTeam(Protocol):
 
     @property
     def worlds(self) -> tuple[WorldParameters, ...]:
-        """True properties of each robot's body, motors and sensors now; empty where `parameters` is."""
+        """Current true properties of each robot's body, motors and sensors; empty if `parameters` is empty."""
 
     def step(self, inputs: Sequence[TeamInput] = ()) -> TeamSnapshot:
-        """Run one tick with these inputs, in their order; inputs that a robot cannot carry out have no effect."""
+        """Run one tick with these inputs, in order; inputs that a robot cannot carry out have no effect."""

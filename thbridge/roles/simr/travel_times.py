@@ -1,9 +1,9 @@
-"""Travel times from any place of a map to its rooms: planned on the static map, in the seconds of the map's own times.
+"""Travel times from any place of a map to its rooms, planned on the static map and scaled to the map's known times.
 
-A wave of navfn from each room's goal gives a way to it from every place. Its seconds are a part that every move has,
-one for its length, and one for the turns on the spot at its beginning and its end, which take a robot as long as meters
-do. The three weights are fitted to the times that are known between places (least squares, none negative), so that a
-room costs about the same from where a robot stands as from the place next to it that has a row in the matrix.
+A wave of navfn from each room's goal gives a path to it from every place. The duration of a path has three parts: a
+constant, a part by its length, and a part by the turns on the spot at both ends, which take as long as some meters. The
+three weights are fitted to the known times between places (least squares, none negative). So a room costs about the
+same from a robot's position as from the nearest place with a row in the matrix.
 """
 
 import math
@@ -27,16 +27,16 @@ from sim.robot.global_planning.wave import UNREACHED
 from thbridge.files.disk.mapped_arrays import mapped
 
 AT_GOAL = 1.0
-"""Meters from a room's goal within which the row of that room counts."""
+"""Distance from a room's goal up to which the row of that room applies, in meters."""
 
 _NEAR = 0.5
-"""Meters to the nearest place with a way, for a robot that an estimate puts into a wall."""
+"""Largest distance to the nearest place with a path, in meters, for a robot with an estimate inside a wall."""
 _FIRST_STRETCH = 0.5
-"""Meters of a way that give its direction at an end."""
+"""Length at each end of a path that determines its direction there, in meters."""
 
 
 class _Way(NamedTuple):
-    """Weighed parts of a way: 1, meters, and radians turned on the spot at both ends."""
+    """Parts of a path's duration before weighting: 1, meters, and radians turned on the spot at both ends."""
 
     one: float
     length: float
@@ -48,10 +48,11 @@ class TravelTimes:
 
     Args:
         grid: the map.
-        costs: (rows, cols) its costs for a robot, inflated.
+        costs: (rows, cols) costs of its cells for a robot, inflated.
         goals: goal pose of each room, room 1 first.
-        starts: start poses, to which the row of the corridor belongs; at least one.
-        matrix: known times between places as people count them, seconds; None where there is no move.
+        starts: start poses, for which the row of the corridor applies; at least one.
+        matrix: known times between places, by number: 0 for the corridor, rooms from 1; seconds, None where there is
+            no move.
     """
 
     def __init__(
@@ -67,7 +68,7 @@ class TravelTimes:
         self._goals = tuple(self._to_grid.compose(goal) for goal in goals)
         self._matrix = tuple(tuple(row) for row in matrix)
         self._planner = PotentialPlanner(Navfn(NavfnParameters()))
-        # Of a hectare each takes 16 MB; ways look at a few of their cells.
+        # Memory-mapped: each has 16 MB for a hectare, and a path reads only a few cells.
         potentials = (self._planner.potential(costs, self._frame, goal) for goal in self._goals)
         self._potentials = mapped(potentials, len(self._goals) * costs.size * np.dtype(np.float32).itemsize)
         places = [[self._to_grid.compose(start) for start in starts], *([goal] for goal in self._goals)]
@@ -81,7 +82,7 @@ class TravelTimes:
         )
 
     def costs_from(self, pose: Pose2) -> tuple[float | None, ...]:
-        """Return the energy to each place from a pose, by the number people use; whole, and None without a way."""
+        """Return the energy to each place from a pose, by the place's number: whole numbers, None without a path."""
         here = self._to_grid.compose(pose)
         away = [elementary.hypot(goal.x - here.x, goal.y - here.y) for goal in self._goals]
         nearest = min(range(len(away)), key=lambda room: away[room])
@@ -89,7 +90,7 @@ class TravelTimes:
         if away[nearest] > AT_GOAL:
             return None, *estimated
         row = list(self._matrix[nearest + 1])
-        # From a room to itself the matrix has no move, but a robot may stand there that has not visited it.
+        # The matrix has no move from a room to itself, but a robot may stand in a room that it has not visited.
         row[nearest + 1] = estimated[nearest]
         return tuple(row)
 
@@ -98,7 +99,7 @@ class TravelTimes:
         return None if way is None else max(1.0, round(float((np.array(way) * self._weights).sum())))
 
     def _way(self, room: int, here: Pose2) -> _Way | None:
-        """Return the way from a pose in the grid, or from the nearest place that has one; None without any."""
+        """Return the path from a pose in the grid, or from the nearest place that has one; None if there is none."""
         goal, potential = self._goals[room], self._potentials[room]
         resolution = self._frame.resolution
         col, row, reach = here.x / resolution, here.y / resolution, _NEAR / resolution
@@ -130,7 +131,7 @@ def _direction(points: FloatArray, steps: FloatArray) -> float:
 
 
 def _fitted(known: Sequence[tuple[Sequence[_Way], float]]) -> FloatArray:
-    """(3,) seconds of each part of a way, from ways (the mean of several counts) whose seconds are known."""
+    """Return (3,) seconds per unit of each part, fitted to known seconds; of several paths the mean counts."""
     rows = [(np.mean(ways, axis=0), seconds) for ways, seconds in known if ways]
     if not rows:
         return np.zeros(3)
@@ -138,9 +139,10 @@ def _fitted(known: Sequence[tuple[Sequence[_Way], float]]) -> FloatArray:
 
 
 def non_negative_weights(parts: FloatArray, wholes: FloatArray) -> FloatArray:
-    """(k,) weights of parts, none negative, whose weighted sums come nearest to (n,) wholes, by least squares.
+    """Return (k,) non-negative weights of parts for which the weighted sums fit (n,) wholes best, by least squares.
 
-    The best ones are those of one choice of the few parts, fitted without a limit: all choices are tried.
+    The best weights are those of an unconstrained fit to some of the parts. All choices of parts are tried, since there
+    are only a few.
 
     Args:
         parts: (n, k) parts of each whole.

@@ -53,7 +53,7 @@ class Outsider:
         ("%%goto TabUI SimR 0 39 39 45", "Room 40 is not a room of this game; it has 1 to 8."),
         ("%%goto TabUI SimR 7 1 1 45", "There is no robot 8; the team has 2."),
         ("%%snap TabUI Hider 3", "No robot stands in room 4."),
-        ("%%snap TabUI Hider x", "It is no line of the hunt of 2016."),
+        ("%%snap TabUI Hider x", "It is not a line of the hunt of 2016."),
         ("%%goto TabUI SimR 0 one 1 45", "SimR cannot read it: 'one' is not a number."),
         ("%%goto TabUI SimR 0", "SimR cannot read it: that is not what follows %%goto."),
         ("%%move TabUI SimR 0 F 9", "SimR cannot read it: the intensity is 1 to 5, not 9."),
@@ -94,8 +94,8 @@ def test_a_reply_to_a_program_that_has_gone_is_told_as_that_and_none_of_the_keep
     outsider.hunt.run(20)
     told = [str(each) for tick in outsider.hunt.tick_records[before:] for each in tick.refusals]
     assert told == [
-        'TabUI asked "%%goto TabUI SimR 1 39 39 45", refused: Room 40 is not a room of this game; it has 1 to 8.',
-        'SimR said "%%error SimR TabUI "0;2"", which reached nobody: No program is called TabUI here.',
+        'refused "%%goto TabUI SimR 1 39 39 45" of TabUI: Room 40 is not a room of this game; it has 1 to 8.',
+        'could not deliver "%%error SimR TabUI "0;2"" of SimR: No program is called TabUI here.',
     ]
 
 
@@ -109,10 +109,10 @@ def test_what_is_repeated_does_not_fill_the_log(caplog):
             log.note([ProgramRefusal("TabUI", "%%goto", refused)])
     told = [record.getMessage() for record in caplog.records]
     assert told == [
-        'TabUI asked "%%goto", refused: No.',
-        'TabUI asked "%%goto", refused: No. (10 times)',
-        'TabUI asked "%%goto", refused: No. (100 times)',
-        'TabUI asked "%%goto", refused: Never.',
+        'refused "%%goto" of TabUI: No.',
+        'refused "%%goto" of TabUI: No. (10 times)',
+        'refused "%%goto" of TabUI: No. (100 times)',
+        'refused "%%goto" of TabUI: Never.',
     ]
 
 

@@ -1,1 +1,1 @@
-"""Robots' knowledge of the game, suggestions, and decisions of their own when nobody attends to them."""
+"""Robots' knowledge of the game, their suggestions, and their own decisions when the participant ignores them."""

@@ -1,6 +1,6 @@
 """Advice of a robot about where to go: its first room in the plan of the team, and the reason for it.
 
-An adviser may also err, as often as the study wants it.
+A study can also set how often an adviser gives wrong advice.
 """
 
 from collections.abc import Collection, Sequence
@@ -23,26 +23,26 @@ from thbridge.hunt.tour import Tour, why_no_tour
 from thbridge.roles.shared.participant_rules import Discussed, Situation, free_to_discuss
 
 _MOST_ROOMS_COMPARED = {1: 17, 2: MOST_ROOMS_OF_A_TEAM, 3: 14, 4: 13}
-"""By the number of robots, rooms left of which a robot that is asked compares all plans; of more robots 12.
+"""Largest number of remaining rooms, by number of robots, for which advice compares all plans; 12 for more robots.
 
-The game waits for the answer: such a plan, and the values of all other next rooms that an argument needs, take half a
-second at most. Searching for a plan of more rooms takes as long.
+The game waits for the answer. Such a plan, and the values of all other next rooms that an argument needs, take 0.5 s
+at most. A heuristic search for a plan of more rooms takes as long.
 """
 _EXACT = frozenset({TeamPlanner.JOINT, TeamPlanner.TOUR})
-"""Planners whose tours are the best there are, of the team or of the robot alone."""
+"""Planners with optimal tours, of the team or of the robot alone."""
 
 
 @dataclass(frozen=True, slots=True)
 class Advice:
-    """A room that a robot suggests, and what it says about it.
+    """A room that a robot suggests, with reason and confidence.
 
     Attributes:
-        room: to go to.
+        room: the suggested room.
         reason: as part of a sentence: "no other room costs me less".
         number: of the robot's advice in this game, from 1.
         planned: the room that the planner chose.
-        erred: True when the robot suggests another one instead.
-        confidence: to be stated, 0 to 1; None where none is.
+        erred: True when the robot suggests another room instead.
+        confidence: to be stated, 0 to 1; None if none is stated.
     """
 
     room: Room
@@ -53,29 +53,29 @@ class Advice:
     confidence: float | None = None
 
     def event(self, robot: int) -> RoomAdvised:
-        """Return the event of a robot's giving this advice."""
+        """Return the event that a robot gives this advice."""
         return RoomAdvised(robot, self.room, self.number, self.planned, self.erred, self.confidence)
 
     def instead(self, room: Room, reason: str) -> "Advice":
-        """Return the advice of a wizard who has this room suggested in the robot's place, for this reason."""
+        """Return a wizard's advice in the robot's place: this room, for this reason."""
         return self if room == self.room else replace(self, room=room, reason=reason, erred=False)
 
 
 @dataclass(frozen=True, slots=True)
 class Adviser:
-    """Suggests rooms in the place of robots, as a study wants it.
+    """Adviser that suggests rooms in the place of robots, as the study sets it.
 
-    Advice errs by keyed noise of game, robot and number of the advice. An adviser that may err gives no reason but what
-    the room costs, whether it errs or not: a comparison would tell that it does, or be false.
+    Wrong advice is chosen by keyed noise of game, robot and number of the advice. An adviser that may be wrong always
+    gives the room's cost as its only reason. A comparison with other rooms would reveal the error, or be false.
 
     Attributes:
         planner: chooses the room.
-        error_rate: share of advice in which another room is suggested, drawn among all that the robot could suggest.
+        error_rate: share of wrong advice: another room, chosen randomly among all that the robot could suggest.
         says_confidence: True when robots state how sure they are.
-        confidence_bias: added to the confidence of a calibrated adviser, who knows the probability that its advice errs
-            and no more.
-        confidence_spread: greatest distance of that probability from the rate, its mean; it is drawn anew for each
-            advice, uniformly.
+        confidence_bias: added to the confidence of a calibrated adviser, which only knows the probability that its
+            advice is wrong.
+        confidence_spread: largest distance of that probability from its mean, the error rate; for each advice it is
+            drawn again, uniformly.
         texts: of the game's language, for reasons.
     """
 
@@ -89,17 +89,17 @@ class Adviser:
     def advise(
         self, state: GameState, discussed: Sequence[Discussed], robot: int, number: int = 1
     ) -> Advice | RequestRefused:
-        """Return the advice of a robot, or a refusal (`NoTour`) when there is no room that it could suggest.
+        """Return the advice of a robot, or a refusal (`NoTour`) if it could not suggest any room.
 
-        Unless the planner is for each robot alone, it plans for all robots that the participant can send: those under
-        way, and those that are about to be sent, go on from there with the energy that is left to them once they have
-        named what they find. Rooms that other robots have dialogues about are theirs. Of more rooms than can be
-        compared in time the joint plan is searched for.
+        Unless the planner plans for each robot alone, it plans for all robots that the participant can send. Robots
+        that move, or are about to be sent, continue from their goals with the energy that is left after naming the
+        treasure there. Rooms in dialogues with other robots belong to these robots. If there are more rooms than can be
+        compared in time, the joint plan is found by heuristic search.
 
         Args:
             state: of the game.
             discussed: see `Situation`.
-            robot: the robot asked.
+            robot: the robot that advises.
             number: of its advice in this game, from 1.
         """
         adviser, costs = state.robots[robot], state.started.costs
@@ -130,7 +130,7 @@ class Adviser:
         return Advice(room, reason, number, planned, errs, confidence)
 
     def reason_by_cost(self, cost: float) -> str:
-        """Return the reason that holds for any room, as part of a sentence."""
+        """Return the reason that is true for any room, as part of a sentence."""
         return self.texts.clause("scripted.reason_cost", energy=cost)
 
     def _reason(
@@ -141,10 +141,10 @@ class Adviser:
         Args:
             row: energy from the robot's place to every place.
             room: the room to go to.
-            free: rooms that are left.
+            free: remaining rooms.
             tours: planned tours, by robot.
             robot: the robot that speaks.
-            exact: True when the tours are the best of those who plan them: else nothing is claimed of whole tours.
+            exact: True when the tours are optimal; otherwise the reason makes no claim about whole tours.
         """
         nearest = min(free, key=lambda other: (row[other.people], other))
         if row[room.people] <= row[nearest.people]:
@@ -160,13 +160,13 @@ class Adviser:
 
 
 def possible_rooms(state: GameState, discussed: Sequence[Discussed], robot: int) -> list[Room]:
-    """Return the rooms that a robot could suggest: free to be talked about, and within its energy."""
+    """Return the rooms that a robot could suggest: free to be discussed, and within its energy."""
     free = free_to_discuss(Situation(state, tuple(discussed)), robot)
     return [room for room in free if isinstance(rules.move(state, robot, room), tuple)]
 
 
 def start_of(state: GameState, discussed: Sequence[Discussed], number: int) -> TourStart | None:
-    """Return where another robot will be sent from next, or None if the participant cannot send it."""
+    """Return the start of another robot's next move, or None if the participant cannot send it."""
     robot, costs, visit = state.robots[number], state.started.costs, state.started.identify_cost
     if rules.unable(state, number) or rules.commanded_by_other(state, number, Commander.PARTICIPANT):
         return None
@@ -182,7 +182,7 @@ def start_of(state: GameState, discussed: Sequence[Discussed], number: int) -> T
 
 
 def can_compare(rooms: Collection[Room], robots: Collection[object]) -> bool:
-    """Return True for so few rooms and robots that all plans can be compared while the game waits for an answer."""
+    """Return True if all plans for these rooms and robots can be compared while the game waits for an answer."""
     return len(rooms) <= _MOST_ROOMS_COMPARED.get(len(robots), 12)
 
 
@@ -190,10 +190,9 @@ def can_compare(rooms: Collection[Room], robots: Collection[object]) -> bool:
 def tours_sending_first(
     planner: TeamPlanner, costs: CostMatrix, starts: tuple[TourStart, ...], rooms: tuple[Room, ...], visit: float
 ) -> tuple[Tour, ...]:
-    """Return the tours that send the first robot, if it can pay for any.
+    """Return the tours that send the first robot, if it can pay for any room.
 
-    They are remembered: what a robot suggests and what it argues from are one plan, and a wizard's advice is shown anew
-    in every tick.
+    Results are cached: a robot suggests and argues from the same plan, and a wizard's advice is shown in every tick.
     """
     searches = planner in _EXACT and not can_compare(rooms, starts)
     plan = searched_tours if searches else PLANNERS[planner]

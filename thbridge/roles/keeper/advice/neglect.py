@@ -1,4 +1,4 @@
-"""Robots that nobody attends to: after a while each decides by itself what to do next."""
+"""Robots that the participant ignores: after a while each decides by itself what to do next."""
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
@@ -15,8 +15,8 @@ class AloneDecision:
 
     Attributes:
         robot: index in the team.
-        room: where it goes, or stands.
-        events: of carrying it out.
+        room: room to which it goes, or in which it stands.
+        events: events that carry out the decision.
         departs: True when it goes to the room.
     """
 
@@ -26,14 +26,14 @@ class AloneDecision:
     departs: bool
 
 
-def neglected(state: GameState, attended: Mapping[int, int], tick: int, patience: int) -> tuple[int, ...]:
-    """Return the robots that could do something, and that nobody has attended to for too long.
+def neglected(state: GameState, attended: Mapping[int, int], tick: int, timeout: int) -> tuple[int, ...]:
+    """Return the robots that could do something, and that the participant has ignored for too long.
 
     Args:
         state: of the game.
-        attended: tick at which something last happened to each robot, or was asked of it.
+        attended: by robot, the tick of the last event or request that concerned it.
         tick: present tick.
-        patience: ticks for which a robot waits.
+        timeout: ticks for which a robot waits.
     """
     if state.ended is not None or state.treasures is None:
         return ()
@@ -43,19 +43,19 @@ def neglected(state: GameState, attended: Mapping[int, int], tick: int, patience
         if robot.bound_for is None
         and not rules.unable(state, number)
         and not rules.commanded_by_other(state, number, Commander.PARTICIPANT)
-        and tick - attended.get(number, tick) >= patience
+        and tick - attended.get(number, tick) >= timeout
     )
 
 
 def decide_about_treasure(state: GameState, robot: int, names: Collection[str]) -> AloneDecision | None:
-    """Return what a robot does about an undecided treasure where it stands; None: it goes on.
+    """Return a robot's decision about an undecided treasure where it stands; None if it drives on.
 
-    It senses it, and names it where only one name fits. All else needs the eyes of a person.
+    The robot senses the treasure, and names it if only one name fits. Everything else is left to a person.
 
     Args:
         state: of the game.
         robot: index in the team.
-        names: that fit what is known of the treasure.
+        names: names that fit the known properties of the treasure.
     """
     here = state.robots[robot].at
     if not state.has_room(here) or state.decider(here) != robot or state.room(here).is_decided:
@@ -71,7 +71,7 @@ def decide_about_treasure(state: GameState, robot: int, names: Collection[str]) 
 
 
 def decide_to_go(state: GameState, robot: int, room: Room) -> AloneDecision | None:
-    """Return a robot's departure for a room, or None if the rules do not allow it; no treasure is given up by it."""
+    """Return a robot's departure for a room, or None if the rules do not allow it; treasures stay undecided."""
     ruling = rules.move(state, robot, room)
     if not isinstance(ruling, tuple):
         return None

@@ -1,4 +1,4 @@
-"""Facts of robots for their arguments, gathered from the game: what each knows itself, or hears from its team."""
+"""Facts of robots for their arguments, collected from the game: each robot's own knowledge, and its team's."""
 
 import math
 from collections.abc import Collection, Sequence
@@ -19,7 +19,7 @@ from thbridge.roles.keeper.advice.adviser import can_compare, start_of, tours_se
 from thbridge.roles.shared.participant_rules import Discussed, other_candidate
 
 _SURE, _LOST = 1.0, 0.3
-"""How far a robot trusts costs from where it believes to be, and when it does not know where it is."""
+"""Confidence of a robot in the costs from its estimated position: normally, and when it is lost."""
 
 
 def where_facts(
@@ -30,18 +30,19 @@ def where_facts(
     tick: int,
     rival: Room | None = None,
 ) -> WhereFacts:
-    """Return what a robot knows about where to go.
+    """Return a robot's facts about where to go.
 
-    Of more rooms than can be compared in time, the joint plan is searched for; other rooms are worth what is left of it
-    when the robot begins with them.
+    If there are more rooms than can be compared in time, the joint plan is found by heuristic search. The value of
+    another room is then that of the same plan changed so that the robot begins with this room.
 
     Args:
         state: of the game.
         discussed: matters of open dialogues and agreements.
         robot: index in the team.
-        failed: rooms that it did not reach lately.
+        failed: rooms that it has recently failed to reach.
         tick: present tick.
-        rival: room of which it is to know which robots its going there would leave without a room; None: none.
+        rival: room that the participant prefers: the facts include the robots that this choice would leave without a
+            room. None if there is no such room.
     """
     here, row = state.robots[robot], state.costs_from(robot)
     taken = {room: other for room in state.free_rooms if (other := other_candidate(discussed, room, robot)) is not None}
@@ -87,15 +88,15 @@ def where_facts(
 def what_facts(
     state: GameState, robot: int, room: Room, kinds: Sequence[TreasureKind], tick: int, claimed: str = ""
 ) -> WhatFacts:
-    """Return what a robot knows about a treasure that was found; the list of treasures is known to everybody.
+    """Return a robot's facts about a treasure that was found; all robots and participants know the list of treasures.
 
     Args:
         state: of the game.
         robot: index in the team.
-        room: where the treasure is.
-        kinds: treasures that there are.
+        room: room of the treasure.
+        kinds: all treasures.
         tick: present tick.
-        claimed: name that the participant wants to give it; empty: none.
+        claimed: name that the participant proposes; empty for none.
     """
     found = state.room(room)
     fitting = {
@@ -115,7 +116,7 @@ def what_facts(
 
 
 def _against(state: GameState, room: Room, kinds: Sequence[TreasureKind], name: str) -> tuple[Misfit, ...]:
-    """Return the properties in which no treasure of a name fits what was found in a room."""
+    """Return the properties in which no treasure with this name fits the findings in a room."""
     found = state.room(room)
     listed = [kind.properties for kind in kinds if kind.name == name]
     return tuple(
@@ -128,7 +129,7 @@ def _against(state: GameState, room: Room, kinds: Sequence[TreasureKind], name: 
 
 
 def _busy(state: GameState, starts: dict[int, TourStart], robot: int, room: Room, free: Collection[Room]) -> set[int]:
-    """Robots with a room to go to when one of them goes to a certain room first."""
+    """Return the robots that have a room to go to if one of them goes to a certain room first."""
     costs, visit = state.started.costs, state.started.identify_cost
     own = starts[robot]
     there = TourStart(costs.rows[room.people], max(own.energy - own.costs[room.people] - visit, 0.0))
@@ -141,7 +142,7 @@ def _busy(state: GameState, starts: dict[int, TourStart], robot: int, room: Room
 def _compared(
     costs: CostMatrix, starts: tuple[TourStart, ...], rooms: tuple[Room, ...], visit: float
 ) -> tuple[tuple[dict[Room, PlanValue], ...], tuple[Tour, ...]]:
-    """Values of all next rooms of each robot, and the tours of the best plan that sends the first one."""
+    """Return the values of all next rooms of each robot, and the tours of the best plan that sends the first robot."""
     if not rooms:
         return tuple({} for _ in starts), tuple(Tour((), 0.0) for _ in starts)
     tours = tours_sending_first(TeamPlanner.JOINT, costs, starts, rooms, visit)
@@ -152,7 +153,7 @@ def _compared(
 def _searched(
     costs: CostMatrix, starts: tuple[TourStart, ...], rooms: tuple[Room, ...], visit: float
 ) -> tuple[tuple[dict[Room, PlanValue], ...], tuple[Tour, ...]]:
-    """Values of all next rooms of the first robot, and the tours of a good plan that sends it."""
+    """Return the values of all next rooms of the first robot, and the tours of a good plan that sends it."""
     tours = tours_sending_first(TeamPlanner.JOINT, costs, starts, rooms, visit)
     payable = filter(starts[0].can_pay, rooms)
     begun = {room: tours_begun_with(costs, starts, tours, 0, room, visit) for room in payable}

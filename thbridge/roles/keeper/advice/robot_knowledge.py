@@ -1,4 +1,4 @@
-"""Knowledge of robots in the open game: the advice of each, and the facts for its arguments."""
+"""Knowledge of robots in the open game: their advice, and the facts for their arguments."""
 
 from dataclasses import replace
 
@@ -17,15 +17,15 @@ from thbridge.roles.keeper.moves import UnreachedRooms
 
 
 class RobotKnowledge:
-    """Knowledge of the robots of a game, from which they advise and argue.
+    """Knowledge of the robots of a game, on which their advice and arguments are based.
 
     Args:
         adviser: suggests rooms in the place of robots.
-        kinds: treasures that there are, as everybody knows them.
+        kinds: all treasures, known to robots and participants.
 
     Attributes:
-        adviser: as above.
-        unreached: rooms that robots did not reach lately.
+        adviser: see `Args`.
+        unreached: rooms that robots have recently failed to reach.
     """
 
     def __init__(self, adviser: Adviser, kinds: tuple[TreasureKind, ...]) -> None:
@@ -34,11 +34,11 @@ class RobotKnowledge:
         self._kinds = kinds
 
     def begin(self) -> None:
-        """Forget what concerns the game before, because another one begins."""
+        """Begin another game: forget facts about the game before."""
         self.unreached = UnreachedRooms()
 
     def advice(self, state: GameState, dialogues: GameDialogues, robot: int) -> Advice | RequestRefused:
-        """Return what a robot suggests now; see `Adviser.advise`."""
+        """Return a robot's present advice; see `Adviser.advise`."""
         stands = dialogues.under_way.suggestion_stands(robot)
         number = state.robots[robot].advice + (0 if stands else 1)
         return self.adviser.advise(state, dialogues.discussed, robot, number)
@@ -52,28 +52,28 @@ class RobotKnowledge:
         advised: Room | None,
         rival: Room | None = None,
     ) -> WhereFacts:
-        """Return what a robot that argues knows about where to go, and which room its planner has chosen.
+        """Return an arguing robot's facts about where to go.
 
         Args:
             state: of the game.
             dialogues: of the game.
             robot: index in the team.
             tick: present tick.
-            advised: the room that its planner has chosen; None where it has none.
-            rival: room that the participant wants it to go to.
+            advised: the room that its planner has chosen; None if there is none.
+            rival: room to which the participant wants to send it.
         """
         facts = where_facts(state, dialogues.discussed, robot, self.unreached.of(robot), tick, rival)
         facts = replace(facts, compares=self.adviser.error_rate <= 0.0)
         return facts if advised is None else replace(facts, advised=advised)
 
     def what(self, state: GameState, robot: int, room: Room, tick: int, name: str = "") -> WhatFacts:
-        """Return what a robot knows about the treasure in a room, which the participant takes for one of a name."""
+        """Return a robot's facts about the treasure in a room, for which the participant proposes `name`."""
         return what_facts(state, robot, room, self._kinds, tick, name)
 
     def about(
         self, state: GameState, dialogues: GameDialogues, opened: DialogueOpened, tick: int
     ) -> WhereFacts | WhatFacts | None:
-        """Return the facts of a robot for a dialogue that is opened; None where robots do not argue."""
+        """Return the facts of a robot for a new dialogue; None if robots do not argue."""
         scenario, robot, room = Scenario(opened.scenario), opened.robot, opened.room
         if not dialogues.argues:
             return None

@@ -1,1 +1,1 @@
-"""All that participants are told, before, in and after a game; nothing before they agree to take part."""
+"""Everything that participants are shown before, during and after a game; nothing before they agree to take part."""

@@ -1,4 +1,4 @@
-"""Briefing of participants: what their programs get from the study beside the state of the game."""
+"""Briefing of participants: all that their programs get from the study in addition to the state of the game."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -12,23 +12,23 @@ from thbridge.roles.shared.notices import FloorPlan, GameTexts
 
 @dataclass(frozen=True, slots=True)
 class Briefing:
-    """Map, names, pictures and consent text that a study has for its participants.
+    """Map, names, pictures and consent text of a study, for its participants.
 
     Attributes:
-        floor_plan: of the game's map; None where it is unknown.
-        names: possible names of treasures; sent once one was sensed.
+        floor_plan: of the game's map; None if it is unknown.
+        names: possible names of treasures; sent once the first treasure was sensed.
         pictures: image files by name; each is sent once it was taken.
-        consent: text that participants have to agree to before anything else; None asks nothing.
-        worth: points of each of `names`, None where treasures of this name differ; empty: they are not told.
-        answers: True when it is told after the game what was in the rooms.
+        consent: text to which participants have to agree first; None if they are not asked.
+        worth: points of each of `names`, None if treasures of this name differ; empty if points are not shown.
+        answers: True when the treasures of the rooms are shown after the game.
         farewell: thanks, and what comes next; may be empty.
-        sound: True when their window may sound.
+        sound: True when the participant's window may play sounds.
         properties: of the treasures.
-        words: the same properties with their words in the game's language; empty: these have none.
-        called: words for the names, in this language; a name without some is said as it is.
-        kinds: treasures that there are, without their pictures; participants have the same list.
-        condition: how robots and participants decide together.
-        texts: of the game's language; None where nobody reads them.
+        words: the same properties with their words in the game's language; empty if they have none.
+        called: words for the names, in this language; a name without words is used as it is.
+        kinds: all treasures, without their pictures; participants have the same list.
+        condition: condition of dialogues: how robots and participants decide together.
+        texts: of the game's language; None if no program reads them.
     """
 
     floor_plan: FloorPlan | None = None

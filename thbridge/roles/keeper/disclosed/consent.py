@@ -1,4 +1,4 @@
-"""The participant's answer to the study's consent text, before and in a game."""
+"""The participant's answer to the study's consent text, before and during a game."""
 
 from enum import Enum
 
@@ -8,14 +8,14 @@ from thbridge.roles.shared.view import GiveConsent
 
 
 class ConsentStatus(Enum):
-    """State of the participant's agreement to take part."""
+    """State of the participant's consent to take part."""
 
     NOT_NEEDED = "not needed"
     AWAITED = "awaited"
     GIVEN = "given"
     DECLINED = "declined"
     NOT_ASKED = "not asked"
-    """A participant's program of 2016 plays, which cannot ask."""
+    """The participant's program is of 2016 and cannot ask."""
 
     @property
     def recordable(self) -> bool:
@@ -30,18 +30,18 @@ CONSENT_SENTENCES = {
     ConsentStatus.NOT_ASKED: "this TabUI is a program of 2016, which cannot ask for consent: ask the participant "
     "yourself; the game is recorded",
 }
-"""Sentences for the researcher on the participant's agreement to take part."""
+"""Sentences for the researcher about the participant's consent."""
 
 
 class ConsentAnswer:
-    """The answer of the participant who is there.
+    """The consent of the present participant.
 
-    A yes that comes before a game is kept for it. A no is final for the program that says it: only another one that
-    joins is asked again. A yes holds for later games too, until another program joins when a game is over: that may be
-    the next person's, who is asked before they see anything of it.
+    A yes before a game is kept for that game. A no is final for the program that sends it: only another program that
+    joins is asked again. A yes applies to later games too, until another program joins after the end of a game. That
+    program may belong to the next person, who is asked before they see anything of the game.
 
     Args:
-        asked: the study has a consent text.
+        asked: True if the study has a consent text.
     """
 
     def __init__(self, asked: bool) -> None:
@@ -53,18 +53,18 @@ class ConsentAnswer:
         self._another = False
 
     def join(self, state: GameState | None, run: str) -> None:
-        """Note that a participant's program has joined which can ask; `run` as in `ParticipantReady`."""
+        """Note that a participant's program that can ask has joined; `run` as in `ParticipantReady`."""
         self._declined = self._legacy = False
         if state is not None and state.ended is not None and run != self._run:
             self._early, self._another = None, True
         self._run = run
 
     def note_legacy(self) -> None:
-        """Note that a participant's program of 2016 plays."""
+        """Note that the participant's program is of 2016."""
         self._legacy = True
 
     def agree(self, state: GameState | None, consent: GiveConsent) -> tuple[ConsentGiven, ...]:
-        """Return the event of a yes in this game; empty where it is kept for the next one, or comes too late."""
+        """Return the event of a yes in this game; empty if it is kept for the next game, or has no effect."""
         if self._declined and self.awaited(state):
             return ()
         if state is not None and not self._another:
@@ -78,10 +78,10 @@ class ConsentAnswer:
         self._declined = self.awaited(state)
 
     def first_events(self, former: GameState | None) -> tuple[ConsentGiven, ...]:
-        """Return the agreement as the first event after the start of a game; empty where there is none yet.
+        """Return the consent as the first event after the start of a game; empty if there is none yet.
 
         Args:
-            former: the game before; an agreement outlasts it. None: there was none.
+            former: the game before, after which consent stays valid; None before the first game.
         """
         early, self._early = self._early, None
         another, self._another = self._another, False
@@ -90,12 +90,12 @@ class ConsentAnswer:
         return (ConsentGiven(former.agreed_at),) if former is not None and former.agreed and not another else ()
 
     def awaited(self, state: GameState | None) -> bool:
-        """Return True while the participant has to agree to take part before anything else."""
+        """Return True while the participant still has to agree to take part."""
         agreed = self._early is not None if state is None or self._another else state.agreed
         return self._asked and not agreed
 
     def status(self, state: GameState | None) -> ConsentStatus:
-        """Return the state of the agreement in this game; None: before the first."""
+        """Return the state of consent in this game; `state` is None before the first game."""
         if not self._asked:
             return ConsentStatus.NOT_NEEDED
         if not self.awaited(state):

@@ -13,7 +13,7 @@ def debrief_of(state: GameState, from_starts: Sequence[Sequence[float]], briefin
 
     Args:
         state: of the game.
-        from_starts: energy from the start of each robot to each place, by the number people use.
+        from_starts: energy from the start of each robot to each place, by number: 0 for the corridor, rooms from 1.
         briefing: of the study's participants.
     """
     treasures = state.treasures

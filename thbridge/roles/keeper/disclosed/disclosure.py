@@ -33,7 +33,7 @@ def view_of(
     asked_back: Collection[int] = (),
     debrief: Debrief | None = None,
 ) -> View:
-    """Return the participant's view; it never reads the treasures themselves, only what was found out about them.
+    """Return the participant's view; it never reads the treasures themselves, only what is known about them.
 
     `asks` is True while the participant has to agree to take part.
     """
@@ -67,7 +67,7 @@ def view_of(
 
 
 def _called(briefing: Briefing, names: Iterable[str]) -> dict[str, str]:
-    """Return the words for names that the view reveals."""
+    """Return the words for the names that the view reveals."""
     return {name: briefing.called[name] for name in names if name in briefing.called}
 
 
@@ -77,25 +77,25 @@ def _debriefed(debrief: Debrief | None) -> tuple[str, ...]:
 
 
 def _with_words(state: GameState, briefing: Briefing) -> tuple[TreasureProperty, ...]:
-    """Return the properties of the game with their words: those of values that are declared, or were found out."""
+    """Return the properties of the game, with words only for declared values and for values that are known."""
     if not briefing.words or briefing.properties != state.started.properties:
         return state.started.properties
     known = [room.known for room in state.rooms]
 
-    def told(words: TreasureProperty) -> TreasureProperty:
+    def revealed(words: TreasureProperty) -> TreasureProperty:
         values = words.values or tuple(of_room[words.name] for of_room in known if words.name in of_room)
         return replace(words, words={value: words.words[value] for value in values if value in words.words})
 
-    return tuple(map(told, briefing.words))
+    return tuple(map(revealed, briefing.words))
 
 
 def plain_costs(costs: CostMatrix) -> tuple[tuple[float | None, ...], ...]:
-    """Return a cost matrix as JSON can hold it: None where there is no move."""
+    """Return a cost matrix in JSON's values: None where there is no move."""
     return tuple(plain_row(row) for row in costs.rows)
 
 
 def plain_row(row: Sequence[float]) -> tuple[float | None, ...]:
-    """Return a row of a cost matrix as JSON can hold it."""
+    """Return a row of a cost matrix in JSON's values."""
     return tuple(None if math.isinf(cost) else cost for cost in row)
 
 

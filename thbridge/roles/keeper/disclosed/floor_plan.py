@@ -1,4 +1,4 @@
-"""Floor plan of a game's map: packed into one line of the wire."""
+"""Floor plan of a game's map, packed into one line of the wire."""
 
 import base64
 import zlib
@@ -11,7 +11,7 @@ from sim.common.grid import FREE, OCCUPIED, OccupancyGrid
 from thbridge.roles.shared.notices import FloorPlan, RoomOutline
 
 MOST_PACKED = 40_000
-"""Characters of packed cells beyond which the map's resolution is halved."""
+"""Largest number of characters of packed cells; above it the map's resolution is halved."""
 
 
 def floor_plan_of(
@@ -19,8 +19,8 @@ def floor_plan_of(
 ) -> FloorPlan:
     """Return the floor plan of a map.
 
-    While the map does not pack into one line, its resolution is halved: two by two cells become one, a wall if one of
-    them is, else free if one of them is.
+    While the packed map is too long for one line, its resolution is halved: two by two cells become one cell. It is a
+    wall if one of the four is a wall, otherwise free if one is free.
 
     Args:
         name: of the map.
@@ -44,7 +44,7 @@ def _packed(codes: NDArray[np.uint8]) -> str:
 
 
 def _halved(codes: NDArray[np.uint8]) -> NDArray[np.uint8]:
-    """Return codes with two by two cells in one; cells beyond the last row or column are unknown."""
+    """Return the codes at half the resolution; cells beyond the last row or column count as unknown."""
     rows, cols = codes.shape
     even = np.pad(codes, ((0, rows % 2), (0, cols % 2)), constant_values=2)
     blocks = even.reshape(even.shape[0] // 2, 2, even.shape[1] // 2, 2)

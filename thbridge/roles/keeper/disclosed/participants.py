@@ -12,21 +12,21 @@ from thbridge.text_protocol.wire.lines import TextMessage
 from thbridge.text_protocol.wire.notice import Notice, encode_notice
 
 MOST_PARTICIPANTS = 64
-"""Participants' programs at a time."""
+"""Largest number of participants' programs at a time."""
 MOST_NUMBERS = 256
-"""Numbers of a program's latest requests that are remembered; a repetition comes seconds later."""
+"""Number of a program's latest request numbers that are stored; a repetition comes within seconds."""
 PIECE_SIZE = 30_000
-"""Bytes of a picture in one line; 40,000 characters in base 64."""
+"""Bytes of a picture in one line: 40,000 characters in base 64."""
 PIECE_PERIOD = TICKS_PER_SECOND // 12
-"""Ticks from one piece to the next: a large picture must not get a slow connection cut off."""
+"""Ticks between two pieces, so that a large picture does not overload a slow connection until it is closed."""
 
 
 class Participants:
-    """The participants' programs that are connected: each gets what changed, a newcomer everything.
+    """The connected programs of participants; each gets what has changed, and a newcomer gets everything.
 
     Args:
         sender: name of the sending role.
-        briefing: the study's part.
+        briefing: of the study.
     """
 
     def __init__(self, sender: str, briefing: Briefing) -> None:
@@ -37,7 +37,7 @@ class Participants:
         self._newcomers: dict[str, None] = {}
         self._unreachable: set[str] = set()
         self._shown: View | None = None
-        # The pictures that all but newcomers have, by room; pieces that wait, each with its receiver.
+        # By room, the pictures that all but newcomers have; then the queue of pieces, each with its receiver.
         self._taken: dict[int, str] = {}
         self._pieces: deque[tuple[str, PicturePiece]] = deque()
         self._next_piece = 0
@@ -51,14 +51,14 @@ class Participants:
         return not self._members
 
     def join(self, name: str, map_name: str | None, run: str = "") -> list[TextMessage]:
-        """Add a participant's program, perhaps again; return the messages to send at once, none where there is no room.
+        """Add a participant's program, perhaps again; return the messages to send at once, or none if there is no room.
 
-        One that could not be reached makes room for another.
+        If there is no room, the new program replaces one that could not be reached.
 
         Args:
             name: of the program.
-            map_name: of the map that the robots are on; None while that is unknown.
-            run: mark of this run of the program; another run counts its requests from 1 again. Empty: unknown.
+            map_name: of the robots' map; None while that is unknown.
+            run: mark of this run of the program; another run counts its requests from 1 again. Empty if unknown.
         """
         if name not in self._members and len(self._members) >= MOST_PARTICIPANTS:
             gone = next((member for member in self._members if member in self._unreachable), None)
@@ -72,15 +72,15 @@ class Participants:
         self._pieces = deque(piece for piece in self._pieces if piece[0] != name)
         briefed = [] if self._briefing.texts is None else [encode_notice(self._sender, name, self._briefing.texts)]
         plan = self._briefing.floor_plan
-        # Robots may have been started on another map than the server's; a wrong one is worse than none.
+        # Robots may have been started on another map than the server's. A wrong plan would be worse than none.
         if plan is not None and map_name in {None, plan.map}:
             briefed.append(encode_notice(self._sender, name, plan))
         return briefed
 
     def is_repetition(self, request: Notice) -> bool:
-        """Return True for a request whose number its sender has used before in this run; remember the number.
+        """Return True if the sender has used the request's number before in this run; store the number.
 
-        A request without a number is none.
+        A request without a number never counts as a repetition.
         """
         number = request.request
         if number is None or request.sender not in self._members:
@@ -105,7 +105,7 @@ class Participants:
         self._pieces = deque(piece for piece in self._pieces if piece[0] != name)
 
     def show(self, view: View) -> list[TextMessage]:
-        """Return the messages of the view, for those who do not have it; its pictures follow through `pieces`."""
+        """Return the messages of the view to the programs that do not have it; its pictures follow by `pieces`."""
         self._queue_pictures(view)
         receivers = self._newcomers if view == self._shown else self._members
         self._shown = view

@@ -1,1 +1,1 @@
-"""Requests to the keeper: by participants, by lines of 2016, by ground stations, by wizards."""
+"""Requests to the keeper: from participants, in lines of 2016, from ground stations, from wizards."""

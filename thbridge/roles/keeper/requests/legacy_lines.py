@@ -1,6 +1,6 @@
-"""Lines of 2016 that are forwarded: their effect on the game, and Hider's answers.
+"""Forwarded lines of 2016: their effect on the game, and Hider's answers.
 
-With a Hider of ours the keeper knows the treasures, judges each question and determines the reply. A Hider of 2016
+With our own Hider the keeper knows the treasures, decides on each question and determines the reply. A Hider of 2016
 does not reveal them; then the game learns from its answers.
 """
 
@@ -27,11 +27,11 @@ _COMMANDS_TO_SIMR = frozenset({TextCommand.GOTO, TextCommand.WHERE, TextCommand.
 
 
 def undone(line: Forwarded, state: GameState | None) -> RequestRefused | None:
-    """Return the reason why a line comes to nothing without any rule being asked, or None."""
+    """Return the reason why a line has no effect under any rule, or None."""
     if not line.delivered:
         return RequestRefused(LineReason.NOBODY, f"No program is called {line.message.receiver} here.")
     if line.message.receiver == legacy.HIDER and isinstance(line.legacy_value, UnreadableText):
-        return RequestRefused(LineReason.UNREADABLE, "It is no line of the hunt of 2016.")
+        return RequestRefused(LineReason.UNREADABLE, "It is not a line of the hunt of 2016.")
     if line.message.receiver == legacy.SIMR and line.message.command in _COMMANDS_TO_SIMR:
         value = canonical.decode(line.message)
         if isinstance(value, UnreadableText):
@@ -42,7 +42,7 @@ def undone(line: Forwarded, state: GameState | None) -> RequestRefused | None:
 
 
 class LineReason(StrEnum):
-    """Reason why a line comes to nothing."""
+    """Reason why a line has no effect."""
 
     NOBODY = "nobody"
     UNREADABLE = "unreadable"
@@ -50,7 +50,7 @@ class LineReason(StrEnum):
 
 
 class LegacyLines:
-    """Handles one line after the other.
+    """Handler of forwarded lines.
 
     Args:
         game: the game in progress.
@@ -58,11 +58,11 @@ class LegacyLines:
 
     def __init__(self, game: OpenGame) -> None:
         self._game = game
-        # An identification whose points a Hider of 2016 has not sent yet: the game's number, the room, the name.
+        # An identification for which a Hider of 2016 has not sent the points yet: number of the game, room, name.
         self._named: tuple[int, Room, str] | None = None
 
     def handle(self, state: GameState, line: Forwarded, *, needs_consent: bool) -> TextMessage | None:
-        """Handle a line that was forwarded.
+        """Handle a forwarded line.
 
         Args:
             state: of the game.
@@ -70,7 +70,7 @@ class LegacyLines:
             needs_consent: True when the sender holds its dialogues with this keeper, and so needs an agreement.
 
         Returns:
-            The message that a Hider of ours shall send to the participant now, or None.
+            The message that our own Hider shall send to the participant now, or None.
         """
         request = decode_request_line(line)
         if request is None:
@@ -93,7 +93,7 @@ class LegacyLines:
                 return self._identify(state, Room(room), name, needs_consent)
 
     def _report(self, state: GameState, line: Forwarded) -> None:
-        """Take in what SimR or a Hider of 2016 says has happened."""
+        """Process a report of SimR or of a Hider of 2016."""
         game, message = self._game, line.message
         match line.legacy_value:
             case legacy.RoomReached(robot, room) if message.sender == legacy.SIMR:
@@ -125,7 +125,7 @@ class LegacyLines:
 
     def _arrived(self, state: GameState, robot: int, room: Room) -> None:
         here = state.robots[robot] if state.has_robot(robot) else None
-        # SimR repeats the line when it cannot know whether it arrived.
+        # SimR repeats the line if it cannot know that the first one was received.
         if here is not None and (here.bound_for is not None or here.at != room):
             self._game.apply_ruling("Arrived", rules.arrive(state, robot, room))
 
@@ -143,7 +143,7 @@ class LegacyLines:
     def _picture(self, state: GameState, room: Room, needs_consent: bool) -> TextMessage | None:
         if state.treasures is None:
             return None
-        # A picture that was taken is shown again, wherever its robot is now.
+        # A picture that was already taken is sent again, wherever its robot is now.
         if not state.has_room(room) or state.room(room).image is None:
             ruling = rules.picture(state, room)
             if needs_consent:
@@ -161,7 +161,7 @@ class LegacyLines:
             return None
         decided = state.room(room).points if state.has_room(room) else None
         if decided is not None:
-            # The answer got lost: the verdict stands, and is sent again.
+            # The first answer was lost: the verdict does not change, and is sent again.
             return legacy.PointsAwarded(decided).message()
         ruling = rules.identify(state, room, name)
         if needs_consent:
@@ -173,7 +173,7 @@ class LegacyLines:
     def _agreed(
         self, ruling: rules.Ruling, state: GameState, room: Room, matter: DialogueMatter, name: str = ""
     ) -> rules.Ruling:
-        """Return the ruling if robot and participant agreed on it, else a refusal."""
+        """Return the ruling if robot and participant agreed on it, otherwise a refusal."""
         robot = state.decider(room)
         if isinstance(ruling, RequestRefused) or robot is None:
             return ruling
@@ -182,7 +182,7 @@ class LegacyLines:
         return ruling
 
     def _apply_reported(self, state: GameState, rule: Callable[[], rules.Ruling]) -> None:
-        """Apply the answer of a Hider of 2016; one of ours only repeats what the keeper decided."""
+        """Apply the answer of a Hider of 2016; our own Hider only repeats the keeper's decisions."""
         if state.treasures is None:
             ruling = rule()
             if isinstance(ruling, tuple):
@@ -190,14 +190,14 @@ class LegacyLines:
 
 
 def _has_gone(state: GameState, robot: int, room: Room, *, arrived: bool) -> bool:
-    """Return True when the participant has sent a robot to this room already, and it drives there.
+    """Return True when the participant has already sent a robot to this room, and the robot drives there.
 
     Args:
         state: of the game.
         robot: index in the team.
         room: the room.
-        arrived: True also for a robot that stands in the room. Its program sees that in the view; a program of 2016
-            needs the refusal.
+        arrived: True includes a robot that stands in the room already. Our own programs see that in the view; programs
+            of 2016 need the refusal.
     """
     if not state.has_robot(robot):
         return False

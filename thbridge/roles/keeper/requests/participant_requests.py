@@ -1,4 +1,4 @@
-"""The participant's requests beyond the lines of 2016: dialogues, leaving treasures, stopping a robot."""
+"""The participant's requests in addition to the lines of 2016: dialogues, leaving treasures, stopping a robot."""
 
 from typing import TypeAlias, assert_never
 
@@ -47,19 +47,19 @@ NoticeRequest: TypeAlias = (
     | MeasureProperty
     | TellProperty
 )
-"""A request of the participant in a game, which a notice may carry."""
+"""A request of the participant in a game that a notice may contain."""
 
 
 def handle_participant_request(
     game: OpenGame, state: GameState, request: NoticeRequest, *, awaits_treasures: bool
 ) -> None:
-    """Grant a request, or keep its refusal; what programs ask by lines of 2016 changes nothing here.
+    """Grant a request, or keep its refusal; requests with lines of 2016 have no effect here.
 
     Args:
         game: the game in progress.
         state: of the game.
         request: the request.
-        awaits_treasures: Hider is about to hide them; until then no robot is sent.
+        awaits_treasures: True while Hider is about to hide the treasures; until then no robot is sent.
     """
     now, kind = Situation(state, game.dialogues.discussed, awaits_treasures), kind_of(type(request))
     robot = _robot_of(game, state, request)
@@ -73,7 +73,7 @@ def handle_participant_request(
                 game.apply_ruling(kind, judge(now, request))
         case RequestHandback():
             ruling = judge(now, request)
-            # Who asked a moment ago is refused what has become impossible, and else waits for the answer.
+            # A repetition after a moment has no effect, unless the request has become impossible.
             if isinstance(ruling, RequestRefused) or request.robot not in game.handbacks.robots:
                 game.apply_ruling(kind, ruling)
         case StopRobot():
@@ -100,7 +100,7 @@ def handle_participant_request(
 
 
 def _robot_of(game: OpenGame, state: GameState, request: NoticeRequest) -> int | None:
-    """Return the robot that a request attends to, or None."""
+    """Return the robot that a request is about, or None."""
     if isinstance(request, AnswerDialogue):
         return game.dialogues.under_way.robot_of(request.dialogue)
     room: int | None = getattr(request, "room", None)
@@ -128,7 +128,7 @@ def _open(
     room: Room,
     name: str | None = None,
 ) -> None:
-    """Open a dialogue about something that the rules allow, or keep the refusal."""
+    """Open a dialogue about a matter that the rules allow, or keep the refusal."""
     if isinstance(ruling, RequestRefused):
         game.refuse(MATTERS[scenario], ruling)
     else:

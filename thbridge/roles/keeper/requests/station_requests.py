@@ -1,4 +1,4 @@
-"""Requests of ground stations to the game: by the same rules as the participant's, without dialogues."""
+"""Requests of ground stations to the game, under the same rules as the participant's but without dialogues."""
 
 from typing import TypeAlias
 
@@ -31,13 +31,13 @@ JudgedRequest: TypeAlias = (
 def handle_station_request(
     game: OpenGame, state: GameState, request: CommandRequest, *, awaits_treasures: bool
 ) -> None:
-    """Carry out the request of a ground station; one that the rules refuse is dropped, unseen by the participant.
+    """Carry out the request of a ground station; a request that the rules refuse is dropped, and not shown.
 
     Args:
         game: the game in progress.
         state: of the game.
         request: the request.
-        awaits_treasures: Hider is about to hide them; until then no robot is sent.
+        awaits_treasures: True while Hider is about to hide the treasures; until then no robot is sent.
     """
     match request:
         case StationStop(robot):
@@ -52,9 +52,9 @@ def handle_station_request(
 
 
 def sense_for_stations(game: OpenGame, state: GameState) -> None:
-    """Let robots that a ground station commands sense the treasure on arrival, since no station requests it.
+    """Let robots under command of a ground station sense the treasure on arrival, since stations cannot request it.
 
-    A Hider of 2016 does not reveal the treasures: then there is nothing to sense.
+    A Hider of 2016 does not reveal the treasures, so there is nothing to sense.
     """
     for robot in state.robots:
         held = robot.holder.by is Commander.GROUND_STATION
@@ -65,7 +65,7 @@ def sense_for_stations(game: OpenGame, state: GameState) -> None:
 
 
 def kept_commands(former: GameState, robots: int) -> tuple[CommanderChanged, ...]:
-    """Return the events that keep ground stations in command of their robots in the next game, of so many robots."""
+    """Return the events that keep ground stations in command in the next game; `robots` is the size of its team."""
     return tuple(
         CommanderChanged(number, robot.holder.by, robot.holder.name)
         for number, robot in enumerate(former.robots[:robots])
@@ -74,7 +74,7 @@ def kept_commands(former: GameState, robots: int) -> tuple[CommanderChanged, ...
 
 
 def return_robots(game: OpenGame) -> None:
-    """Give all robots to the participant: after a restart no other commander is connected any more."""
+    """Give all robots to the participant, because after a restart no other commander is connected."""
     robots = () if game.state is None else game.state.robots
     game.record(
         tuple(
@@ -86,7 +86,7 @@ def return_robots(game: OpenGame) -> None:
 
 
 def _stop(game: OpenGame, state: GameState, robot: int) -> None:
-    """Stop a robot, once; a participant who commands it learns by a refusal who stopped it."""
+    """Stop a robot, once; if the participant commands it, a refusal shows them that a ground station stopped it."""
     if not game.moves.is_stopping(robot) and state.robots[robot].command.by is Commander.PARTICIPANT:
         sentence = f"A ground station has stopped {robot_name(robot)}."
         game.refuse(kind_of(SendRobot), RequestRefused(KeeperReason.STOPPED, sentence))

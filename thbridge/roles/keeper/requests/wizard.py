@@ -1,7 +1,7 @@
-"""Wizard-of-Oz: a person, unknown to the participant, speaks and advises in the place of robots.
+"""Wizard-of-Oz: a person speaks and advises in the place of robots, without the participant's knowledge.
 
-The turns that wait for that person are a state, recorded whenever it changes; a robot that is released decides them at
-once by its own strategy.
+The turns that wait for that person are a state, which is recorded whenever it changes. A robot that is released decides
+its pending turns at once by its own strategy.
 """
 
 from dataclasses import dataclass
@@ -23,9 +23,9 @@ class HeldAdvice:
     """A participant's "don't know", which waits for the person who speaks in a puppet's place.
 
     Attributes:
-        robot: index of the robot asked, from 0.
-        costs: energy by room that it may suggest, as people count rooms.
-        suggestion: the room of its own strategy; None: there is none any more.
+        robot: index of the robot that was asked, from 0.
+        costs: number and energy of each room that it may suggest.
+        suggestion: the room of its own strategy; None if it can no longer suggest one.
     """
 
     robot: int
@@ -35,26 +35,26 @@ class HeldAdvice:
 
 @dataclass(frozen=True, slots=True)
 class WizardState:
-    """Robots that a person speaks for, and the turns and advice that wait for that person."""
+    """Robots for which a person speaks, and the turns and advice that wait for that person."""
 
     puppets: tuple[int, ...] = ()
     turns: tuple[HeldTurn, ...] = ()
     advice: tuple[HeldAdvice, ...] = ()
 
     def json(self) -> str:
-        """Return it as a JSON object."""
+        """Return the state as a JSON object."""
         return msgspec.json.encode(self).decode()
 
 
 def wizard_state(game: OpenGame, state: GameState | None) -> WizardState:
-    """Return what waits for the wizard in this game."""
+    """Return the turns and advice that wait for the wizard in this game."""
     dialogues = game.dialogues
     advice = () if state is None else tuple(_advice(game, state, robot) for robot in dialogues.asked_for_advice)
     return WizardState(tuple(sorted(dialogues.puppets)), dialogues.held_turns(), advice)
 
 
 def handle_wizard_request(game: OpenGame, state: GameState | None, request: WizardRequest) -> None:
-    """Carry out a wizard's request; one for a turn that is past changes nothing."""
+    """Carry out a wizard's request; a request for a past turn changes nothing."""
     match request:
         case WizardMode(robot, True):
             game.dialogues.hold(robot)
