@@ -1,4 +1,4 @@
-"""Credentials of a connection: the key that it has shown, with its rights; and the lines by which keys are shown."""
+"""Credentials of a connection: its key, with the rights of the key; and the lines in which keys are sent."""
 
 from __future__ import annotations
 
@@ -24,9 +24,9 @@ class Credentials:
     """Credentials of a connection.
 
     Attributes:
-        key: name of the key that was shown; empty: none was.
-        rights: what the connection may do.
-        extended: False where it may speak as in 2016 only.
+        key: name of its key; empty if it has none.
+        rights: of the connection.
+        extended: False if it may only use the protocol of 2016.
     """
 
     key: str = ""
@@ -34,13 +34,13 @@ class Credentials:
     extended: bool = True
 
     def may(self, right: Right) -> bool:
-        """Return True where it has a right; an admin has all, and whoever may intervene may watch."""
+        """Return True if the connection has a right. Admins have all; the right to intervene includes watching."""
         includes = right is Right.WATCH and Right.INTERVENE in self.rights
         return right in self.rights or includes or Right.ADMIN in self.rights
 
     @property
     def one_game(self) -> bool:
-        """True where it is a participant's of one game, which cannot begin another."""
+        """True for a participant's key, which is for one game and cannot begin another."""
         return Right.PARTICIPANT in self.rights and Right.ADMIN not in self.rights
 
     def __str__(self) -> str:
@@ -48,17 +48,17 @@ class Credentials:
 
 
 LOCAL = Credentials()
-"""Credentials of whoever is on this machine: everything may be said, without a key."""
+"""Credentials of clients on this machine: all rights, without a key."""
 PLAIN = Credentials(extended=False)
-"""Credentials of whoever is on another machine and shows no key."""
+"""Credentials of clients on other machines without a key."""
 
 
 class KeyAnswer(msgspec.Struct, frozen=True, omit_defaults=True, forbid_unknown_fields=True):
-    """Answer of the text server to a key; it is one line of JSON.
+    """Answer of the text server to a key, as one line of JSON.
 
     Attributes:
-        admitted: name of the key; empty: the client is refused.
-        refused: the reason, as a clause.
+        admitted: name of the key; empty if the client is refused.
+        refused: reason of the refusal, as a clause.
     """
 
     admitted: str = ""
@@ -75,7 +75,7 @@ def key_line(secret: str) -> bytes:
 
 
 def secret_of(line: bytes) -> str | None:
-    """Return the key in a client's first line; None where there is none."""
+    """Return the key in a client's first line; None if there is none."""
     try:
         value: object = msgspec.json.decode(line)
     except (msgspec.DecodeError, UnicodeDecodeError, RecursionError):
@@ -85,7 +85,7 @@ def secret_of(line: bytes) -> str | None:
 
 
 def parse_answer(line: bytes) -> KeyAnswer | None:
-    """Return the server's answer in a line; None where it is none."""
+    """Return the server's answer in a line; None if the line is not an answer."""
     try:
         return msgspec.json.decode(line, type=KeyAnswer)
     except (msgspec.DecodeError, UnicodeDecodeError, RecursionError):

@@ -1,4 +1,4 @@
-"""JSON of files and messages that others may have written."""
+"""JSON of files and messages that may come from other programs."""
 
 import json
 from collections.abc import Callable
@@ -21,4 +21,4 @@ def _deep_as_value_error(parse: Callable[P, T]) -> Callable[P, T]:
 
 
 json_of = _deep_as_value_error(json.loads)
-"""`json.loads`, but nesting that exhausts the parser's stack is a ValueError, like all else that is no JSON."""
+"""`json.loads`, but nesting that exhausts the parser's stack raises ValueError, like any other invalid JSON."""

@@ -1,16 +1,16 @@
-"""Lines of a byte stream, within bounds: framing of all of our protocols that are text."""
+"""Lines of a byte stream, in bounded memory: the framing of all our text protocols."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 LINE_LIMIT = 64 * 1024
-"""Longest line that is read, in bytes before its line feed."""
+"""Length of the longest accepted line, in bytes before its line feed."""
 
 
 @dataclass(frozen=True, slots=True)
 class OverlongLine:
-    """Line longer than the limit, of which nothing was kept.
+    """Line longer than the limit; its content was dropped.
 
     Attributes:
         length: bytes before its line feed.
@@ -20,10 +20,10 @@ class OverlongLine:
 
 
 class LineSplitter:
-    """Splits a byte stream into lines, however it is cut into segments, in bounded memory.
+    """Splitter of a byte stream into lines, in bounded memory; the stream may come in segments of any size.
 
-    A line ends in LF or CRLF. Bytes that are not UTF-8 become U+FFFD. Bytes after the last line feed are kept for the
-    next call and never returned as a line: the line may be incomplete.
+    A line ends with LF or CRLF. Bytes that are not UTF-8 become U+FFFD. Bytes after the last line feed are kept for the
+    next call and never returned as a line, because the line may be incomplete.
     """
 
     def __init__(self, limit: int = LINE_LIMIT) -> None:

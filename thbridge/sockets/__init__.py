@@ -1,1 +1,1 @@
-"""TCP and UDP sockets: addresses, who is admitted, TLS, keys, and listening, for the wires of all features."""
+"""TCP and UDP sockets: addresses, admission, TLS, keys, and listening, for the wires of all features."""

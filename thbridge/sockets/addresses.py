@@ -1,4 +1,4 @@
-"""Network addresses: HOST:PORT as people write them, and those used by default."""
+"""Network addresses: HOST:PORT as people write them, and defaults."""
 
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -7,7 +7,7 @@ LOCALHOST = "127.0.0.1"
 DEBIAN_HOST = "127.0.1.1"
 """Loopback address of a Debian machine's own name, at which the participant's window of 2016 expects the server."""
 LONGEST_HOST = 253
-"""Letters of the longest name of a machine (RFC 1035)."""
+"""Largest length of a machine's name (RFC 1035)."""
 TEXT_SERVER_PORT = 6009
 WATCH_PORT = 6010
 ROS_MASTER_PORT = 11311
@@ -33,7 +33,7 @@ class ListeningAddress:
 
 
 def parse_address(text: str) -> Address | None:
-    """Parse HOST:PORT, with an IPv6 host in brackets; None when it is invalid."""
+    """Parse HOST:PORT, with an IPv6 host in brackets; return None if it is invalid."""
     host, colon, number = text.rpartition(":")
     if not (colon and number.isascii() and number.isdecimal() and len(number) <= 5 and 0 < int(number) <= 65535):
         return None
@@ -50,11 +50,11 @@ def parse_address(text: str) -> Address | None:
 
 
 class UdpTarget(NamedTuple):
-    """Target of a socket, to which it sends from the start.
+    """Target to which a UDP socket sends from the start.
 
     Attributes:
         address: address of the station.
-        number: of the only robot on the link, from 1; None: all robots.
+        number: number of the only robot on the link, from 1; None for all robots.
     """
 
     address: Address
@@ -65,7 +65,7 @@ class UdpTarget(NamedTuple):
 
 
 def parse_target(text: str) -> UdpTarget | None:
-    """Parse HOST:PORT, or HOST:PORT/ROBOT with a robot's number from 1; None when it is invalid."""
+    """Parse HOST:PORT, or HOST:PORT/ROBOT with a robot's number from 1; return None if it is invalid."""
     where, slash, number = text.partition("/")
     address = parse_address(where)
     if address is None or not slash:

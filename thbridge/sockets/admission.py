@@ -1,4 +1,4 @@
-"""Admission of peers by their address: programs of this machine, and of the networks that a door is open to."""
+"""Admission of peers by address: programs of this machine, and of the networks to which a server is open."""
 
 import ipaddress
 from asyncio import BaseTransport
@@ -12,7 +12,7 @@ _OWN = frozenset({"localhost", "ip6-localhost"})
 
 
 def parse_network(text: str) -> Network | None:
-    """Parse a network, such as 10.0.0.0/24, or a single address; None when it is invalid."""
+    """Parse a network, such as 10.0.0.0/24, or a single address; return None if it is invalid."""
     try:
         return ipaddress.ip_network(text.strip(), strict=False)
     except ValueError:
@@ -20,7 +20,7 @@ def parse_network(text: str) -> Network | None:
 
 
 def is_own(host: str) -> bool:
-    """Return True for an address, or a name, at which only programs of this machine reach a server."""
+    """Return True for an address or name at which only programs of this machine can reach a server."""
     try:
         return _plain(host).is_loopback
     except ValueError:
@@ -32,18 +32,18 @@ class Admission:
     """Admission to a server.
 
     Attributes:
-        networks: whose machines are admitted, beside this one.
+        networks: networks of the admitted machines; this machine is always admitted.
     """
 
     networks: tuple[Network, ...] = ()
 
     @classmethod
     def to(cls, networks: Iterable[str]) -> "Admission":
-        """The admission of these networks; those that are invalid are left out."""
+        """Return the admission of these networks; invalid ones are left out."""
         return cls(tuple(network for text in networks if (network := parse_network(text)) is not None))
 
     def refused(self, transport: BaseTransport) -> str | None:
-        """Return the address of a peer that is not admitted, for people; None for one that is."""
+        """Return the address of a peer that is not admitted, for people; None for an admitted one."""
         peer = peer_of(transport)
         return None if peer is None or self.admits(peer) else peer
 
@@ -57,22 +57,22 @@ class Admission:
 
 
 OWN_MACHINE = Admission()
-"""Admission of programs of this machine alone."""
+"""Admission of programs of this machine only."""
 
 
 def peer_of(transport: BaseTransport) -> str | None:
-    """Return the address of another machine's peer; None for a program of this machine."""
+    """Return the address of a peer on another machine; None for a program of this machine."""
     peer, own = transport.get_extra_info("peername"), transport.get_extra_info("sockname")
     if peer is None:
-        return "somebody who has left"  # Whoever resets a connection at once has no address any more.
-    # Sockets without addresses connect programs of one machine, and so do those whose addresses are the same.
+        return "a client that has left"  # A connection that was reset at once no longer has an address.
+    # Both programs are on one machine if their sockets have no addresses (Unix sockets) or have the same address.
     if not isinstance(peer, tuple) or peer[0] == own[0] or is_own(str(peer[0])):
         return None
     return str(peer[0])
 
 
 def _plain(host: str) -> ipaddress.IPv4Address | ipaddress.IPv6Address:
-    """Return an address without its zone, as IPv4 where IPv6 only wraps it. Raises ValueError."""
+    """Return an address without its zone, and an IPv4-mapped IPv6 address as IPv4. Raises ValueError."""
     address = ipaddress.ip_address(host.partition("%")[0])
     mapped = address.ipv4_mapped if isinstance(address, ipaddress.IPv6Address) else None
     return mapped or address

@@ -15,8 +15,8 @@ class CannotListen:
 
     @classmethod
     def because(cls, error: OSError | UnicodeError, host: str, port: int) -> "CannotListen":
-        """Return the failure that this error of a socket means."""
-        return cls(host, port, reason_of(error) if isinstance(error, OSError) else "that is not a host's name")
+        """Return the failure for an error of a socket."""
+        return cls(host, port, reason_of(error) if isinstance(error, OSError) else "this is not the name of a host")
 
     def __str__(self) -> str:
         return (

@@ -1,8 +1,8 @@
-"""Foxglove server: shows a session in Foxglove while it is under way, every message as a bag has it.
+"""Foxglove server: shows a running session in Foxglove, every message as in a bag.
 
-Foxglove reads ROS 1's messages and definitions as they are, so nothing is converted. It can only look: nothing that it
-sends has an effect. Sockets and clients are foxglove-sdk's, on threads of its own. A client that reads too slowly loses
-the oldest of what waits for it.
+Foxglove reads ROS 1's messages and definitions, so nothing is converted. It can only watch: its messages have no
+effect. Sockets and clients belong to foxglove-sdk, on threads of its own. A client that reads too slowly loses its
+oldest pending messages.
 
 Source: the Foxglove WebSocket protocol, `ros1` messages with `ros1msg` schemas.
 """
@@ -24,14 +24,14 @@ from thbridge.sockets.errors import CannotListen
 _log = logging.getLogger(__name__)
 
 _STOP_SECONDS = 3.0
-"""Seconds that the library has to end its connections: a session must end, whoever holds one."""
+"""Seconds that the library has to end its connections, so that no open connection can keep a session from ending."""
 
 _MOST_WAITING = 4096
-"""Messages that may wait for one client: some seconds of a team."""
+"""Largest number of messages that may wait for one client: some seconds of a team's messages."""
 
 
 class FoxgloveServer(ServerListener):
-    """Sends a session's messages to all who look on with Foxglove.
+    """Server of a session's messages for all connected Foxglove windows.
 
     Args:
         topics: advertised from the start; others are advertised with their first message.
@@ -46,17 +46,17 @@ class FoxgloveServer(ServerListener):
         self._server: WebSocketServer | None = None
 
     def start(self, host: str, port: int) -> ListeningAddress | CannotListen:
-        """Listen at this address; port 0 takes any that is free."""
+        """Listen at this address; port 0 selects any free port."""
         try:
             self._server = start_server(
                 name="thbridge",
                 host=host,
                 port=port,
-                # The time that Foxglove shows is the session's.
+                # Foxglove shows the session's time.
                 capabilities=[Capability.Time],
                 server_listener=self,
                 context=self._context,
-                # Another session at the same address must not be taken for this one come back.
+                # Random, so that Foxglove does not mistake another session at this address for this one.
                 session_id=secrets.token_hex(8),
                 message_backlog_size=_MOST_WAITING,
             )
@@ -65,9 +65,10 @@ class FoxgloveServer(ServerListener):
         return ListeningAddress(host, self._server.port)
 
     def stop(self) -> None:
-        """Close all connections, as far as the library does: those that are left in a handshake hold it for ever."""
+        """Close all connections, with a timeout."""
         if self._server is None:
             return
+        # The library waits without limit for connections in an unfinished handshake, so it stops on a daemon thread.
         stopping = threading.Thread(target=self._server.stop, name="foxglove", daemon=True)
         stopping.start()
         stopping.join(_STOP_SECONDS)
@@ -89,7 +90,7 @@ class FoxgloveServer(ServerListener):
     def on_subscribe(self, client: Client, channel: ChannelView) -> None:
         """Send the last message of a latched topic to a new subscriber, on a thread of foxglove-sdk.
 
-        All its subscribers get it once more, which does no harm: it is what they have already.
+        All subscribers of the topic get it again, which does no harm: they have it already.
         """
         latched = self._latched.get(channel.id)
         if latched is not None:

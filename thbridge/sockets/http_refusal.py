@@ -1,4 +1,4 @@
-"""Refusal of HTTP where it is not spoken: a page in a browser of this machine can send any body to any port of it."""
+"""Detection of HTTP at other ports: a web page in a browser of this machine can send any text to any local port."""
 
 import re
 
@@ -6,5 +6,5 @@ _REQUEST = re.compile(rb"(GET|HEAD|POST|PUT|DELETE|CONNECT|OPTIONS|TRACE|PATCH|P
 
 
 def begins_http(first: bytes) -> bool:
-    """True for the first bytes of a connection that can only be those of a request of HTTP."""
+    """Return True for the first bytes of a connection that can only be those of an HTTP request."""
     return _REQUEST.match(first) is not None

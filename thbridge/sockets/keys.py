@@ -1,4 +1,4 @@
-"""Keys by which clients are admitted: one that is good for everything, or those of a ring, each with its rights."""
+"""Keys for the admission of clients: a single key with all rights, or the keys of a ring, each with its rights."""
 
 import hmac
 import logging
@@ -14,21 +14,21 @@ _log = logging.getLogger(__name__)
 
 
 class KeyVerifier(Protocol):
-    """Keys by which clients are admitted."""
+    """Keys for the admission of clients."""
 
     @property
     def tls(self) -> ssl.SSLContext | None:
-        """Context of the server, with its certificate; None: all is plain, and for this machine alone."""
+        """Context of the server, with its certificate. If None, connections are plain and only from this machine."""
 
     def identify(self, secret: str) -> Credentials | str:
-        """Return the credentials of whoever has a secret, or why it is good for nothing, as a clause."""
+        """Return the credentials of a secret, or the reason why it is refused, as a clause."""
 
     def why_not(self, credentials: Credentials) -> str | None:
-        """Return why somebody is not admitted any more; None where they are."""
+        """Return the reason why a client is no longer admitted; None if it is."""
 
 
 class SingleKey:
-    """One key, which whoever has it may do everything with; see `KeyVerifier`."""
+    """A single key with all rights; see `KeyVerifier`."""
 
     tls = None
 
@@ -36,17 +36,17 @@ class SingleKey:
         self._secret = secret.encode()
 
     def identify(self, secret: str) -> Credentials | str:
-        """Return everything, or that the key is wrong."""
+        """Return credentials with all rights, or that the key is wrong."""
         right = hmac.compare_digest(secret.encode(errors="surrogatepass"), self._secret)
         return LOCAL if right else "the key is wrong"
 
     def why_not(self, credentials: Credentials) -> str | None:
-        """Return None: it cannot be revoked."""
+        """Return None, because a single key cannot be revoked."""
         return None
 
 
 class RingKeys:
-    """The keys of a ring, as it is at the moment; see `KeyVerifier`. A ring that cannot be read admits nobody.
+    """The keys of a ring, always in its present state; see `KeyVerifier`. A ring that cannot be read admits no client.
 
     Args:
         ring: the keys.
@@ -59,7 +59,7 @@ class RingKeys:
         self._complaints = WarnOnce(_log)
 
     def identify(self, secret: str) -> Credentials | str:
-        """Return the credentials of whoever has a secret, or why it is good for nothing, as a clause."""
+        """Return the credentials of a secret, or the reason why it is refused, as a clause."""
         try:
             found = self._ring.holder(secret)
         except BadFile as error:
@@ -67,14 +67,14 @@ class RingKeys:
         return Credentials(found.name, found.rights) if isinstance(found, KeyEntry) else found
 
     def why_not(self, credentials: Credentials) -> str | None:
-        """Return why somebody is not admitted any more; None where they are."""
+        """Return the reason why a client is no longer admitted; None if it is."""
         try:
             return self._ring.why_not(credentials.key)
         except BadFile as error:
             return self._unreadable(error)
 
     def enter(self, key: str, game: str, *, over: bool = False) -> str | None:
-        """Use a participant's key for a game; return why it is not good for that one, None where it is."""
+        """Use a participant's key for a game; return the reason why it cannot be used for this game, or None."""
         try:
             return self._ring.enter(key, game, over=over)
         except BadFile as error:

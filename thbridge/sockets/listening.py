@@ -1,10 +1,10 @@
-"""Listening sockets of a session's servers, which leave it the descriptors that it needs to record.
+"""Listening sockets of a session's servers, which leave the session the file descriptors that it needs to record.
 
-A process has a number of descriptors (RLIMIT_NOFILE), and connections of strangers must not take the last of them: the
-next journal, bag or part of a bag could not be opened. So all servers of a process keep below the same mark. The system
-gives a new connection the lowest number that is free: one at the mark means that all below are in use, by whatever, and
-it is closed before anybody hears of it. Where few are below the mark, servers share them, so that a flood at one leaves
-the others room.
+A process has a limited number of descriptors (RLIMIT_NOFILE). Connections from outside must not use up the last ones,
+or the next journal, bag or part of a bag could not be opened. So all servers of a process stay below a common mark. The
+system gives a new connection the lowest free number. If that number is at the mark, all descriptors below are in use,
+and the connection is closed at once. If there are few descriptors below the mark, the servers share them, so that a
+flood of connections at one server leaves room for the others.
 """
 
 from __future__ import annotations
@@ -27,41 +27,41 @@ from thbridge.sockets.tls import begin_connection
 _log = logging.getLogger(__name__)
 
 _AT_ONCE = 16
-"""Most connections that one socket accepts in a round of the loop: there is other work between them, such as a tick."""
+"""Largest number of connections that one socket accepts in a round of the loop, which has other work such as ticks."""
 
 _REFUSED_AT_ONCE = 64
-"""Most connections that are closed in place of one that is accepted."""
+"""Largest number of connections that are closed before one is accepted."""
 
 _AGAIN_SECONDS = 1.0
-"""Seconds until the next attempt, where the system cannot accept."""
+"""Seconds until the next attempt if the system cannot accept connections."""
 
 _MOST_ARRIVING = 256
-"""Connections at a socket for TLS before the end of their handshake; one more takes the oldest's place. They are many
-rounds' worth, for whoever means well needs some rounds."""
+"""Largest number of unfinished TLS handshakes at a socket; one more replaces the oldest. It is many times the number of
+connections in a round, because an honest handshake needs several rounds."""
 
 BACKLOG = 4096
-"""Connections that may wait until they are accepted; beyond, the system lets them try again after a second."""
+"""Connections that may wait to be accepted; the system makes further ones try again after a second."""
 
 DESCRIPTORS = 12_288
-"""Descriptors that a process should be allowed."""
+"""Wanted limit of descriptors of a process."""
 
 RESERVED = 64
-"""Descriptors that no connection may have; a quarter of all, where there are fewer than 256."""
+"""Number of descriptors that connections may not use; a quarter of all if there are fewer than 256."""
 
 _OWN = 64
-"""Descriptors of a session with all doors open and nobody at them: some 50."""
+"""Number of descriptors of a session with all servers open and no clients: some 50."""
 
 
 class ServerDoor:
-    """The listening sockets of one server, and how many connections it may have.
+    """The listening sockets of one server, and its limit of connections.
 
     Args:
-        wanted: most connections, where there are descriptors enough.
-        weight: its share beside other servers' of this process where there are not.
+        wanted: largest number of connections if there are enough descriptors.
+        weight: its share, relative to other servers of this process, if there are not.
     """
 
     _open: ClassVar[WeakSet[ServerDoor]] = WeakSet()
-    """Those of the process that accept connections."""
+    """Instances of this process that accept connections."""
 
     def __init__(self, wanted: int, weight: int = 1) -> None:
         raise_limit()
@@ -71,7 +71,7 @@ class ServerDoor:
 
     @property
     def most(self) -> int:
-        """Connections that the server may have now."""
+        """Largest number of connections that the server may have now."""
         doors = [*self._open, *({self} - set(self._open))]
         shares = fair_shares([(each._wanted, each._weight) for each in doors], mark() - _OWN)
         return max(1, shares[doors.index(self)])
@@ -79,19 +79,19 @@ class ServerDoor:
     async def listen(
         self, connection: Callable[[], BaseProtocol], host: str, port: int, tls: ssl.SSLContext | None = None
     ) -> ListeningAddress:
-        """Begin to accept at all addresses of a host; port 0 takes any that is free.
+        """Begin to accept connections at all addresses of a host; port 0 selects any free port.
 
         Args:
-            connection: makes the protocol of a connection.
+            connection: factory of the protocol of a connection.
             host: name or address.
-            port: at all of them.
-            tls: for connections that begin with a TLS handshake; None: none may.
+            port: port at all addresses.
+            tls: context for connections that begin with a TLS handshake. If None, all connections are plain.
 
         Returns:
             The first address.
 
         Raises:
-            OSError, UnicodeError: it cannot.
+            OSError, UnicodeError: it cannot listen there.
         """
         loop = asyncio.get_running_loop()
         found = await loop.getaddrinfo(host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)
@@ -111,7 +111,7 @@ class ServerDoor:
     def accept(
         self, connection: Callable[[], BaseProtocol], bound: socket.socket, tls: ssl.SSLContext | None = None
     ) -> None:
-        """Begin to accept at a socket that listens already, and is this object's from now on; see `listen`."""
+        """Begin to accept at a socket that already listens; this object owns it from now on. See `listen`."""
         self._acceptors.append(_Acceptor(connection, bound, tls))
         self._open.add(self)
 
@@ -129,9 +129,9 @@ class ServerDoor:
 
 
 class _Acceptor:
-    """Accepts connections at one listening socket, and gives each its protocol, encrypted where it begins so.
+    """Acceptor of connections at one listening socket, which gives each its protocol, encrypted or plain.
 
-    Of a server of asyncio's, which would accept, nobody can tell what a connection begins with.
+    asyncio's own server is not used, because it accepts before the first bytes can be inspected.
     """
 
     def __init__(
@@ -147,7 +147,7 @@ class _Acceptor:
         self._begin()
 
     def close(self) -> None:
-        """Accept no more, and cut off whoever has not shown yet what it speaks."""
+        """Accept no more, and close connections that have not begun their protocol."""
         if self._again is not None:
             self._again.cancel()
         self._loop.remove_reader(self._bound)
@@ -170,13 +170,13 @@ class _Acceptor:
         except (BlockingIOError, InterruptedError, ConnectionAbortedError):
             return
         except OSError as error:
-            # No descriptor at all, or no memory: at once it would be so again.
+            # There is no descriptor or no memory at all; an immediate attempt would fail too.
             _log.warning("accepting no clients for one second: %s", error)
             self._loop.remove_reader(self._bound)
             self._again = self._loop.call_later(_AGAIN_SECONDS, self._begin)
 
     def _next(self) -> socket.socket:
-        """Return a connection that is below the mark. Raises OSError, such as BlockingIOError where none waits."""
+        """Return a connection below the mark. Raises OSError, such as BlockingIOError if no connection waits."""
         for _ in range(_REFUSED_AT_ONCE):
             accepted, _ = self._bound.accept()
             if accepted.fileno() < mark():
@@ -202,7 +202,7 @@ class _Acceptor:
 
 
 def raise_limit() -> None:
-    """Raise the number of descriptors that this process may have, which usually is 1024, as far as wanted."""
+    """Raise this process's limit of descriptors, which usually is 1024, to the wanted limit if allowed."""
     soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
     wanted = DESCRIPTORS if hard == resource.RLIM_INFINITY else min(DESCRIPTORS, hard)
     if soft != resource.RLIM_INFINITY and soft < wanted:
@@ -210,19 +210,21 @@ def raise_limit() -> None:
 
 
 def mark() -> int:
-    """Return the least descriptor that no connection may have."""
+    """Return the smallest descriptor that connections may not use."""
     soft, _ = resource.getrlimit(resource.RLIMIT_NOFILE)
     most = DESCRIPTORS if soft == resource.RLIM_INFINITY else soft
     return most - min(RESERVED, most // 4)
 
 
 def check_room() -> None:
-    """Check that a connection to others has a descriptor below the mark: peers say whom to call, and how many.
+    """Check that an outgoing connection would get a descriptor below the mark.
+
+    This is needed where peers decide to which programs, and to how many, the session connects.
 
     Raises:
-        OSError: it has none (EMFILE).
+        OSError: there is no such descriptor (EMFILE).
     """
-    # The lowest that is free.
+    # The system gives the lowest free descriptor.
     probe = os.open(os.devnull, os.O_RDONLY | os.O_CLOEXEC)
     os.close(probe)
     if probe >= mark():
@@ -230,11 +232,13 @@ def check_room() -> None:
 
 
 def fair_shares(wishes: Sequence[tuple[int, int]], room: int) -> list[int]:
-    """Return what each gets of so much room: what it wants, or as much for its weight as all others who want more.
+    """Return each server's share of a total: its wish, but at most its fair share by weight.
+
+    What some servers do not want is shared by the others.
 
     Args:
-        wishes: what each wants, and its weight.
-        room: for all together.
+        wishes: wanted number and weight of each server.
+        room: total of all shares.
     """
     shares = [0] * len(wishes)
     left, waiting = max(0, room), list(range(len(wishes)))

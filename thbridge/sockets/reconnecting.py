@@ -1,4 +1,4 @@
-"""Client's side of a TCP connection that is made again after every loss."""
+"""Client's side of a TCP connection that is restored after every loss."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class LossReason(Enum):
 
 @dataclass(frozen=True, slots=True)
 class ConnectionLost:
-    """Loss of the connection; the client keeps trying. One event for each change of the reason."""
+    """Loss of the connection; the client keeps trying. There is one event for each change of the reason."""
 
     reason: LossReason
     detail: str = ""
@@ -40,8 +40,8 @@ class Backoff:
     Attributes:
         initial: delay before the first reconnection; doubles at each further one.
         maximum: longest delay between two attempts.
-        timeout: time without a byte from the server (which pings idle clients every 15 s) until the connection counts
-            as broken.
+        timeout: time without a byte from the server until the connection counts as broken. The server pings idle
+            clients every 15 s.
     """
 
     initial: float = 0.25
@@ -50,15 +50,15 @@ class Backoff:
 
 
 class ReconnectingClient(ABC):
-    """Connects to a server, again and again until `run` is cancelled.
+    """Client that connects to a server again and again until `run` is cancelled.
 
     Args:
         host: host of the server.
         port: port of the server.
         backoff: delays between two attempts.
         segment: bytes that are read at a time.
-        key: key that is shown to the server; None for none, which is for servers of this machine.
-        may_be_plain: a key without a fingerprint is shown to servers of this machine without encryption.
+        key: key to present to the server; None for no key, which only servers of this machine accept.
+        may_be_plain: True presents a key without a fingerprint unencrypted to servers of this machine.
     """
 
     def __init__(
@@ -78,15 +78,16 @@ class ReconnectingClient(ABC):
         self._key = key
         plain = key is None or (may_be_plain and key.fingerprint is None and is_own(host))
         self._context = None if key is None or plain else client_context(key)
-        self._writer: asyncio.StreamWriter | None = None  # while the server has accepted us
+        self._writer: asyncio.StreamWriter | None = None  # Set while the server has accepted us.
         self._reason: LossReason | None = None
 
     async def run(self) -> NoReturn:
-        """Keep connected for ever."""
+        """Stay connected, without an end."""
         delay = self._backoff.initial
         while True:
             loss = await self._converse()
             if self._reason is None:
+                # The server had accepted us, so this is a new loss: start with the shortest delay again.
                 delay = self._backoff.initial
             if loss.reason is not self._reason:
                 self._reason = loss.reason

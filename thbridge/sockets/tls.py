@@ -1,6 +1,6 @@
-"""TLS for programs of ours on other machines: the session shows a certificate, and its clients know it by fingerprint.
+"""TLS for our programs on other machines: the session has a certificate, and its clients check the fingerprint.
 
-A port of ours takes both what is plain and what is encrypted: TLS begins with a byte that begins no line of ours.
+One port accepts both plain and encrypted connections: TLS begins with a byte with which no line of ours begins.
 """
 
 from __future__ import annotations
@@ -20,17 +20,17 @@ from thbridge.files.keys.key_file import ClientKey
 _HANDSHAKE = b"\x16"
 """First byte of a TLS connection: the type of its first record (RFC 8446, 5.1)."""
 _FIRST_BYTE_SECONDS = 1.0
-"""Seconds that a connection may be silent before it counts as plain: programs of 2016 may wait to be spoken to."""
+"""Seconds that a connection may be silent before it counts as plain: programs of 2016 may wait for the server."""
 _HANDSHAKE_SECONDS = 10.0
 _SHUTDOWN_SECONDS = 1.0
 
 
 class UntrustedServer(ConnectionError):  # noqa: N818 - nothing went wrong with the program
-    """The server is not the one that the key is for; the key was not shown to it."""
+    """The server is not the one that the key is for; the key was not sent to it."""
 
 
 def server_context(certificate: Certificate) -> ssl.SSLContext:
-    """Return the context of a server with a certificate. Raises OSError where its files are gone."""
+    """Return the context of a server with a certificate. Raises OSError if its files are missing."""
     context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
     context.minimum_version = ssl.TLSVersion.TLSv1_3
     context.load_cert_chain(certificate.path, password="")
@@ -38,17 +38,17 @@ def server_context(certificate: Certificate) -> ssl.SSLContext:
 
 
 def client_context(key: ClientKey) -> ssl.SSLContext:
-    """Return the context of a client, whose key has a fingerprint to be compared, or else public authorities vouch."""
+    """Return the context of a client. If the key has no fingerprint, public authorities must vouch for the server."""
     context = ssl.create_default_context() if key.fingerprint is None else ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
     if key.fingerprint is not None:
         context.check_hostname = False
-        context.verify_mode = ssl.CERT_NONE  # `check_server` does.
+        context.verify_mode = ssl.CERT_NONE  # `check_server` compares the fingerprint instead.
     context.minimum_version = ssl.TLSVersion.TLSv1_3
     return context
 
 
 def check_server(transport: BaseTransport, key: ClientKey) -> None:
-    """Check that a server is the one that a key is for, before the key is shown. Raises UntrustedServer."""
+    """Check that a server is the one that a key is for, before the key is sent. Raises UntrustedServer."""
     if key.fingerprint is None:
         return
     encrypted: ssl.SSLObject | None = transport.get_extra_info("ssl_object")
@@ -59,28 +59,27 @@ def check_server(transport: BaseTransport, key: ClientKey) -> None:
 
 
 def is_encrypted(transport: BaseTransport) -> bool:
-    """Return True for a connection that speaks TLS."""
     return transport.get_extra_info("ssl_object") is not None
 
 
 async def begin_connection(
     connection: Callable[[], BaseProtocol], accepted: socket.socket, tls: ssl.SSLContext | None
 ) -> None:
-    """Give an accepted connection its protocol: in TLS where it begins so and may, else plain.
+    """Give an accepted connection its protocol: over TLS if it begins with a handshake and `tls` is given, or plain.
 
     Args:
-        connection: makes the protocol.
+        connection: factory of the protocol.
         accepted: socket of the connection, not blocking.
-        tls: context of the server; None: it speaks plain only.
+        tls: context of the server. If None, all connections are plain.
 
     Raises:
-        OSError: it was lost before; failed handshakes are of this kind.
+        OSError: the connection was lost first, for example by a failed handshake.
     """
     loop = asyncio.get_running_loop()
     try:
         encrypted = tls is not None and await _begins_tls(accepted)
     except (OSError, asyncio.CancelledError):
-        accepted.close()  # Later it is its transport's to close.
+        accepted.close()  # Only here; later the transport closes it.
         raise
     if encrypted:
         await loop.connect_accepted_socket(
@@ -95,7 +94,7 @@ async def begin_connection(
 
 
 async def _begins_tls(accepted: socket.socket) -> bool:
-    """Return True where a connection's first byte, which is left for its protocol to read, is that of a handshake."""
+    """Return True if a connection's first byte is that of a handshake; the byte is left for the protocol to read."""
     loop = asyncio.get_running_loop()
     readable = asyncio.Event()
     loop.add_reader(accepted, readable.set)
@@ -105,7 +104,7 @@ async def _begins_tls(accepted: socket.socket) -> bool:
                 await readable.wait()
     finally:
         loop.remove_reader(accepted)
-    # After a timeout, too: it may be this loop that has stood still.
+    # Also after a timeout, because this event loop may have been blocked while the byte arrived.
     with contextlib.suppress(BlockingIOError):
         return accepted.recv(1, socket.MSG_PEEK) == _HANDSHAKE
     return False

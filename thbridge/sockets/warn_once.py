@@ -1,20 +1,20 @@
-"""Log warnings that peers cause, each given once however often its cause is repeated."""
+"""Log warnings about peers; each is logged once, however often its cause is repeated."""
 
 import logging
 
 _REMEMBERED = 256
-"""Most different warnings: peers choose parts of their text, so their number must have a bound."""
+"""Largest number of different warnings: peers choose parts of their text, so their number must have a limit."""
 
 
 class WarnOnce:
-    """Logger that gives each warning once; repetitions go to the debug log."""
+    """Logger of each warning once; repetitions go to the debug log."""
 
     def __init__(self, log: logging.Logger) -> None:
         self._log = log
         self._given: set[str] = set()
 
     def warn(self, warning: str) -> None:
-        """Log a warning, unless it was given before."""
+        """Log a warning, unless it was logged before."""
         if warning in self._given or len(self._given) >= _REMEMBERED:
             self._log.debug("%s", warning)
             return

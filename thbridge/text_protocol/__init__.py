@@ -1,1 +1,1 @@
-"""Text protocol of 2016: its lines, messages and router as `wire`, and server and client over TCP as `sockets`."""
+"""Text protocol of 2016: lines, messages and router in `wire`; server and client over TCP in `sockets`."""

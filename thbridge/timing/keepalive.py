@@ -1,7 +1,7 @@
-"""Sends heartbeats to ground stations while simulated time is paused or slow, so that robots do not count as lost.
+"""Heartbeats to ground stations while simulated time is paused or slow, so that robots do not count as lost.
 
-Heartbeats are due in simulated time, but stations wait only some seconds of wall time for the next one. The task ends
-with the session, on whose event loop it runs: heartbeats never continue after an error of the session.
+Heartbeats are due in simulated time, but stations wait only some seconds of wall time for the next one. The task runs
+on the session's event loop and ends with the session, so heartbeats never continue after an error of the session.
 """
 
 import asyncio
@@ -16,7 +16,7 @@ _LOOK = 1.0
 """Seconds between two checks."""
 
 _ENOUGH = 4 * TICKS_PER_SECOND // 5
-"""Ticks per second of wall time with which heartbeats come often enough by themselves."""
+"""Ticks per second of wall time at which heartbeats in simulated time are frequent enough."""
 
 
 class SessionWithVehicles(Protocol):
@@ -24,16 +24,17 @@ class SessionWithVehicles(Protocol):
 
     @property
     def tick(self) -> int:
-        """The number of the next tick."""
+        """Number of the next tick."""
 
     def keep_alive(self) -> None:
         """Let vehicles send heartbeats."""
 
 
 class KeepAlive:
-    """Checks a session once a second.
+    """Check of a session, which is called once a second.
 
-    A session without a rate is left alone, unless it is paused: its messages must not depend on the machine's speed.
+    A session without a rate sends no extra heartbeats unless it is paused, because its messages must not depend on the
+    machine's speed.
     """
 
     def __init__(self, session: SessionWithVehicles, pacer: Pacer) -> None:
@@ -50,7 +51,7 @@ class KeepAlive:
 
 @asynccontextmanager
 async def kept_alive(session: SessionWithVehicles, pacer: Pacer) -> AsyncIterator[None]:
-    """Check a session every second within this block."""
+    """Check a session every second during this block."""
 
     async def watch() -> None:
         keep_alive = KeepAlive(session, pacer)

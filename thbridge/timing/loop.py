@@ -1,4 +1,4 @@
-"""The loop of a program: ticks in wall time until one is the last, or until Ctrl-C or SIGTERM."""
+"""The loop of a program: ticks in wall time until the last tick, or until Ctrl-C or SIGTERM."""
 
 import asyncio
 import gc
@@ -12,19 +12,19 @@ from dataclasses import dataclass
 from thbridge.timing.pacer import Pacer
 
 _TURN = 0.0005
-"""Longest time in seconds for which another thread, for example one that packs a recording, may hold the interpreter;
-Python's default of 5 ms is a fourth of a tick."""
+"""Longest time in seconds for which another thread may hold the interpreter, for example to pack a recording. Python's
+default of 5 ms is a quarter of a tick."""
 _turns_before: list[float] = []
-"""The time that each loop under way has found when it began; the first of them is the usual one."""
+"""For each running loop, the switch interval before it began; the first entry is the original interval."""
 
 
 @dataclass(frozen=True, slots=True)
 class LoopResult:
-    """The end of a loop.
+    """Result of a loop.
 
     Attributes:
-        finished: True when a tick was the last, False when the program was stopped (Ctrl-C, SIGTERM).
-        seconds: wall time that it took.
+        finished: True when the last tick was reached, False when the program was stopped (Ctrl-C, SIGTERM).
+        seconds: wall time of the loop.
     """
 
     finished: bool
@@ -36,13 +36,13 @@ def _pass() -> None:
 
 
 async def run_ticks(tick: Callable[[], bool], pacer: Pacer) -> LoopResult:
-    """Run ticks until one returns False, or until Ctrl-C or SIGTERM, after which there is one more.
+    """Run ticks until one returns False, or until one tick after Ctrl-C or SIGTERM.
 
-    The last one reads and records all inputs since the one before it, which may be many after a pause.
+    That last tick reads and records all pending inputs, which may be many after a pause.
 
     Args:
-        tick: runs one tick, and returns True when another one is to follow.
-        pacer: waits until the next one is due.
+        tick: runs one tick; returns True if another tick follows.
+        pacer: waits until the next tick is due.
     """
     started = time.monotonic()
     with stopping(pacer.resume) as stopped, _standing_spared(), _short_turns():
@@ -56,7 +56,7 @@ async def run_ticks(tick: Callable[[], bool], pacer: Pacer) -> LoopResult:
 
 @contextmanager
 def stopping(on_stop: Callable[[], None] = _pass) -> Iterator[asyncio.Event]:
-    """An event that Ctrl-C and SIGTERM set, instead of ending the program at once; they also call `on_stop`."""
+    """Yield an event that Ctrl-C and SIGTERM set instead of ending the program at once; they also call `on_stop`."""
     loop = asyncio.get_running_loop()
     stopped = asyncio.Event()
 
@@ -77,9 +77,9 @@ def stopping(on_stop: Callable[[], None] = _pass) -> Iterator[asyncio.Event]:
 
 @contextmanager
 def _standing_spared() -> Iterator[None]:
-    """Exclude the present objects (modules, compiled code) from garbage collection: they are never freed anyway.
+    """Exclude the present objects (modules, compiled code) from garbage collection.
 
-    A full collection over them takes several ticks, and would happen in the middle of a session.
+    They are never freed anyway, and a full collection of them takes several ticks in the middle of a session.
     """
     gc.freeze()
     try:
@@ -92,14 +92,14 @@ def _standing_spared() -> Iterator[None]:
 def _short_turns() -> Iterator[None]:
     """Shorten the time for which other threads may hold the interpreter.
 
-    Of loops that overlap in one process the last to end puts back what the first found.
+    If loops overlap in one process, the last one to end restores the interval from before the first.
     """
     _turns_before.append(sys.getswitchinterval())
     sys.setswitchinterval(min(_turns_before[0], _TURN))
     try:
         yield
     finally:
-        # What a later loop found was short already, so it does not matter whose entry is taken.
+        # Later loops found the short interval, so the largest entry is the original one, whichever loop ends first.
         before = _turns_before.pop()
         if not _turns_before:
             sys.setswitchinterval(before)

@@ -1,4 +1,4 @@
-"""Real time of a game: when its ticks ran, and how far simulated time was behind real time."""
+"""Real time of a game: the times of its ticks, and the lag of simulated time behind real time."""
 
 import math
 import time
@@ -14,7 +14,7 @@ LATE = 0.1
 """Seconds after which a tick is late: people notice a delay of a tenth of a second."""
 
 TOLERANCE = 0.05
-"""Seconds by which times that `GamePace` gives may differ from those measured."""
+"""Largest difference of times in a `GamePace` from the measured times, in seconds."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,9 +22,9 @@ class PaceState:
     """Real time of a game up to one of its ticks, in seconds.
 
     Attributes:
-        wall: real time since the first tick. Where another program went on with the game, the time between is left out.
+        wall: real time since the first tick. If another program resumed the game, the time in between is left out.
         step: part of it since the tick before.
-        lag: by how much simulated time is behind real time. A pause is no lag.
+        lag: lag of simulated time behind real time. A pause is no lag.
         most_lag: largest lag so far.
         late: real time in which ticks came more than `LATE` after they were due.
     """
@@ -36,7 +36,7 @@ class PaceState:
     late: float = 0.0
 
     def rounded(self) -> list[float]:
-        """Return the attributes in their order, in milliseconds exactly."""
+        """Return the attributes in order, in seconds with three decimals."""
         return [round(each, 3) for each in astuple(self)]
 
 
@@ -48,7 +48,7 @@ class GamePace:
         wall: real time from its first to its last tick.
         most_lag: largest lag of simulated time behind real time.
         late: real time in which ticks came more than `LATE` after they were due.
-        course: pairs of simulated and real time; between two of them real time passes evenly.
+        course: pairs of simulated and real time; between two pairs, interpolate linearly.
     """
 
     wall: float
@@ -58,13 +58,13 @@ class GamePace:
 
 
 class PaceMeter:
-    """Measures the pace of one game, tick by tick.
+    """Meter of the pace of one game, tick by tick.
 
     Args:
         clock: monotonic clock, seconds.
 
     Attributes:
-        state: after the last tick that was measured.
+        state: after the last measured tick.
     """
 
     def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
@@ -76,33 +76,33 @@ class PaceMeter:
         self._points: dict[int, float] = {}
 
     def go_on(self, measured: Iterable[tuple[int, PaceState]]) -> None:
-        """Take the ticks, with their numbers, that an earlier program measured of the same game."""
+        """Continue with the ticks, each with its number, that an earlier program measured of the same game."""
         for self._tick, self.state in measured:
             self.keep()
-        # The next program begins without a lag; it never makes up for what was left.
+        # The pacer of this program starts without a lag, so the earlier lag is never made up for.
         self._carried = self.state.lag
 
     def measure(self, tick: int, pacer: Pacer) -> PaceState:
-        """Measure the tick that runs now; return the state after it."""
+        """Measure the present tick; return the state after it."""
         now, before = self._clock(), self.state
-        # A program that goes on with a game has no tick before its first.
+        # The first tick of a program that resumes a game has no previous tick to measure from, so it counts one period.
         first = pacer.period if self._points else 0.0
         step = first if self._now is None else now - self._now
         self._now, self._tick = now, tick
         lag = self._carried + pacer.lag
-        # Of a delay that is not made up for the pacer knows no more.
+        # The pacer drops delays that it does not make up for, so these show only as growth of the lag.
         late = before.late + (step if max(pacer.delay, lag - before.lag) > LATE else 0.0)
         self.state = PaceState(before.wall + step, step, lag, max(before.most_lag, lag), late)
         return self.state
 
     def keep(self) -> None:
-        """Keep when the tick last measured and the one before it ran."""
+        """Store the times of the last measured tick and of the tick before it."""
         if self._tick > 0:
             self._points.setdefault(self._tick - 1, self.state.wall - self.state.step)
         self._points[self._tick] = self.state.wall
 
     def pace(self) -> GamePace:
-        """Return the pace of the game up to the last tick that was measured."""
+        """Return the pace of the game up to the last measured tick."""
         self.keep()
         points = [(round(tick * TICK, 2), round(wall, 3)) for tick, wall in sorted(self._points.items())]
         state = self.state
@@ -110,7 +110,7 @@ class PaceMeter:
 
 
 def real_time(course: Sequence[Sequence[float]], simulated: float) -> float | None:
-    """Return the real time of a moment of a `GamePace.course`; None beyond its ends. All are seconds."""
+    """Return the real time of a simulated time in a `GamePace.course`; None outside of it. All times are in seconds."""
     after = bisect_left(course, simulated, key=lambda point: point[0])
     if after == len(course) or (after == 0 and course[0][0] != simulated):
         return None
@@ -121,7 +121,7 @@ def real_time(course: Sequence[Sequence[float]], simulated: float) -> float | No
 
 
 def _simplified(points: Sequence[tuple[float, float]]) -> tuple[tuple[float, float], ...]:
-    """Return those of the points between which straight lines pass all others within `TOLERANCE`.
+    """Return some of the points: straight lines between them pass all others within `TOLERANCE`.
 
     Source: Bristol, Swinging door trending: adaptive trend recording (1990).
     """

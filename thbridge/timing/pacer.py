@@ -11,25 +11,25 @@ from sim.common.observations import TICK
 _log = logging.getLogger(__name__)
 
 _BREATH = 25
-"""Number of ticks between two turns of the event loop, when there is no rate to keep."""
+"""Number of ticks between two turns of the event loop if there is no rate to keep."""
 
 _LAG = 1.0
-"""Largest delay in seconds that is made up for by running faster; beyond it simulated time lags for good."""
+"""Largest delay in seconds that is made up for by running faster; a larger delay stays as a lag of simulated time."""
 
 _LOOK = 0.1
-"""Seconds between two calls of `pause_abandoned` in a pause."""
+"""Seconds between two calls of `pause_abandoned` during a pause."""
 
 
 class Pacer:
-    """Waits between ticks. On a machine too slow for the rate simulated time lags; ticks are never skipped.
+    """Timer of ticks. If the machine is too slow for the rate, simulated time lags; ticks are never skipped.
 
     The pace can be changed while the loop runs, on the thread of its event loop.
 
     Args:
-        rate: simulated seconds per second; 0 runs as fast as the machine can.
+        rate: simulated seconds per second; 0 runs as fast as possible.
         clock: monotonic clock, seconds.
-        pause_abandoned: called ten times a second while paused; True ends the pause, because no client wants it any
-            more. None: pauses last until `resume`.
+        pause_abandoned: called ten times a second while paused; returns True to end the pause, because no client needs
+            it. If None, pauses last until `resume`.
     """
 
     def __init__(
@@ -51,7 +51,7 @@ class Pacer:
 
     @property
     def rate(self) -> float:
-        """Simulated seconds per second; 0: as fast as the machine can."""
+        """Simulated seconds per second; 0 runs as fast as possible."""
         return self._rate
 
     @property
@@ -61,12 +61,12 @@ class Pacer:
 
     @property
     def lag(self) -> float:
-        """Delay of the ticks against the rate in seconds, with delays that are not made up for."""
+        """Delay of the ticks relative to the rate, in seconds, including delays that are not made up for."""
         return self._given_up + self.delay
 
     @property
     def delay(self) -> float:
-        """Part of the lag in seconds that later ticks may make up for."""
+        """Part of the lag that later ticks may make up for, in seconds."""
         return 0.0 if self._due is None else max(self._clock() - self._due - self.period, 0.0)
 
     @property
@@ -75,12 +75,12 @@ class Pacer:
         return TICK / self._rate if self._rate > 0.0 else 0.0
 
     def set_rate(self, rate: float) -> None:
-        """Change the rate; a pause goes on. 0 is as fast as the machine can."""
+        """Change the rate; a pause continues. 0 runs as fast as possible."""
         self._rate = rate
         self._due = None
 
     def pause(self) -> None:
-        """Stop ticks, also those left of an earlier `step`."""
+        """Stop ticks, also the remaining ones of an earlier `step`."""
         self._paused = True
         self._steps = 0
 
@@ -90,7 +90,7 @@ class Pacer:
         self._changed.set()
 
     def step(self, ticks: int) -> None:
-        """Run so many more ticks, at the rate, then pause."""
+        """Run some more ticks at the rate, then pause."""
         self._paused = True
         self._steps += ticks
         self._changed.set()
@@ -102,7 +102,7 @@ class Pacer:
             if self._steps:
                 self._steps -= 1
                 return
-            self._due = None  # the time of a pause is no delay
+            self._due = None  # The time of a pause does not count as delay.
             self._changed.clear()
             with suppress(TimeoutError):
                 await asyncio.wait_for(self._changed.wait(), None if self._let_go is None else _LOOK)
@@ -120,7 +120,7 @@ class Pacer:
         self._due = now if self._due is None else self._due + self.period
         if now - self._due > _LAG:
             if not self._lagging:
-                _log.warning("this machine is too slow for the rate asked for: simulated time lags behind")
+                _log.warning("this machine is too slow for the requested rate: simulated time lags behind")
             self._lagging = True
             self._given_up += now - self._due
             self._due = now

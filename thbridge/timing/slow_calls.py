@@ -1,4 +1,4 @@
-"""Calls of programs of others that may take long in wall time, or for ever."""
+"""Calls of plug-ins that may take long in wall time, or never return."""
 
 import sys
 import threading
@@ -14,7 +14,7 @@ T = TypeVar("T")
 
 @contextmanager
 def told_if_slow(seconds: float, tell: Callable[[], None]) -> Iterator[None]:
-    """Call `tell`, in a thread of its own, if this block takes longer than some seconds; the block goes on."""
+    """Call `tell` in a separate thread if this block takes longer than `seconds`; the block continues."""
     timer = threading.Timer(seconds, tell)
     timer.daemon = True
     timer.start()
@@ -25,7 +25,7 @@ def told_if_slow(seconds: float, tell: Callable[[], None]) -> Iterator[None]:
 
 
 class Stopwatch:
-    """Measures the wall time of calls.
+    """Stopwatch for the wall time of calls.
 
     Attributes:
         seconds: of all calls so far.
@@ -35,7 +35,7 @@ class Stopwatch:
         self.seconds = 0.0
 
     def measure(self, asked: Callable[[], T]) -> T:
-        """Return what a call returns, or raise what it raises."""
+        """Call a function and return its result; its exceptions are raised."""
         began = time.perf_counter()
         try:
             return asked()
@@ -44,10 +44,10 @@ class Stopwatch:
 
 
 class ImpatientCaller(Generic[T]):
-    """Calls that are waited for so long and no longer; after one that takes longer no other is begun.
+    """Caller with a timeout; after one call that takes too long, no other is started.
 
     Args:
-        seconds: of wall time that a call may take.
+        seconds: timeout of a call, in wall time.
     """
 
     def __init__(self, seconds: float) -> None:
@@ -55,7 +55,7 @@ class ImpatientCaller(Generic[T]):
         self._late = ""
 
     def call(self, asked: Callable[[], T]) -> T:
-        """Return what a call returns, or raise what it raises; TimeoutError when it takes too long."""
+        """Call a function and return its result; its exceptions are raised. Raises TimeoutError after the timeout."""
         found: list[T] = []
         raised: list[BaseException] = []
 
@@ -63,7 +63,7 @@ class ImpatientCaller(Generic[T]):
             try:
                 found.append(asked())
             except BaseException as error:
-                # It is raised again in the thread that waits.
+                # Raised again in the waiting thread.
                 raised.append(error)
 
         if not self._late:

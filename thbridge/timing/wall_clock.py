@@ -1,4 +1,4 @@
-"""The time of day, for records that tell people when something happened."""
+"""The time of day, for records that show people when something happened."""
 
 from datetime import UTC, datetime
 

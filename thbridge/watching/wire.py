@@ -1,7 +1,7 @@
-"""Watch protocol, by which a researcher's window observes a session: both sides of it, without sockets.
+"""Watch protocol, with which a researcher's window observes a session: both of its sides, without sockets.
 
-The session sends a rosbag of format 2.0 without an end: magic, bag header, then chunks, each with its index. The
-watcher sends JSON objects, one a line: first the key, where one is required, then requests.
+The session sends an endless rosbag of format 2.0: magic, bag header, then chunks, each with its index. The watcher
+sends JSON objects, one per line: first the key, if one is required, then requests.
 """
 
 from __future__ import annotations
@@ -22,13 +22,13 @@ STATUS = "/watch/status"
 MAGIC = b"#ROSBAG V2.0\n"
 
 MISTAKES = 20
-"""Refusals in a row after which a watcher is disconnected."""
+"""Number of refusals in a row after which a watcher is disconnected."""
 
 _LARGEST = 64 * 2**20
-"""Most bytes of a record; a costmap of 400 m by 400 m, 5 cm a cell, fits."""
+"""Largest size of a record, in bytes; a costmap of 400 m by 400 m with cells of 5 cm fits."""
 
 _SHOWN = 80
-"""Characters of a refused line that its refusal repeats."""
+"""Largest number of characters of a refused line in its refusal."""
 
 _U32 = struct.Struct("<I")
 _TIME = struct.Struct("<II")
@@ -41,8 +41,8 @@ class SessionMessage:
     Attributes:
         topic: its topic.
         msgtype: for example "nav_msgs/Odometry".
-        stamp_ns: when it was published, nanoseconds of ROS time.
-        data: its bytes, as ROS 1 serializes it.
+        stamp_ns: time of its publication, nanoseconds of ROS time.
+        data: its bytes, as serialized by ROS 1.
     """
 
     topic: str
@@ -53,7 +53,7 @@ class SessionMessage:
 
 @dataclass(frozen=True, slots=True)
 class BrokenStream:
-    """Stream that is not a session's; nothing that follows can be read."""
+    """Stream that does not come from a session; the rest of it cannot be read."""
 
     reason: str
 
@@ -64,7 +64,7 @@ class WatchRefusal:
 
     Attributes:
         request: beginning of the request's line.
-        reason: reason for people.
+        reason: reason, for people.
     """
 
     request: str
@@ -73,18 +73,18 @@ class WatchRefusal:
 
 @dataclass(frozen=True, slots=True)
 class WatchStatus:
-    """State of the watch server as one watcher gets it: once a second, and whenever something changes.
+    """State of the watch server for one watcher, sent once a second and after every change.
 
     Attributes:
-        paused: no tick comes until a request resumes or steps.
-        rate: simulated seconds per second that are requested; 0: as fast as the machine can.
-        lag: seconds by which the session is behind that.
-        watchers: number of watchers, this one included.
-        dropped: messages that this watcher did not get, because it reads too slowly.
-        refused: the latest request of this watcher that was not granted; None until there is one.
-        refusals: number of such requests.
-        bag: path of the session's bag on its own machine; empty: it records none.
-        ended: the session has ended, and its bag is complete; this is the last status.
+        paused: True if no tick comes until a request resumes or steps.
+        rate: requested simulated seconds per second; 0 for as fast as possible.
+        lag: seconds by which the session is behind that rate.
+        watchers: number of watchers, including this one.
+        dropped: number of messages that this watcher did not get because it reads too slowly.
+        refused: the latest refused request of this watcher; None until there is one.
+        refusals: number of refused requests.
+        bag: path of the session's bag on its own machine; empty if it records none.
+        ended: True if the session has ended and its bag is complete; this is the last status.
     """
 
     paused: bool
@@ -104,7 +104,7 @@ class WatchStatus:
 
 
 def parse_status(message: SessionMessage) -> WatchStatus | None:
-    """Return the status in a message; None when it holds none."""
+    """Return the status in a message; None if the message contains none."""
     if message.topic != STATUS:
         return None
     try:
@@ -117,7 +117,7 @@ def parse_status(message: SessionMessage) -> WatchStatus | None:
 
 
 class BagStreamReader:
-    """Splits a session's bytes into messages, however they are cut into segments."""
+    """Splitter of a session's bytes into messages; the bytes may come in segments of any size."""
 
     def __init__(self) -> None:
         self._held = bytearray()
@@ -126,7 +126,7 @@ class BagStreamReader:
         self._connections: dict[int, tuple[str, str]] = {}
 
     def feed(self, data: bytes) -> list[SessionMessage | BrokenStream]:
-        """Return the messages that `data` completes; after a `BrokenStream` there are none."""
+        """Return the messages that `data` completes; after a `BrokenStream` no messages follow."""
         if self._broken:
             return []
         self._held += data
@@ -196,18 +196,18 @@ def _sizes(data: bytes | bytearray, at: int) -> tuple[int, int] | None:
     """Return the lengths of header and body of the record at `at`; None while it is incomplete.
 
     Raises:
-        ValueError: no record is that long.
+        ValueError: the record is too long.
     """
     if len(data) < at + 4:
         return None
     (header,) = _U32.unpack_from(data, at)
     if header > _LARGEST:
-        raise ValueError("it has a record without end")
+        raise ValueError("it has a record that is too long")
     if len(data) < at + 8 + header:
         return None
     (body,) = _U32.unpack_from(data, at + 4 + header)
     if body > _LARGEST:
-        raise ValueError("it has a record without end")
+        raise ValueError("it has a record that is too long")
     return (header, body) if len(data) >= at + 8 + header + body else None
 
 
@@ -249,16 +249,17 @@ WatcherEvent: TypeAlias = WatcherAdmitted | WatcherRequest | WatchRefusal
 
 
 class WatcherSession:
-    """Decoder of one watcher's lines, which also has its key checked.
+    """Decoder of one watcher's lines, which also checks its key.
 
     Args:
-        identify: returns who has a key, or why it is good for nothing, as a clause; None: no key is needed.
+        identify: returns the credentials of a key, or the reason why it is refused, as a clause. If None, no key is
+            needed.
 
     Attributes:
-        credentials: of the watcher; anybody's before it is admitted.
+        credentials: of the watcher; without meaning before it is admitted.
         admitted: True when it may receive messages and make requests.
-        rejected: it is to be disconnected: its key is wrong, its first line is not of this protocol (a browser's,
-            say), or too many requests in a row were refused.
+        rejected: True when it must be disconnected: its key is wrong, its first line is not of this protocol (for
+            example a browser's), or too many requests in a row were refused.
     """
 
     def __init__(self, identify: Callable[[str], Credentials | str] | None = None) -> None:
@@ -271,7 +272,10 @@ class WatcherSession:
         self._mistakes = 0
 
     def feed(self, data: bytes) -> Iterator[WatcherEvent]:
-        """Yield the events of the lines that `data` completes; call `granted` or `refused` before taking the next."""
+        """Yield the events of the lines that `data` completes.
+
+        After each request `granted` or `refused` must be called before the next event is taken.
+        """
         for line in self._lines.feed(data):
             if self.rejected:
                 return
@@ -306,11 +310,11 @@ class WatcherSession:
             else:
                 self.credentials = found
                 yield WatcherAdmitted()
-        elif set(value) != {"key"}:  # a key that is not needed is ignored
+        elif set(value) != {"key"}:  # A key that is not needed is ignored.
             yield WatcherRequest(line, value)
 
     def _misunderstood(self, line: str, reason: str) -> WatchRefusal:
-        # A first line like this is no watcher's; a web page could have sent a browser here.
+        # A watcher would not send such a first line; it may come from a browser that a web page sent here.
         self.rejected = self.rejected or not self._understood
         self.refused()
         return refusal(line, reason)
@@ -322,7 +326,7 @@ def refusal(line: str, reason: str) -> WatchRefusal:
 
 
 def _object(line: str) -> dict[str, object] | None:
-    # Unlike Python's own reader it refuses NaN, infinities and numbers that would become one.
+    # Not Python's own parser, which accepts NaN, infinities, and numbers so large that they become infinite.
     try:
         value: object = msgspec.json.decode(line.encode())
     except (msgspec.DecodeError, RecursionError, UnicodeEncodeError):

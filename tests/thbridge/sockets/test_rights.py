@@ -169,7 +169,7 @@ def test_a_key_opens_the_doors_of_its_rights_and_no_other(house: House, right: R
                 if isinstance(answer, NameRegistered):
                     could.add(name)
                 else:
-                    why = f"the key {right} is not good for being {name}, but for: {right}"
+                    why = f"the key {right} does not allow the name {name}; its rights: {right}"
                     assert answer == ConnectionLost(LossReason.REFUSED, why)
             seen = await house.watches(house.keys[right])
             assert seen in ("", f"the key {right} ({right}) is not good for watching")
@@ -342,7 +342,7 @@ def test_programs_of_other_machines_show_a_key_or_speak_as_in_2016(
 
     async def knock() -> None:
         async with house.open():
-            why = "from another machine programs of thbridge need a key"
+            why = "programs of thbridge on another machine need a key"
             assert await house.joins("TabUI", None) == ConnectionLost(LossReason.REFUSED, why)
             reader, writer = await asyncio.open_connection("127.0.0.1", house.ports[0])
             writer.write(b"%%setid TabUI\n")

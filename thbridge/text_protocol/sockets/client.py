@@ -1,4 +1,4 @@
-"""Text client's socket, which keeps one of our own programs connected to a server."""
+"""Socket of the text client, which keeps one of our own programs connected to a server."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from thbridge.text_protocol.wire.lines import TextMessage, encode_line
 _log = logging.getLogger(__name__)
 
 _EVENTS = 1024
-"""Most queued events for the program; beyond that nothing is read, and the server disconnects us in the end."""
+"""Largest number of queued events; above it nothing is read, and finally the server disconnects the client."""
 
 _BACKLOG = 1024 * 1024
 """Bytes that may wait to be sent before the connection counts as dead."""
@@ -31,21 +31,22 @@ _BACKLOG = 1024 * 1024
 _SEGMENT = 16 * 1024
 
 _LAST_WORDS = 0.1
-"""Seconds for the last messages to be sent."""
+"""Seconds in which the last messages are sent."""
 
 
 TextClientEvent: TypeAlias = NameRegistered | TextMessage | ConnectionLost
 
 
 class TextClient(ReconnectingClient):
-    """Connects the program called `name` to a server, again and again until `run` is cancelled.
+    """Client that keeps the program `name` connected to a server until `run` is cancelled.
 
-    `NameRegistered` comes at the first connection and after every loss: the moment to introduce oneself anew.
+    It yields `NameRegistered` at the first connection and after every reconnection. The program must then introduce
+    itself again.
 
     Args:
         name: name of the program on the server.
         token: one word that marks this run of the program, e.g. some random digits; see `ClientSession`.
-        key: key that is shown to the server, encrypted; None for servers of this machine.
+        key: key to present to the server, over TLS; None for servers of this machine.
 
     Attributes:
         name: of the program.
@@ -64,7 +65,7 @@ class TextClient(ReconnectingClient):
         backoff: Backoff | None = None,
         key: ClientKey | None = None,
     ) -> None:
-        ClientSession(name, token)  # refuses a bad name here, not in the midst of a run
+        ClientSession(name, token)  # Only to reject a bad name here, before the run.
         super().__init__(host, port, backoff or Backoff(), _SEGMENT, key)
         self.name = name
         self.address = f"{host}:{port}"
@@ -73,7 +74,7 @@ class TextClient(ReconnectingClient):
 
     @asynccontextmanager
     async def running(self) -> AsyncIterator[None]:
-        """Keep connected inside the `async with`; messages sent inside it are still delivered."""
+        """Stay connected inside the `async with`; messages that are sent inside it are still delivered."""
         running = asyncio.create_task(self.run())
         try:
             yield
@@ -82,7 +83,7 @@ class TextClient(ReconnectingClient):
             running.cancel()
 
     def send(self, message: TextMessage) -> bool:
-        """Send a message; return False when we are not registered with a server, and the message is lost."""
+        """Send a message; return False if no server has accepted the name, so that the message is lost."""
         if self._writer is None:
             return False
         self._write(self._writer, encode_line(message.line()))
@@ -93,7 +94,7 @@ class TextClient(ReconnectingClient):
         return await self._events.get()
 
     def take(self) -> list[TextClientEvent]:
-        """Take the events that have come, oldest first, without waiting."""
+        """Return the queued events, oldest first, without waiting."""
         return [self._events.get_nowait() for _ in range(self._events.qsize())]
 
     async def _lost(self, loss: ConnectionLost) -> None:
@@ -130,7 +131,7 @@ class TextClient(ReconnectingClient):
                         _log.warning("the server sent a line of %d bytes, which is too long; skipped", length)
 
     async def _answer(self, reader: asyncio.StreamReader) -> ConnectionLost | None:
-        """Wait for the answer to the key; return the reason why there is no connection, None where there is."""
+        """Wait for the answer to the key; return the reason why there is no connection, or None."""
         try:
             async with asyncio.timeout(self._backoff.timeout):
                 answer = parse_answer(await reader.readline())

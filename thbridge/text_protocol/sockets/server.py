@@ -1,7 +1,7 @@
-"""Text server's sockets: carries out the router's decisions over TCP.
+"""Sockets of the text server, which carry out the router's decisions over TCP.
 
-Everything runs on the thread of one event loop, the router included. A session that runs programs inside this process
-steps them on the same loop, and wraps the router, so it sees all input.
+Everything runs on the thread of one event loop, including the router. So no locks are needed. A session with programs
+in this process steps them on the same loop, and wraps the router, so it records all input.
 """
 
 from __future__ import annotations
@@ -43,34 +43,34 @@ from thbridge.text_protocol.wire.router import (
 _log = logging.getLogger(__name__)
 
 _SEGMENT = 16 * 1024
-"""Bytes handled at a time, so that a client that floods the server leaves time for the others."""
+"""Bytes that are handled at a time, so that one client that floods the server leaves time for the others."""
 
 _LINGER = 1.0
-"""Seconds that a client has to read its last line before the connection is cut off."""
+"""Seconds that a client has to read its last line before the connection is closed."""
 
 _MOST_LINGERING = 64
-"""Connections that may be read their last line at a time."""
+"""Largest number of rejected connections at a time that stay open to read their last line."""
 
 _CHECK_INTERVAL = 1.0
-"""Seconds between two checks for idle clients, and for keys that are good for nothing any more."""
+"""Seconds between two checks for idle clients, and for keys that are no longer valid."""
 
 _KEY_SECONDS = 10.0
-"""Seconds that an encrypted connection has to show its key."""
+"""Seconds that an encrypted connection has to send its key."""
 
 _WRONG_KEY_SECONDS = 1.0
-"""Seconds until a client is told that its key is wrong, and may try again."""
+"""Seconds until a client gets the answer that its key is wrong, and may try again."""
 
 _LONGEST_KEY_LINE = 4096
 
 _MOST_WITHOUT_KEY = 64
-"""Encrypted connections that have shown no key, or a wrong one; one more takes the place of the oldest."""
+"""Largest number of encrypted connections without a valid key; one more replaces the oldest."""
 
 
 class RouterInterface(Protocol):
-    """Decisions for a server: a `MessageRouter`, which describes the methods, or a wrapper of one."""
+    """Interface of a server's router: a `MessageRouter`, which documents the methods, or a wrapper of one."""
 
     def make_room(self, now: float) -> Sequence[RouterOutput]:
-        """Make room for a connection, where the server is full."""
+        """Make room for a connection if the server is full."""
 
     def connect(self, now: float, credentials: Credentials = LOCAL) -> ConnectionId | TurnedAway:
         """Accept a connection."""
@@ -79,13 +79,13 @@ class RouterInterface(Protocol):
         """Handle received bytes."""
 
     def admits(self, connection: ConnectionId) -> bool:
-        """Return True when a connection may say another line before the next `TextServer.perform`."""
+        """Return True when a connection may send another line before the next `TextServer.perform`."""
 
     def eof(self, connection: ConnectionId) -> Sequence[RouterOutput]:
         """Remove a connection that has ended."""
 
     def report_backlog(self, connection: ConnectionId, size: int) -> Sequence[RouterOutput]:
-        """Note the bytes that wait for a connection."""
+        """Note the number of bytes that are queued for a connection."""
 
     def advance(self, now: float) -> Sequence[RouterOutput]:
         """Ping idle connections."""
@@ -95,12 +95,12 @@ class RouterInterface(Protocol):
 
 
 class TextServer:
-    """TCP server of one router, plain, and with keys in TLS, too.
+    """TCP server of one router, for plain connections, and with keys also for TLS.
 
     Args:
         clock: returns seconds; must not run backwards.
-        admission: of clients that speak plain, by their addresses.
-        keys: by which clients are admitted from everywhere, in TLS; None: there are none.
+        admission: of plain connections, by address.
+        keys: for the admission of TLS connections from anywhere. If None, there are none.
     """
 
     def __init__(
@@ -121,9 +121,9 @@ class TextServer:
         self._open: set[Transport] = set()
         self._held: dict[ConnectionId, _Connection] = {}
         self.complaints = WarnOnce(_log)
-        """What clients do wrong."""
+        """Warnings about clients."""
         self._all_closed = asyncio.Event()
-        # Those turned away linger beside the router's.
+        # Connections of the router, and in addition rejected ones and those without a key.
         self._door = ServerDoor(RouterLimits().clients + _MOST_LINGERING + _MOST_WITHOUT_KEY)
         self._names: dict[ConnectionId, str] = {}
         self._watch: asyncio.Task[None] | None = None
@@ -136,8 +136,8 @@ class TextServer:
         Args:
             router: makes the decisions; it may have local endpoints without a socket.
             host: address to listen on. With `LOCALHOST` the server also listens on `DEBIAN_HOST`, if the machine has
-                that address and no other program serves there.
-            port: TCP port; 0 takes any that is free.
+                that address and no other program listens there.
+            port: TCP port; 0 selects any free port.
         """
         self._router = router
         if not 0 <= port <= 65535:
@@ -170,22 +170,22 @@ class TextServer:
         await self._door.wait_closed()
 
     def perform(self, outputs: Iterable[RouterOutput]) -> None:
-        """Carry out outputs of the router, and hear on whoever has said too much before."""
+        """Carry out outputs of the router, and resume reading from throttled clients."""
         self._perform(outputs)
         held, self._held = self._held, {}
         for connection in held.values():
             connection.go_on()
 
     def hold(self, connection: ConnectionId, held: _Connection) -> None:
-        """Hear no more of a connection until the next `perform`."""
+        """Throttle a connection: read no more from it until the next `perform`."""
         self._held[connection] = held
 
     def admits(self, connection: ConnectionId) -> bool:
-        """Return True when a connection may say another line now."""
+        """Return True when a connection may send another line now."""
         return self._router.admits(connection)
 
     def _perform(self, outputs: Iterable[RouterOutput]) -> None:
-        """Carry out outputs of the router, and those that follow from them."""
+        """Carry out outputs of the router, and the outputs that follow from these."""
         waiting = deque(outputs)
         while waiting:
             output = waiting.popleft()
@@ -211,13 +211,13 @@ class TextServer:
                     _log.info("client %d is no longer %s", connection, name)
                     self._names.pop(connection, None)
                 case Forwarded():
-                    pass  # A session notes it; there is nothing to send.
+                    pass  # For the session; there is nothing to send.
 
     def note_game(self, name: str, over: bool) -> None:
-        """Note the game that is played or comes next, by a name unlike all others; or that it is over.
+        """Note the unique name of the present or next game, and if it is over.
 
-        Participants who show a key enter it, and their keys are good for no other. One that is over is entered by
-        nobody new.
+        Participants with keys enter this game, and their keys are then valid for no other game. A game that is over
+        admits no new participants.
         """
         if (name, over) != (self._game, self._over):
             self._game, self._over = name, over
@@ -227,7 +227,7 @@ class TextServer:
     # Connections
 
     def arrived(self, connection: _Connection, transport: Transport) -> bool:
-        """Give a new connection a place; return False where there is none, or its machine is not admitted."""
+        """Admit a new connection; return False if there is no room, or its machine is not admitted."""
         encrypted = is_encrypted(transport)
         stranger = None if encrypted else self._admission.refused(transport)
         if stranger is not None:
@@ -235,7 +235,7 @@ class TextServer:
             transport.abort()
             return False
         if len(self._open) >= self._door.most:
-            # Descriptors are short: the oldest who has shown no key, or has not said a name, goes.
+            # Descriptors are short, so the oldest connection without a name is closed.
             self.complaints.warn(f"more than {self._door.most} connections: out of file descriptors")
             nameless = next((each for each in self._transports if each not in self._names), None)
             if nameless is None:
@@ -253,7 +253,7 @@ class TextServer:
         return True
 
     def identify(self, line: bytes) -> Credentials | str:
-        """Return the credentials of a connection that has shown a key; or why it is good for nothing, as a clause."""
+        """Return the credentials of the key in a line, or the reason why it is refused, as a clause."""
         secret = secret_of(line)
         if secret is None or self._keys is None:
             return "a key is required"
@@ -262,7 +262,7 @@ class TextServer:
     def connected(
         self, connection: _Connection, transport: Transport, shown: Credentials | None
     ) -> ConnectionId | None:
-        """Accept a connection, with the credentials that it has shown, if any; or turn it away."""
+        """Accept or reject a connection; `shown` are the credentials of its key, if it has one."""
         self._without_key.pop(connection, None)
         now = self._clock()
         self._perform(self._router.make_room(now))
@@ -270,7 +270,7 @@ class TextServer:
         if isinstance(accepted, TurnedAway):
             self.complaints.warn("a client was rejected: the server is full")
             transport.write(accepted.farewell)
-            # Of those turned away few may linger: file descriptors are needed for what is recorded.
+            # Only a few rejected connections may stay open, because recordings need the file descriptors.
             _close(transport, flush=len(self._open) - len(self._transports) <= _MOST_LINGERING)
             return None
         self._transports[accepted] = transport
@@ -303,7 +303,7 @@ class TextServer:
                     self._turn_out(connection, self._keys.why_not(credentials))
 
     def _enter_game(self, connection: ConnectionId) -> None:
-        """Have a participant with a key enter the game that is being played; else end the connection."""
+        """Enter a participant with a key into the present game; if that is not allowed, end the connection."""
         credentials, name = self._with_key.get(connection), self._names.get(connection)
         if self._keys is None or self._game is None or credentials is None or name is None:
             return
@@ -311,24 +311,23 @@ class TextServer:
             self._turn_out(connection, self._keys.enter(credentials.key, self._game, over=self._over))
 
     def _turn_out(self, connection: ConnectionId, reason: str | None) -> None:
-        """End a connection whose key is good for nothing any more; None: it is good."""
+        """End a connection if there is a reason why its key is no longer valid."""
         if reason is None:
             return
         name = self._names.get(connection)
-        told = SendToClient(connection, SHUTDOWN_LINE if name is None else farewell(name, reason))
+        sent = SendToClient(connection, SHUTDOWN_LINE if name is None else farewell(name, reason))
         self._with_key.pop(connection, None)
-        self._perform([told])
+        self._perform([sent])
         self._perform([*self._router.eof(connection), CloseConnection(connection, CloseReason.NOT_ENTITLED)])
 
 
 class _Connection(BufferedProtocol):
-    """One TCP connection. Bytes that come after its end are read and ignored.
+    """One TCP connection. Bytes that arrive after its end are read and ignored.
 
-    If they were left unread, closing the socket would reset the connection and could destroy the shutdown line on its
-    way.
+    If they were left unread, closing the socket would reset the connection, and the shutdown line could be lost.
 
-    asyncio sends each write at once (TCP_NODELAY), which matters: the C++ client of 2016 takes one segment for one
-    line, and would overlook a ``%%goto`` that shares one with an ack.
+    asyncio sends each write at once (TCP_NODELAY), which matters: the C++ client of 2016 treats one segment as one
+    line, and would overlook a ``%%goto`` in the same segment as an ack.
     """
 
     def __init__(self, server: TextServer) -> None:
@@ -352,7 +351,7 @@ class _Connection(BufferedProtocol):
             self._id = self._server.connected(self, transport, None)
 
     def get_buffer(self, sizehint: int) -> memoryview:
-        # asyncio reads further records of TLS into slices of it, which of a bytearray would be copies.
+        # A memoryview, because asyncio reads further TLS records into slices, and slices of a bytearray are copies.
         return memoryview(self._buffer)
 
     def buffer_updated(self, nbytes: int) -> None:
@@ -365,15 +364,15 @@ class _Connection(BufferedProtocol):
             self._server.complaints.warn("a client sent HTTP, as a web page does; its connection is closed")
             self._transport.abort()
             return
-        self._hear(data)
+        self._read(data)
 
     def abort(self) -> None:
-        """Cut the connection off."""
+        """Close the connection at once."""
         if self._transport is not None:
             self._transport.abort()
 
     def _take_key(self, data: bytes) -> None:
-        """Wait for the first line, which has the key, and answer to it."""
+        """Wait for the first line, which contains the key, and answer it."""
         line, newline, rest = data.partition(b"\n")
         if self._transport is None or self._timer is None:
             return
@@ -389,22 +388,22 @@ class _Connection(BufferedProtocol):
         self._awaits_key, self._begun = False, True
         self._transport.write(KeyAnswer(admitted=found.key).line())
         self._id = self._server.connected(self, self._transport, found)
-        self._hear(rest)
+        self._read(rest)
 
     def _refuse(self, reason: str) -> None:
-        """Tell a client why its key is good for nothing, and close the connection."""
+        """Send a client the reason why its key is refused, and close the connection."""
         if self._transport is not None and not self._transport.is_closing():
             self._transport.write(KeyAnswer(refused=reason).line())
             _close(self._transport, flush=True)
 
     def go_on(self) -> None:
-        """Hear what waits, and what comes."""
+        """Process the waiting bytes, and resume reading."""
         if self._transport is not None and not self._transport.is_closing():
             self._transport.resume_reading()
-            self._hear(self._waiting)
+            self._read(self._waiting)
 
-    def _hear(self, data: bytes) -> None:
-        """Pass on line by line as much as is admitted; the rest waits, here and in the other side's socket."""
+    def _read(self, data: bytes) -> None:
+        """Pass on the admitted lines, one by one; the rest waits here and, by back-pressure, in the client's socket."""
         begin, self._waiting = 0, b""
         while begin < len(data) and self._transport is not None and self._id is not None:
             if self._transport.is_closing():
@@ -431,18 +430,18 @@ class _Connection(BufferedProtocol):
             self._timer.cancel()
         if self._transport is not None:
             self._server.lost(self, self._transport)
-            self._transport = None  # In TLS it holds much memory, and holds this.
+            self._transport = None  # Breaks a reference cycle: a TLS transport holds much memory, and this object.
 
 
 def _close(transport: Transport, flush: bool) -> None:
-    """Close a connection: at once, or after the other side has had a moment to read what it was sent."""
+    """Close a connection: at once, or after the other side has had a moment to read the last bytes."""
     if flush and transport.can_write_eof():
         try:
             transport.write_eof()
-        except OSError:  # the other side is gone already, though asyncio has not heard of it yet
+        except OSError:  # The other side is gone already, but asyncio has not noticed it yet.
             flush = False
     elif flush:
-        transport.close()  # TLS ends both directions at once, after what was written.
+        transport.close()  # TLS closes both directions at once, after the pending bytes.
     if flush:
         asyncio.get_running_loop().call_later(_LINGER, transport.abort)
     else:

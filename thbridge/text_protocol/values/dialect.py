@@ -4,7 +4,7 @@ from enum import StrEnum
 
 
 class Dialect(StrEnum):
-    """The reading of ``%%goto`` that is tried first."""
+    """Meaning of ``%%goto`` that is tried first."""
 
     LEGACY_2016 = "legacy-2016"
     CANONICAL = "canonical"

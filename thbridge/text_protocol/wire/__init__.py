@@ -1,1 +1,1 @@
-"""Text protocol of 2016: lines, its messages, the router and the client, and the notices between our own programs."""
+"""Text protocol of 2016: lines, messages, router and client, and the notices between our own programs."""

@@ -1,7 +1,7 @@
 """Canonical content of the commands to SimR and of its answer, as HRTeam defined them in 2015.
 
-Positions are meters in the map frame. Headings are radians here, degrees on the wire (0 is East, anti-clockwise);
-numbers travel with three decimals.
+Positions are meters in the map frame. Headings are radians here, and degrees on the wire (0 is East, counterclockwise).
+Numbers on the wire have three decimals.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ class PoseQuery:
 
 @dataclass(frozen=True, slots=True)
 class GotoPoint:
-    """Order to drive to a point; `heading` is None when any heading will do."""
+    """Order to drive to a point; `heading` is None if any heading is allowed."""
 
     robot: int
     x: float
@@ -76,7 +76,7 @@ CanonicalValue: TypeAlias = PoseReport | PoseQuery | GotoPoint | MoveByHand
 
 
 def encode(value: CanonicalValue, sender: str, receiver: str) -> TextMessage:
-    """Return the message that carries a value.
+    """Return the message with a value.
 
     Raises:
         ValueError: a number is not finite.
@@ -86,20 +86,20 @@ def encode(value: CanonicalValue, sender: str, receiver: str) -> TextMessage:
 
 
 def decode(message: TextMessage) -> CanonicalValue | UnreadableText:
-    """Return the value that a message carries."""
+    """Return the value in a message."""
     try:
         value = _value(message)
     except ValueError as error:
         return UnreadableText(message.line(), str(error))
     if value is None:
-        return UnreadableText(message.line(), f"that is not what follows {message.command}")
+        return UnreadableText(message.line(), f"its content is not that of {message.command}")
     return value
 
 
 def decode_goto(message: TextMessage, dialect: Dialect, rooms: int) -> legacy.GotoRoom | GotoPoint | UnreadableText:
-    """Return the room or point that a ``%%goto`` sends a robot to.
+    """Return the room or point to which a ``%%goto`` sends a robot.
 
-    In the legacy dialect it is a room if x and y are the same whole number below `rooms` and the heading is 45; in
+    In the legacy dialect it is a room if x and y are the same whole number below `rooms` and the heading is 45. In
     every other case it is a point.
     """
     if dialect is Dialect.LEGACY_2016:

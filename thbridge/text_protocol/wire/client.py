@@ -1,7 +1,7 @@
-"""Text protocol as one of our own programs speaks it, without the socket.
+"""Client's side of the text protocol for our own programs, without the socket.
 
-`ClientSession` lives as long as one connection: send its `hello`, feed it what arrives, carry out the events. It
-registers as an extended client, answers pings and keeps the server's own lines to itself.
+A `ClientSession` is for one connection: send its `hello`, feed it the received bytes, and carry out the events. It
+registers as an extended client, answers pings, and does not pass on the server's own lines.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ _PONG_LINE = encode_line(f"{TextCommand.PONG} ")
 
 @dataclass(frozen=True, slots=True)
 class NameRegistered:
-    """The server has accepted our name: the moment to introduce ourselves to the other programs."""
+    """The server has accepted our name. Now the program must introduce itself to the other programs."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,11 +39,11 @@ class ServerCloseReason(Enum):
 
 @dataclass(frozen=True, slots=True)
 class ClosedByServer:
-    """The server has announced the end of this connection; nothing more will come on it.
+    """The server has announced the end of this connection; no more messages follow.
 
     Attributes:
         reason: kind of reason.
-        detail: what the server says of it, as a clause; empty: nothing.
+        detail: the server's explanation, as a clause; empty if there is none.
     """
 
     reason: ServerCloseReason
@@ -54,12 +54,12 @@ ClientSessionEvent: TypeAlias = NameRegistered | TextMessage | SendToServer | Cl
 
 
 class ClientSession:
-    """One connection of the program called `name`.
+    """One connection of the program `name`.
 
     Args:
-        name: the name to register under.
-        token: one word that marks this run of the program, so that it may replace its own dead connection; drawn
-            anew at each start, kept over reconnections.
+        name: name to register.
+        token: one word that marks this run of the program, so that it may replace its own dead connection. It is random
+            for each run, and stays the same over reconnections.
 
     Attributes:
         hello: registration line, to be sent first.
@@ -87,7 +87,7 @@ class ClientSession:
         return events
 
     def _handle(self, parts: list[str]) -> list[ClientSessionEvent]:
-        # The server's own lines are recognized whole: a routed line that begins like one always names its parties.
+        # The server's own lines are matched as a whole: routed lines may begin with the same word, but are longer.
         match parts:
             case [TextCommand.PING]:
                 return [SendToServer(_PONG_LINE)]
@@ -104,7 +104,7 @@ class ClientSession:
                 if not isinstance(message, TextMessage):
                     return []
                 if message.sender == SERVER and is_notice(message):
-                    told = parse_notice(message)
-                    if isinstance(told, Notice) and told.kind == REFUSED:
-                        self._refused = str(told.fields.get("reason", ""))
+                    received = parse_notice(message)
+                    if isinstance(received, Notice) and received.kind == REFUSED:
+                        self._refused = str(received.fields.get("reason", ""))
                 return [message]

@@ -1,8 +1,8 @@
-"""Dialect ``legacy-2016``: how the programs of the 2016 treasure hunt adapted the protocol to their game.
+"""Dialect ``legacy-2016``: the protocol as the programs of the 2016 treasure hunt adapted it to their game.
 
-Robots and rooms are numbered from 0 on the wire: robot 0 is the first robot, room 0 the first room (the corridor has no
-number here). Every value is encoded by its method `message`. `decode` relies on the command and the shape of the
-content only, whoever the sender is.
+Robots and rooms count from 0 on the wire: robot 0 is the first robot, room 0 the first room (the corridor has no number
+here). Each value is encoded by its method `message`. `decode` uses only the command and the form of the content, not
+the sender.
 
 The programs of 2016 recognize a line by looking for ``ping``, ``error``, ``found``, ``score``, ``image`` and ``snap``,
 in about that order, anywhere in it. Treasures and pictures should not have these words in their names.
@@ -25,19 +25,19 @@ TABUI = "TabUI"
 HIDER = "Hider"
 """The program that knows the treasures."""
 
-_HEADING = "45"  # what the programs of 2016 always sent; nothing was ever turned by it
-_MAX_DIGITS = 9  # an int for Java too
+_HEADING = "45"  # The programs of 2016 always sent this heading, and no program used it.
+_MAX_DIGITS = 9  # Fits into an int of Java.
 
 
 @dataclass(frozen=True, slots=True)
 class GotoRoom:
-    """Order of TabUI that a robot go to a room."""
+    """Order of TabUI to send a robot to a room."""
 
     robot: int
     room: int
 
     def message(self) -> TextMessage:
-        """``%%goto TabUI SimR ROBOT ROOM ROOM 45``: the room's number stands in for x and y."""
+        """Return ``%%goto TabUI SimR ROBOT ROOM ROOM 45``: the room's number is in the place of x and y."""
         return TextMessage.of(TextCommand.GOTO, TABUI, SIMR, f"{self.robot} {self.room} {self.room} {_HEADING}")
 
 
@@ -49,24 +49,24 @@ class RoomReached:
     room: int
 
     def message(self) -> TextMessage:
-        """``%%error SimR TabUI "ROBOT;ROOM"``."""
+        """Return ``%%error SimR TabUI "ROBOT;ROOM"``."""
         return TextMessage.of(TextCommand.ERROR, SIMR, TABUI, f'"{self.robot};{self.room}"')
 
 
 @dataclass(frozen=True, slots=True)
 class AskTreasure:
-    """Question of TabUI: which treasure is in a room."""
+    """Question of TabUI for the treasure in a room."""
 
     room: int
 
     def message(self) -> TextMessage:
-        """``%%error TabUI Hider "ROOM"``."""
+        """Return ``%%error TabUI Hider "ROOM"``."""
         return TextMessage.of(TextCommand.ERROR, TABUI, HIDER, f'"{self.room}"')
 
 
 @dataclass(frozen=True, slots=True)
 class FoundTreasure:
-    """Answer of Hider: what the robot senses in a room; several blanks in a row become one on the wire.
+    """Answer of Hider: properties that the robot senses in a room; several blanks in a row become one on the wire.
 
     Attributes:
         room: the room's number.
@@ -77,7 +77,7 @@ class FoundTreasure:
     senses: tuple[tuple[str, str], ...]
 
     def message(self) -> TextMessage:
-        """``%%found Hider TabUI ROOM ROOM "(Color: C) (Footprint: F)"``."""
+        """Return ``%%found Hider TabUI ROOM ROOM "(Color: C) (Footprint: F)"``."""
         senses = " ".join(f"({label}: {value})" for label, value in self.senses)
         return TextMessage.of(TextCommand.FOUND, HIDER, TABUI, f'{self.room} {self.room} "{senses}"')
 
@@ -89,7 +89,7 @@ class SnapTreasure:
     room: int
 
     def message(self) -> TextMessage:
-        """``%%snap TabUI Hider ROOM``."""
+        """Return ``%%snap TabUI Hider ROOM``."""
         return TextMessage.of(TextCommand.SNAP, TABUI, HIDER, f"{self.room}")
 
 
@@ -102,7 +102,7 @@ class TreasureImage:
         filename: the picture's file name, without a directory.
 
     Raises:
-        ValueError: the file name has white space in it (TabUI takes the last token for it) or names a directory.
+        ValueError: the file name contains white space (TabUI reads only the last token) or names a directory.
     """
 
     room: int
@@ -115,7 +115,7 @@ class TreasureImage:
             raise ValueError(f"a picture's file name must not name a directory: {self.filename!r}")
 
     def message(self) -> TextMessage:
-        """``%%image Hider TabUI ROOM FILENAME``."""
+        """Return ``%%image Hider TabUI ROOM FILENAME``."""
         return TextMessage.of(TextCommand.IMAGE, HIDER, TABUI, f"{self.room} {self.filename}")
 
 
@@ -127,7 +127,7 @@ class NameTreasure:
     name: str
 
     def message(self) -> TextMessage:
-        """``%%found TabUI Hider "ROOM,NAME``: the quotation mark is never closed."""
+        """Return ``%%found TabUI Hider "ROOM,NAME``: the quotation mark is never closed."""
         return TextMessage.of(TextCommand.FOUND, TABUI, HIDER, f'"{self.room},{self.name}')
 
 
@@ -138,7 +138,7 @@ class PointsAwarded:
     points: int
 
     def message(self) -> TextMessage:
-        """``%%score Hider TabUI ,POINTS``."""
+        """Return ``%%score Hider TabUI ,POINTS``."""
         return TextMessage.of(TextCommand.SCORE, HIDER, TABUI, f",{self.points}")
 
 
@@ -159,7 +159,7 @@ _SCORE = re.compile(rf",(-?[0-9]{{1,{_MAX_DIGITS}}})")
 
 
 def decode(message: TextMessage) -> LegacyValue | UnreadableText:
-    """Return the value that a message of this dialect carries."""
+    """Return the value in a message of this dialect."""
     text = message.text
     match message.command:
         case TextCommand.GOTO:

@@ -1,7 +1,7 @@
 """Lines of the text protocol: framing, tokens and the routed message.
 
-The protocol is that of the HRTeam server (2015) as the treasure hunt of 2016 used it: one message a line, UTF-8,
-tokens apart at ASCII white space, the first token being the command.
+The protocol is that of the HRTeam server (2015) as the treasure hunt of 2016 used it: one message per line, UTF-8,
+tokens separated by ASCII white space. The first token is the command.
 """
 
 from __future__ import annotations
@@ -12,13 +12,13 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 EXTENDED = "extended"
-"""Second token of a ``%%setid`` that asks for more than the protocol of 2016."""
+"""Second token of a ``%%setid`` that requests more than the protocol of 2016."""
 
 _TOKEN = re.compile(r"\S+", re.ASCII)
 
 
 class TextCommand(StrEnum):
-    """Commands that have a meaning for the server or for the programs around it."""
+    """Commands with a meaning for the server or its programs."""
 
     ACK = "%%ack"
     ERROR = "%%error"
@@ -53,7 +53,7 @@ ROUTED = frozenset(
         TextCommand.WHERE,
     }
 )
-"""Commands that the server passes on to the client they name."""
+"""Commands that the server passes on to the client that they name."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,13 +74,13 @@ class TextMessage:
     """Routed message, ``COMMAND FROM TO CONTENT...``.
 
     Attributes:
-        command: usually one of `ROUTED`; inside a ``%%send`` it may be anything.
+        command: usually one of `ROUTED`; any word inside a ``%%send``.
         sender: name of the program that sends it (it is not checked against the connection).
-        receiver: name of the program it is for.
+        receiver: name of the receiving program.
         content: the remaining tokens.
 
     Raises:
-        ValueError: a token is empty or has white space in it, so that it would not survive the wire.
+        ValueError: a token is empty or contains white space, so that it would change on the wire.
     """
 
     command: str
@@ -95,19 +95,19 @@ class TextMessage:
 
     @classmethod
     def of(cls, command: str, sender: str, receiver: str, text: str) -> TextMessage:
-        """Return a message whose content is running text, split at white space as on the wire."""
+        """Return a message with running text as content, which is split at white space as on the wire."""
         return cls(command, sender, receiver, tuple(tokens(text)))
 
     @property
     def text(self) -> str:
-        """Content as running text, single blanks between the tokens."""
+        """Content as running text, with single blanks between the tokens."""
         return " ".join(self.content)
 
     def line(self) -> str:
-        """Return the message as it travels, without the line feed.
+        """Return the message as it is sent, without the line feed.
 
-        It always ends in one blank: the Java clients of 2016 cut a fixed number of characters off the end and rely on
-        that blank.
+        It always ends with one blank, because the Java clients of 2016 cut a fixed number of characters off the end and
+        rely on that blank.
         """
         return " ".join((self.command, self.sender, self.receiver, *self.content, ""))
 
@@ -118,12 +118,12 @@ def tokens(line: str) -> list[str]:
 
 
 def parse_line(line: str) -> TextMessage | UnreadableText:
-    """Return the message that a line carries; a ``%%send`` is unwrapped to the message inside it."""
+    """Return the message in a line; of a ``%%send``, the message inside it."""
     return parse_tokens(tokens(line))
 
 
 def parse_tokens(parts: Sequence[str]) -> TextMessage | UnreadableText:
-    """Like `parse_line`, for a line already in tokens."""
+    """Return the message in a line that is split into tokens; see `parse_line`."""
     match parts:
         case [TextCommand.SEND, _, _, command, sender, receiver, *content]:
             return TextMessage(command, sender, receiver, tuple(content))
@@ -136,5 +136,5 @@ def parse_tokens(parts: Sequence[str]) -> TextMessage | UnreadableText:
 
 
 def encode_line(line: str) -> bytes:
-    """Return a line as bytes with its line feed; lone surrogates, which UTF-8 cannot hold, become question marks."""
+    """Return a line as bytes with its line feed; lone surrogates, which UTF-8 cannot encode, become question marks."""
     return line.encode("utf-8", errors="replace") + b"\n"

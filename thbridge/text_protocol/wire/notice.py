@@ -1,7 +1,7 @@
-r"""Notices: messages between our own programs beyond the protocol of 2016.
+r"""Notices: messages between our own programs that extend the protocol of 2016.
 
-A notice travels as ``%%error FROM TO thbridge {json}``. The JSON is compact ASCII without a single blank (blanks in
-strings are written ``\u0020``), so it is one token and any server of the protocol passes it on unchanged.
+A notice is sent as ``%%error FROM TO thbridge {json}``. The JSON is compact ASCII without blanks (those in strings are
+written ``\u0020``). So it is one token, and any server of the protocol passes it on unchanged.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ import msgspec
 from thbridge.text_protocol.wire.lines import TextCommand, TextMessage, UnreadableText
 
 JsonValue: TypeAlias = bool | int | float | str | Sequence["JsonValue"] | Mapping[str, "JsonValue"] | None
-"""Any value that JSON can hold; `parse_notice` gives lists and dictionaries."""
+"""Any value of JSON; `parse_notice` returns lists and dictionaries."""
 
 SERVER = "Server"
 """Sender name in the server's own notices."""
@@ -25,10 +25,10 @@ UNDELIVERED = "undelivered"
 """The server's notice of a failed delivery: `command`, `receiver`, `content` (its beginning) and `reason`."""
 
 REFUSED = "refused"
-"""The server's notice before it closes a connection whose key is not good for what it wants: `reason`, a clause."""
+"""The server's notice before it closes a connection because of its key: `reason`, a clause."""
 
 COUNTED = range(1, 1 << 32)
-"""Numbers that games and dialogues can have; random numbers are drawn by them. Others come from faulty senders."""
+"""Numbers of games and dialogues, which are also keys of random numbers. Other numbers come from faulty senders."""
 
 _MARK = "thbridge"
 _REQUEST = "request"
@@ -36,13 +36,13 @@ _REQUEST = "request"
 
 @dataclass(frozen=True, slots=True)
 class Notice:
-    """Notice as its receiver reads it.
+    """Notice, as its receiver reads it.
 
     Attributes:
         sender: name of the program that sends it.
-        receiver: name of the program it is for.
-        kind: name of its subject; decides which fields to expect.
-        fields: everything else.
+        receiver: name of the receiving program.
+        kind: name of its subject, which determines its fields.
+        fields: the fields.
     """
 
     sender: str
@@ -52,29 +52,29 @@ class Notice:
 
     @property
     def request(self) -> int | None:
-        """Number that the sender gave this request, the same in each repetition; None if it gave none."""
+        """Number that the sender gave this request, the same in each repetition; None if it has no number."""
         number = self.fields.get(_REQUEST)
         return number if type(number) is int and number in COUNTED else None
 
 
 class NoticeValue(msgspec.Struct, frozen=True, tag_field="kind"):
-    """Base of values that notices carry; the tag of each is its kind on the wire, which all releases know."""
+    """Base of the values in notices. Their tags are their kinds on the wire, which are the same in all releases."""
 
 
 N = TypeVar("N", bound=NoticeValue)
 
 
 def kind_of(value_class: type[NoticeValue]) -> str:
-    """Return the kind that notices with values of a class have on the wire."""
+    """Return the kind, on the wire, of notices with values of a class."""
     return str(value_class.__struct_config__.tag)
 
 
 def encode_notice(sender: str, receiver: str, value: NoticeValue, request: int | None = None) -> TextMessage:
-    """Return the message that carries a value. Raises ValueError as `notice` does.
+    """Return the message with a value. Raises ValueError as `notice` does.
 
     Args:
         sender: name of the program that sends it.
-        receiver: name of the program it is for.
+        receiver: name of the receiving program.
         value: the value.
         request: see `Notice.request`.
     """
@@ -83,17 +83,17 @@ def encode_notice(sender: str, receiver: str, value: NoticeValue, request: int |
 
 
 class NoticeDecoder(Generic[N]):
-    """Decoder of all notices that one program takes.
+    """Decoder of all notices that one program accepts.
 
     Args:
-        union: class of their values, or a union of such classes, told apart by their tags.
+        union: class of their values, or a union of such classes, which are distinguished by their tags.
     """
 
     def __init__(self, union: object) -> None:
         self._union = union
 
     def decode(self, notice: Notice) -> N | None:
-        """Return the value of a notice; None if it is none of this program's, or malformed."""
+        """Return the value of a notice; None if it is not for this program, or malformed."""
         try:
             value: N = msgspec.convert({**notice.fields, "kind": notice.kind}, self._union)
         except msgspec.ValidationError:
@@ -101,24 +101,24 @@ class NoticeDecoder(Generic[N]):
         return value
 
     def read(self, message: TextMessage) -> N | None:
-        """Return the value of the notice that a message carries; None likewise, and if it carries none."""
+        """Return the value of the notice in a message; None also if the message contains no notice."""
         notice = parse_notice(message)
         return self.decode(notice) if isinstance(notice, Notice) else None
 
 
 def decode_notice(notice: Notice, value_class: type[N]) -> N | None:
-    """Return the value of a notice if it is of this class and well formed, else None."""
+    """Return the value of a notice if it is of this class and well formed, otherwise None."""
     return NoticeDecoder[N](value_class).decode(notice)
 
 
 def notice(sender: str, receiver: str, kind: str, /, **fields: JsonValue) -> TextMessage:
-    """Return the message that carries a notice; fields keep their order.
+    """Return the message with a notice; fields keep their order.
 
     Raises:
         ValueError: a number is not finite, a field is called ``kind``, or a name is not one token.
     """
     if "kind" in fields:
-        raise ValueError("a notice has its kind already")
+        raise ValueError("a field of a notice cannot be called kind")
     return _message(sender, receiver, {"kind": kind, **fields})
 
 
@@ -128,18 +128,18 @@ def _message(sender: str, receiver: str, fields: Mapping[str, JsonValue]) -> Tex
 
 
 def is_notice(message: TextMessage) -> bool:
-    """Return True when a message has the outward form of a notice; its JSON may still be broken."""
+    """Return True when a message has the form of a notice; its JSON may still be invalid."""
     return message.command == TextCommand.ERROR and message.content[:1] == (_MARK,)
 
 
 def parse_notice(message: TextMessage) -> Notice | UnreadableText:
-    """Return the notice that a message carries."""
+    """Return the notice in a message."""
     if not is_notice(message):
         return UnreadableText(message.line(), "it is not a notice")
     text = " ".join(message.content[1:])
     try:
         value: JsonValue = json.loads(text, parse_constant=_refuse_constant)
-    # Nesting as deep as a line is long exhausts the parser's stack.
+    # A long line of nested brackets exhausts the parser's stack.
     except (ValueError, RecursionError) as error:
         return UnreadableText(message.line(), f"its JSON is broken: {error}")
     if not isinstance(value, dict):
@@ -153,11 +153,11 @@ def parse_notice(message: TextMessage) -> Notice | UnreadableText:
 
 
 def _has_half_a_character(text: str) -> bool:
-    """Return True where an escape is one half of a surrogate pair without the other, which JSON's grammar allows."""
+    """Return True if an escape is half of a surrogate pair without the other half, which JSON's grammar allows."""
     if r"\u" not in text:
         return False
     try:
-        # Pairs become one character on the way, halves stay, and cannot be encoded.
+        # Parsing joins pairs to one character. Halves stay, and cannot be encoded.
         json.dumps(json.loads(text), ensure_ascii=False).encode()
     except UnicodeEncodeError:
         return True

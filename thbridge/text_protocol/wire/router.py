@@ -1,12 +1,12 @@
-"""Text server without its sockets: it knows the holder of each name and passes messages on.
+"""Text server without its sockets: it stores the holder of each name and passes messages on.
 
-`Router` takes bytes, times and messages and answers with outputs for its owner to carry out. It serves two kinds of
-party under one set of names and rules:
+`MessageRouter` receives bytes, times and messages, and returns outputs for its owner to carry out. It serves two kinds
+of parties under one set of names and rules:
 
-* connections, which bring bytes (`connect`, `receive_data`, `eof`, `report_backlog`) and are pinged (`advance`);
-* local endpoints, the programs of this very process, which exchange `TextMessage` values (`attach`, `submit`, `take`).
-  Messages from them and to them wait for `exchange`: everything sent during one tick is received in the next,
-  whatever the order in which the programs are stepped.
+* connections, which send bytes (`connect`, `receive_data`, `eof`, `report_backlog`) and are pinged (`advance`);
+* local endpoints, the programs of this process, which exchange `TextMessage` values (`attach`, `submit`, `take`).
+  Messages from them and to them wait for `exchange`: everything sent during one tick is received in the next one,
+  whatever the order of the programs' steps.
 
 Effect of a connection's line (T is one of the routed commands):
 
@@ -22,18 +22,20 @@ line                                        outputs, in this order
 anything else, blank, binary or overlong    ack
 ==========================================  ==========================================================
 
-Extended clients register with ``%%setid NAME extended [TOKEN]``. They alone
+Extended clients register with ``%%setid NAME extended [TOKEN]``. Only they
 
-* get a notice of kind ``undelivered`` about a failed delivery, before the ack (notices themselves are exempt: a
-  stream that nobody receives must not echo);
-* receive the notices of other extended parties (one for a client of 2016 is withheld: it would misread it);
-* replace a dead holder of their name with the same key, or none: one that has not answered a ping yet, or one that
-  registered with the same TOKEN, which is then this program's own connection from before a network failure.
+* get a notice of kind ``undelivered`` about a failed delivery, before the ack. (There is none about notices, so that a
+  stream of notices without a receiver causes no echo.)
+* receive the notices of other extended parties. (Notices to clients of 2016 are withheld: they would misread them.)
+* replace a dead holder of their name that has the same key, or like them no key. A holder is dead if it has not
+  answered a ping yet, or if it registered with the same TOKEN: then it is this program's own connection from before a
+  network failure.
 
-A connection from another machine has credentials. One with a key holds the names that the key's rights are for, and
-speaks in its own name alone; one without a key is never extended. Whoever may not is told why, and closed.
+A connection from another machine has credentials. With a key it may hold the names for which the key has rights, and
+send only in its own name. Without a key it is never extended. A client that breaks these rules gets the reason, and its
+connection is closed.
 
-For all other clients there is no difference from the server of 2016.
+For all other clients the server behaves like that of 2016.
 """
 
 from __future__ import annotations
@@ -60,14 +62,14 @@ from thbridge.text_protocol.wire.notice import REFUSED, SERVER, UNDELIVERED, Not
 
 ConnectionId = NewType("ConnectionId", int)
 
-# The exact bytes matter: the old clients look for words anywhere in a line, and count characters from its end.
+# The exact bytes matter: the clients of 2016 look for words anywhere in a line, and count characters from its end.
 ACK_LINE = encode_line(f"{TextCommand.ACK} ")
 PING_LINE = encode_line(f"{TextCommand.PING} ")
 PONG_LINE = encode_line(f"{TextCommand.PONG} i am here")
 SHUTDOWN_LINE = encode_line(f"{TextCommand.SHUTDOWN} ")
 
 _QUOTED = 200
-"""Characters of an undelivered message's content that the notice repeats."""
+"""Largest number of characters of an undelivered message's content in the notice about it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,12 +77,12 @@ class RouterLimits:
     """Limits of one server.
 
     Attributes:
-        clients: connections at a time; one more is turned away.
-        line: longest line that is read, bytes.
-        backlog: bytes (characters for a local endpoint) that may wait for one reader.
+        clients: largest number of connections at a time; one more is rejected.
+        line: length of the longest accepted line, bytes.
+        backlog: bytes (characters for a local endpoint) that may be queued for one reader.
         ping_after: seconds without a line after which a client is pinged.
         drop_after: seconds after an unanswered ping at which a client is dropped.
-        idle: seconds without a line after which a client without a name makes room for another.
+        idle: seconds without a line after which a client without a name may be replaced by another client.
     """
 
     clients: int = 256
@@ -105,7 +107,7 @@ class CloseReason(Enum):
 
     @property
     def flush(self) -> bool:
-        """True when pending bytes shall still arrive; otherwise the other side does not read any more."""
+        """True when pending bytes are still sent; otherwise the other side no longer reads."""
         return self in (CloseReason.NAME_TAKEN, CloseReason.ASKED, CloseReason.STOPPED, CloseReason.NOT_ENTITLED)
 
 
@@ -119,7 +121,7 @@ class SendToClient:
 
 @dataclass(frozen=True, slots=True)
 class CloseConnection:
-    """Connection to be closed; the router has forgotten it already and its name is free."""
+    """Connection to be closed; the router has removed it already, and its name is free."""
 
     connection: ConnectionId
     reason: CloseReason
@@ -127,11 +129,11 @@ class CloseConnection:
 
 @dataclass(frozen=True)
 class Forwarded:
-    """Message that was passed on, or could not be: for taps and recorders.
+    """Message that was passed on or could not be passed on, for taps and recorders.
 
     Attributes:
         message: the message.
-        delivered: True when the holder of the receiver's name got it.
+        delivered: True when it was given to the holder of the receiver's name.
         sender_extended: True when it came from an extended client or a local endpoint.
     """
 
@@ -147,7 +149,7 @@ class Forwarded:
 
 @dataclass(frozen=True, slots=True)
 class LineSkipped:
-    """Line longer than the limit; it was thrown away and acknowledged like an unknown one."""
+    """Line longer than the limit; it was dropped, and acknowledged like an unknown line."""
 
     connection: ConnectionId
     length: int
@@ -155,7 +157,7 @@ class LineSkipped:
 
 @dataclass(frozen=True, slots=True)
 class ClientJoined:
-    """A connection holds a name from now on: for logs, and for recorders that note which names can be reached."""
+    """A connection holds a name from now on; for logs, and for recorders of the names that can be reached."""
 
     connection: ConnectionId
     name: str
@@ -165,7 +167,7 @@ class ClientJoined:
 
 @dataclass(frozen=True, slots=True)
 class ClientLeft:
-    """A connection does not hold its name any more."""
+    """A connection no longer holds its name."""
 
     connection: ConnectionId
     name: str
@@ -176,7 +178,7 @@ RouterOutput: TypeAlias = SendToClient | CloseConnection | Forwarded | LineSkipp
 
 @dataclass(frozen=True, slots=True)
 class TurnedAway:
-    """No connection can be accepted now: write `farewell` to it and close it."""
+    """The connection cannot be accepted now: write `farewell` to it and close it."""
 
     farewell: bytes
 
@@ -190,7 +192,7 @@ class NameTaken:
 
 @dataclass(slots=True)
 class _Connection:
-    """TCP client. `pinged` is the time of a ping that no line has followed yet."""
+    """TCP client. `pinged` is the time of a ping that is not answered by a line yet."""
 
     id: ConnectionId
     lines: LineSplitter
@@ -202,8 +204,8 @@ class _Connection:
     token: str | None = None
 
     def obstacle(self, message: TextMessage, is_extension: bool, backlog: int) -> str | None:
-        """Return the reason why a message cannot be handed over, or None."""
-        return "it would not be understood" if is_extension and not self.extended else None
+        """Return the reason why a message cannot be delivered, or None."""
+        return "its receiver is a program of 2016" if is_extension and not self.extended else None
 
     def hand_over(self, message: TextMessage) -> list[RouterOutput]:
         """Send a message."""
@@ -221,8 +223,8 @@ class _Endpoint:
     waiting: int = 0
 
     def obstacle(self, message: TextMessage, is_extension: bool, backlog: int) -> str | None:
-        """Return the reason why a message cannot be handed over, or None."""
-        return "too much waits there" if self.waiting + _size(message) > backlog else None
+        """Return the reason why a message cannot be delivered, or None."""
+        return "too many messages are queued for its receiver" if self.waiting + _size(message) > backlog else None
 
     def hand_over(self, message: TextMessage) -> list[RouterOutput]:
         """Keep a message for the next exchange."""
@@ -290,14 +292,14 @@ class LocalEndpoints:
         return submitted
 
     def hand_out(self) -> None:
-        """Let the endpoints take what has arrived for them."""
+        """Make arrived messages available to the endpoints."""
         for endpoint in self._endpoints.values():
             endpoint.inbox += endpoint.arriving
             endpoint.arriving.clear()
 
 
 class MessageRouter:
-    """State of the text server; the module's description says what it does.
+    """State of the text server; see the module's description.
 
     Times are seconds on any clock that does not run backwards. Not safe for use by several threads at once.
 
@@ -318,9 +320,9 @@ class MessageRouter:
     # Connections
 
     def make_room(self, now: float) -> list[RouterOutput]:
-        """Close a connection, where the server is full, for the next one: of those without a name the longest silent.
+        """If the server is full, close the connection without a name that has been silent longest.
 
-        Whoever has not said a word for `RouterLimits.idle` seconds has no claim to a place that others need.
+        It must have been silent for `RouterLimits.idle` seconds; otherwise all connections stay.
         """
         if self._stopped or len(self._connections) < self.limits.clients:
             return []
@@ -331,7 +333,7 @@ class MessageRouter:
         return self._close(min(idle, key=lambda client: client.last_line), CloseReason.IDLE)
 
     def connect(self, now: float, credentials: Credentials = LOCAL) -> ConnectionId | TurnedAway:
-        """Accept a connection, nameless at first; turned away when the server is full or has stopped."""
+        """Accept a connection, without a name at first; reject it if the server is full or has stopped."""
         if self._stopped or len(self._connections) >= self.limits.clients:
             return TurnedAway(SHUTDOWN_LINE)
         self._connection_count += 1
@@ -340,7 +342,7 @@ class MessageRouter:
         return connection
 
     def receive_data(self, connection: ConnectionId, data: bytes, now: float) -> list[RouterOutput]:
-        """Handle bytes from a connection; bytes from a closed one are ignored."""
+        """Handle bytes from a connection; bytes from a closed connection are ignored."""
         client = self._connections.get(connection)
         if client is None:
             return []
@@ -356,23 +358,23 @@ class MessageRouter:
         return outputs
 
     def admits(self, connection: ConnectionId) -> bool:
-        """Return True: a router does not mind how much is said."""
+        """Return True, because a router itself does not limit the number of lines."""
         return True
 
     def eof(self, connection: ConnectionId) -> list[RouterOutput]:
-        """Remove a connection that has ended or is lost: its name is free. A line it had begun is dropped."""
+        """Remove a connection that has ended or is lost, and free its name. An incomplete line is dropped."""
         client = self._connections.pop(connection, None)
         return [] if client is None else self._release(client)
 
     def report_backlog(self, connection: ConnectionId, size: int) -> list[RouterOutput]:
-        """Note how many bytes wait in a connection's outgoing buffer; one that does not read is closed."""
+        """Note the number of bytes in a connection's outgoing buffer; close the connection if it does not read."""
         client = self._connections.get(connection)
         if client is None or size <= self.limits.backlog:
             return []
         return self._close(client, CloseReason.SLOW)
 
     def advance(self, now: float) -> list[RouterOutput]:
-        """Ping connections that have sent nothing for long, drop those that did not answer. Call it once a second."""
+        """Ping silent connections, and drop those that did not answer a ping. Must be called once a second."""
         outputs: list[RouterOutput] = []
         for client in list(self._connections.values()):
             if client.pinged is not None:
@@ -393,12 +395,12 @@ class MessageRouter:
         return outputs
 
     def display_name(self, connection: ConnectionId) -> str | None:
-        """Return a connection's name, or its number while it has none, for people; None when it is not open."""
+        """Return a connection's name, or its number while it has none, for people; None if it is not open."""
         client = self._connections.get(connection)
         return None if client is None else client.name or f"connection {connection}"
 
     def keyed_programs(self) -> list[ClientJoined]:
-        """Return the programs that have shown a key, each with its name, in the order of their connections."""
+        """Return the programs that have presented a key, with their names, in the order of their connections."""
         return [
             ClientJoined(client.id, client.name, client.extended, client.credentials)
             for client in self._connections.values()
@@ -406,9 +408,9 @@ class MessageRouter:
         ]
 
     def exchange(self) -> list[RouterOutput]:
-        """Pass on all submitted messages, in order; local endpoints may `take` theirs from now on.
+        """Pass on all submitted messages, in order; local endpoints may then `take` theirs.
 
-        One call a tick is what makes a run of several local programs deterministic.
+        A run of several local programs is deterministic because this is called once per tick.
         """
         outputs: list[RouterOutput] = []
         for endpoint, message in self.local.take_submitted():
@@ -416,7 +418,7 @@ class MessageRouter:
         self.local.hand_out()
         return outputs
 
-    # What a line does
+    # Effects of lines
 
     def _handle(self, client: _Connection, parts: list[str]) -> list[RouterOutput]:
         outputs: list[RouterOutput] = []
@@ -458,27 +460,27 @@ class MessageRouter:
         return outputs + self._rename(client, name, extended)
 
     def _turn_out(self, client: _Connection, name: str, reason: str) -> list[RouterOutput]:
-        told = SendToClient(client.id, farewell(name, reason))
-        return [told, *self._close(client, CloseReason.NOT_ENTITLED)]
+        sent = SendToClient(client.id, farewell(name, reason))
+        return [sent, *self._close(client, CloseReason.NOT_ENTITLED)]
 
     def _forward(self, origin: _Connection | _Endpoint, message: TextMessage) -> list[RouterOutput]:
-        """Pass a message on; send an extended origin a notice when that cannot be done."""
+        """Pass a message on; if that is not possible, send a notice to an extended origin."""
         extended = origin.extended
         is_extension = extended and is_notice(message)
         withheld = _withheld(origin, message) if isinstance(origin, _Connection) else None
         if withheld is not None:
-            # Not even taps hear of it: the keeper would take it for the word of whoever it names.
-            told = extended and not is_extension
-            return origin.hand_over(_undelivered(origin.name or SERVER, message, withheld)) if told else []
+            # Taps do not get it either: the keeper would believe that it comes from the program that it names.
+            reported = extended and not is_extension
+            return origin.hand_over(_undelivered(origin.name or SERVER, message, withheld)) if reported else []
         holder = self._holders.get(message.receiver)
         if holder is None:
-            failure: str | None = "nobody holds that name"
+            failure: str | None = "no program has that name"
         else:
             failure = holder.obstacle(message, is_extension, self.limits.backlog)
         to_ours = holder is not None and holder.extended
         if to_ours and isinstance(origin, _Connection) and message.sender != origin.name and is_notice(message):
-            # Our own programs act on what notices say: nobody may say them in another's name.
-            failure = "only that program itself may say so"
+            # Our own programs act on notices, so a connection may not send them in another program's name.
+            failure = "a program may send notices only in its own name"
         outputs: list[RouterOutput] = [Forwarded(message, failure is None, extended)]
         if holder is not None and failure is None:
             outputs += holder.hand_over(message)
@@ -518,42 +520,42 @@ def _is_dead(holder: _Connection, newcomer: _Connection, token: str | None) -> b
 
 
 def farewell(name: str, reason: str) -> bytes:
-    """Return the last lines to a client of ours whose key is not good for what it wants, or not any more."""
+    """Return the last lines to one of our clients if its key does not allow what it wants, or is no longer valid."""
     return encode_line(notice(SERVER, name, REFUSED, reason=reason).line()) + SHUTDOWN_LINE
 
 
 _RIGHTS = {legacy.SIMR: Right.ROBOTS, legacy.HIDER: Right.HIDER}
 """Rights for the names of programs; all other names are participants'."""
-_NEEDS_KEY = "from another machine programs of thbridge need a key"
+_NEEDS_KEY = "programs of thbridge on another machine need a key"
 PLAY_AGAIN = "PlayAgain"
-"""Kind of the notice by which a participant begins another game."""
+"""Kind of the notice with which a participant begins another game."""
 
 
 def right_of(name: str) -> Right:
-    """Return the right that holding a name takes."""
+    """Return the right that is required to hold a name."""
     return _RIGHTS.get(name, Right.PARTICIPANT)
 
 
 def _not_entitled(credentials: Credentials, name: str, extended: bool) -> str | None:
-    """Return why a connection may not hold a name, as a clause; None where it may."""
+    """Return the reason why a connection may not hold a name, as a clause; None if it may."""
     if extended and not credentials.extended:
         return _NEEDS_KEY
     if credentials.may(right_of(name)):
         return None
-    return f"the key {credentials.key} is not good for being {name}, but for: {', '.join(credentials.rights)}"
+    return f"the key {credentials.key} does not allow the name {name}; its rights: {', '.join(credentials.rights)}"
 
 
 def _withheld(client: _Connection, message: TextMessage) -> str | None:
-    """Return why a client's message goes nowhere: it speaks by a key, or as programs with keys do; None: it goes on."""
+    """Return the reason why a client's credentials do not allow a message; None if they do."""
     if not client.credentials.extended and is_notice(message):
         return _NEEDS_KEY
     if not client.credentials.key:
         return None
     if message.sender != client.name:
-        return f"the key {client.credentials.key} speaks for {client.name} alone"
+        return f"the key {client.credentials.key} only allows messages of {client.name}"
     said = parse_notice(message) if client.credentials.one_game and is_notice(message) else None
     if isinstance(said, Notice) and said.kind == PLAY_AGAIN:
-        return f"the key {client.credentials.key} is good for one game"
+        return f"the key {client.credentials.key} is for one game only"
     return None
 
 

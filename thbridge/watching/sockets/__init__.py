@@ -1,1 +1,1 @@
-"""Server and client of watching: the bag of a session as it is recorded, over TCP."""
+"""Watch server and client: the bag of a session, sent over TCP while it is recorded."""

@@ -13,10 +13,10 @@ class _Waiting(NamedTuple):
 
 
 class Backlog:
-    """Records of several channels in order; over the limit, the oldest records of the largest channel are dropped.
+    """Records of several channels in order; above the limit, the oldest records of the largest channel are dropped.
 
-    The newest record of a latched channel is never dropped: it may be the only one for a long time. So the queue is
-    bounded by the limit plus these records.
+    The newest record of a latched channel is never dropped, because it may be the only one for a long time. So the
+    queue is bounded by the limit plus these records.
 
     Args:
         limit: bytes that may be queued.
@@ -37,7 +37,7 @@ class Backlog:
         self._number = 0
 
     def put(self, channel: int, record: bytes, latched: bool) -> None:
-        """Append a record; if the queue is over its limit then, records are dropped, possibly this one."""
+        """Append a record; if the queue is then above its limit, records are dropped, possibly this one."""
         self._number += 1
         self._waiting[self._number] = _Waiting(channel, record)
         self._of_channel[channel].append(self._number)
@@ -49,7 +49,7 @@ class Backlog:
             pass
 
     def take(self, size: int) -> list[tuple[int, bytes]]:
-        """Take the oldest records, each with its channel, until they add up to at least `size` bytes."""
+        """Remove and return the oldest records with their channels, up to at least `size` bytes together."""
         taken: list[tuple[int, bytes]] = []
         while self._waiting and size > 0:
             _, (channel, record) = self._waiting.popitem(last=False)

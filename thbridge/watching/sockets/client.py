@@ -14,7 +14,7 @@ from thbridge.watching.wire import BagStreamReader, BrokenStream, SessionMessage
 
 _SEGMENT = 256 * 1024
 _WAITING = 20_000
-"""Most queued messages; beyond that nothing is read, and the watch server drops some in the end."""
+"""Largest number of queued messages; above it nothing is read, and finally the watch server drops messages."""
 _NAP = 0.02
 _TIMEOUT = 10.0
 """Seconds without a byte until the connection counts as broken; the server sends its status every second."""
@@ -22,16 +22,16 @@ _TIMEOUT = 10.0
 
 @dataclass(frozen=True, slots=True)
 class WatchConnected:
-    """Connection to the session; what it has said before comes next."""
+    """Connection to the session; its earlier messages follow."""
 
 
 WatchEvent: TypeAlias = WatchConnected | SessionMessage | ConnectionLost
 
 
 class WatchClient(ReconnectingClient):
-    """Receives a session's messages, with reconnections until `run` is cancelled.
+    """Receiver of a session's messages, which reconnects until `run` is cancelled.
 
-    `run` needs an event loop, for example that of a thread of its own; everything else may be called from any thread.
+    `run` needs an event loop, for example that of a separate thread. All other methods may be called from any thread.
 
     Args:
         host: host of the watch server.
@@ -46,14 +46,14 @@ class WatchClient(ReconnectingClient):
         self._loop: asyncio.AbstractEventLoop | None = None
 
     def take(self) -> list[WatchEvent]:
-        """Take the events that have come, oldest first, without waiting."""
+        """Return the queued events, oldest first, without waiting."""
         events: list[WatchEvent] = []
         while self._events:
             events.append(self._events.popleft())
         return events
 
     def send(self, line: bytes) -> bool:
-        """Send a line, such as `app.session.watching.request_line` makes; return False when not connected."""
+        """Send a line, such as that of `app.session.watch_requests.request_line`; return False if not connected."""
         loop, writer = self._loop, self._writer
         if loop is None or writer is None or loop.is_closed():
             return False
@@ -88,7 +88,7 @@ class WatchClient(ReconnectingClient):
                 if status is not None and status.refused is not None:
                     refused = status.refused.reason
                 elif self._writer is None:
-                    # An admitted watcher first gets what was said before; a rejected one gets only a refusal.
+                    # An admitted watcher first gets earlier messages; a rejected one gets only a refusal.
                     self._accepted(writer)
                     self._events.append(WatchConnected())
                 if self._writer is not None:

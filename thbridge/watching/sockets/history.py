@@ -1,4 +1,4 @@
-"""History of a session for watchers that come late: they then see what those see who were there from the start."""
+"""History of a session for watchers that connect late, so that they see the same as those from the start."""
 
 from collections import defaultdict, deque
 from collections.abc import Sequence
@@ -19,12 +19,12 @@ from thbridge.ros.topics import (
 )
 
 LISTED = frozenset({GAME_EVENTS, UTTERANCES, DIALOGUE_MOVES, DIALOGUE_STATES, SEND_ROBOTS, SUCCESS, INPUTS, ROSOUT})
-"""Topics whose messages add up; of all others the newest message tells how things are."""
+"""Topics of which all recent messages are kept; of all others only the newest, which contains the present state."""
 
 MAX_MESSAGES = 1000
-"""Most messages that are kept of one listed topic; of the game's events, of one kind."""
+"""Largest number of kept messages of a listed topic; for the game's events, of one kind."""
 MAX_BYTES = 2**20
-"""Most bytes of these messages."""
+"""Largest size of these messages, in bytes."""
 
 
 class _Numbered(NamedTuple):
@@ -33,10 +33,10 @@ class _Numbered(NamedTuple):
 
 
 class MessageHistory:
-    """The newest message of each topic, and of the listed ones the recent messages, in bounded memory.
+    """The newest message of each topic, and the recent messages of the listed topics, in bounded memory.
 
-    The events are those of the present game. Each kind of event is bounded by itself: frequent ones, such as
-    collisions, do not push out those that tell the state of the rooms.
+    The events are those of the present game. Each kind of event has its own limit, so that frequent ones, such as
+    collisions, do not displace those with the state of the rooms.
     """
 
     def __init__(self) -> None:
@@ -45,7 +45,7 @@ class MessageHistory:
         self._count = 0
 
     def take(self, message: RosMessage) -> None:
-        """Take a message; they come in order of time."""
+        """Add a message; messages come in order of time."""
         topic = message.topic
         if topic not in LISTED:
             self._levels[topic] = message
@@ -59,7 +59,7 @@ class MessageHistory:
         self._recent[topic, kind].add(_Numbered(self._count, message))
 
     def before(self, latest: Sequence[RosMessage]) -> list[RosMessage]:
-        """Return what was before these latest messages and is not replaced by them, oldest first."""
+        """Return the messages before these latest ones that are not replaced by them, oldest first."""
         replaced = {message.topic for message in latest}
         levels = [level for topic, level in self._levels.items() if topic not in replaced]
         listed = sorted(each for recent in self._recent.values() for each in recent.messages)

@@ -1,7 +1,7 @@
 """Watch server: sends a session's messages over TCP to researchers' windows, and handles their requests.
 
 Everything runs on the thread of one event loop. No watcher can slow the session down: unread messages wait in a bounded
-queue; beyond the bound they are dropped, and the status has their number.
+queue. Above its limit messages are dropped, and the status contains their number.
 """
 
 from __future__ import annotations
@@ -42,11 +42,11 @@ from thbridge.watching.wire import (
 )
 
 MAX_WATCHERS = 8
-"""Most watchers at a time; further ones are turned away."""
+"""Largest number of watchers at a time; further ones are rejected."""
 
 MAX_CONNECTIONS = 256
-"""Most connections, with the key or without; one more takes the place of one that has not been admitted. They are more
-than the loop accepts at a time: whoever has the key is heard before it is their turn to make room."""
+"""Largest number of connections, with or without a key; one more replaces one that is not admitted. It is more than the
+loop accepts at a time, so a client's key is read before its connection could be replaced."""
 
 _log = logging.getLogger(__name__)
 
@@ -54,12 +54,12 @@ _STATUS = Topic(STATUS, types.STRING, latched=True)
 _KEY_SECONDS = 10.0
 """Seconds that a connection has to send its key."""
 _WRONG_KEY_SECONDS = 1.0
-"""Seconds until a connection that sent a wrong one is told so, and may try again."""
+"""Seconds until a connection gets the answer that its key is wrong, and may try again."""
 _LINGER = 1.0
-"""Seconds that a disconnected watcher has to read the reason."""
+"""Seconds that a rejected watcher has to read the reason."""
 _HEARTBEAT = 1.0
 _SEGMENT = 256 * 1024
-"""Bytes written to a socket at a time; bytes in the socket's buffer cannot be dropped any more."""
+"""Bytes that are written to a socket at a time; few, because bytes in the socket's buffer can no longer be dropped."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,7 +75,7 @@ class WatchedSession(Protocol):
     """Session behind the server."""
 
     def ask(self, watcher: str, wish: Mapping[str, object], key: str = "") -> str | None:
-        """Carry out a watcher's request, by a key, if any; return None, or the reason of a refusal, for people."""
+        """Carry out a watcher's request, made with this key, if any; return None, or the reason of a refusal."""
 
     def pace(self) -> SessionPace:
         """Return the session's pace."""
@@ -85,13 +85,14 @@ class WatchedSession(Protocol):
 
 
 class WatchServer:
-    """Sends a session's messages to all watchers, and passes on their requests.
+    """Server of a session's messages to all watchers, which passes on their requests.
 
     Args:
         session: carries out requests.
-        keys: keys of which watchers must show one, in TLS from other machines; None admits every program of this one.
-        definitions: message definitions; None takes them from an installed ROS, where there is one.
-        bag: path of the session's bag; None: it records none.
+        keys: check the keys that watchers must present, over TLS from other machines. If None, every program of this
+            machine is admitted.
+        definitions: message definitions; None uses those of an installed ROS, if there is one.
+        bag: path of the session's bag; None if it records none.
     """
 
     def __init__(
@@ -104,7 +105,7 @@ class WatchServer:
         self._bag = "" if bag is None else str(bag.absolute())
         self._ended = False
         self.complaints = WarnOnce(_log)
-        """What clients do wrong."""
+        """Warnings about clients."""
         self._session = session
         self._keys = keys
         self._stream = BagStream(definitions or Definitions())
@@ -119,7 +120,7 @@ class WatchServer:
         self._heart: asyncio.Task[None] | None = None
 
     async def start(self, host: str, port: int) -> ListeningAddress | CannotListen:
-        """Begin to serve; port 0 takes any that is free."""
+        """Begin to serve; port 0 selects any free port."""
         try:
             tls = None if self._keys is None else self._keys.tls
             address = await self._door.listen(self._watcher, host, port, tls)
@@ -157,14 +158,14 @@ class WatchServer:
     def tell_status(self) -> None:
         """Send every watcher its status."""
         for watcher in self._watchers:
-            self._tell_status(watcher)
+            self._send_status(watcher)
 
     # Connections and requests of watchers
 
     def connection_opened(self, watcher: _Watcher) -> int:
         """Add a connection and return its number."""
         if len(self._open) >= self._door.most:
-            # Whoever has the key shows it at once. First those make room who showed a wrong one, then the oldest.
+            # Clients with a key send it at once. So one with a wrong key is replaced first, then the oldest without.
             deaf = next((each for each in self._open if each.deaf), None)
             (deaf or next(each for each in self._open if each not in self._watchers)).abort()
         self._open[watcher] = None
@@ -172,7 +173,7 @@ class WatchServer:
         return self._connection_count
 
     def admit(self, watcher: _Watcher) -> None:
-        """Add a watcher: it gets the messages of the history, then all messages of the last tick."""
+        """Add a watcher, which gets the messages of the history, then all messages of the last tick."""
         if len(self._watchers) >= MAX_WATCHERS:
             self.turn_away(watcher, WatchRefusal("", f"{MAX_WATCHERS} watchers are connected already"))
             return
@@ -183,10 +184,10 @@ class WatchServer:
         self.tell_status()
 
     def turn_away(self, watcher: _Watcher, why: WatchRefusal) -> None:
-        """Send a connection that is not admitted the reason, and close it."""
+        """Send a rejected connection the reason, and close it."""
         watcher.write(BEGINNING)
         watcher.refuse(why)
-        self._tell_status(watcher)
+        self._send_status(watcher)
         watcher.close()
 
     def ask(self, watcher: _Watcher, wish: WatcherRequest) -> None:
@@ -231,7 +232,7 @@ class WatchServer:
         for watcher in watchers:
             watcher.flush()
 
-    def _tell_status(self, watcher: _Watcher) -> None:
+    def _send_status(self, watcher: _Watcher) -> None:
         pace = self._session.pace()
         status = replace(
             watcher.status,
@@ -257,7 +258,7 @@ class WatchServer:
                     reason = self._keys.why_not(watcher.decoder.credentials)
                     if reason is not None:
                         watcher.refuse(WatchRefusal("", reason))
-                        self._tell_status(watcher)
+                        self._send_status(watcher)
                         watcher.close()
             self.tell_status()
 
@@ -270,7 +271,7 @@ class _Watcher(AsyncioProtocol):
         decoder: decodes its lines.
         backlog: messages it has not read.
         status: its status as of the last change.
-        deaf: True once it has shown a wrong key, of which it is told in a moment.
+        deaf: True once it has sent a wrong key; it gets the answer a moment later.
     """
 
     def __init__(self, server: WatchServer, decoder: WatcherSession, chunks: ChunkMaker) -> None:
@@ -351,7 +352,7 @@ class _Watcher(AsyncioProtocol):
         self._closing = True
         if self._timer is not None:
             self._timer.cancel()
-        self._transport = None  # In TLS it holds much memory, and holds this.
+        self._transport = None  # Breaks a reference cycle: a TLS transport holds much memory, and this object.
         self._server.lost(self)
 
     def refuse(self, why: WatchRefusal) -> None:
@@ -359,8 +360,8 @@ class _Watcher(AsyncioProtocol):
         self.status = replace(self.status, refused=why, refusals=self.status.refusals + 1)
 
     def flush(self) -> None:
-        """Write queued messages to the socket, as far as it takes them."""
-        # A socket that has failed is told when the loop turns; asyncio complains of what is written until then.
+        """Write queued messages to the socket until its buffer is full."""
+        # After a failure of the socket `connection_lost` is called later; asyncio warns about writes until then.
         while not (self._full or self._closing) and self._transport is not None and not self._transport.is_closing():
             taken = self.backlog.take(_SEGMENT)
             if not taken:
@@ -373,7 +374,7 @@ class _Watcher(AsyncioProtocol):
             self._transport.write(data)
 
     def close(self) -> None:
-        """Close the connection once the other side has had a moment to read what it was sent."""
+        """Close the connection after the other side has had a moment to read the last bytes."""
         if self._closing or self._transport is None:
             return
         self._closing = True
@@ -385,7 +386,7 @@ class _Watcher(AsyncioProtocol):
             return
         try:
             transport.write_eof()
-        except OSError:  # the other side is gone already, though asyncio has not heard of it yet
+        except OSError:  # The other side is gone already, but asyncio has not noticed it yet.
             transport.abort()
             return
         asyncio.get_running_loop().call_later(_LINGER, transport.abort)

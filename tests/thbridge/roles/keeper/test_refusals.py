@@ -55,7 +55,7 @@ class Outsider:
         ("%%snap TabUI Hider 3", "No robot stands in room 4."),
         ("%%snap TabUI Hider x", "It is not a line of the hunt of 2016."),
         ("%%goto TabUI SimR 0 one 1 45", "SimR cannot read it: 'one' is not a number."),
-        ("%%goto TabUI SimR 0", "SimR cannot read it: that is not what follows %%goto."),
+        ("%%goto TabUI SimR 0", "SimR cannot read it: its content is not that of %%goto."),
         ("%%move TabUI SimR 0 F 9", "SimR cannot read it: the intensity is 1 to 5, not 9."),
         ("%%error TabUI Nobody hello", "No program is called Nobody here."),
     ],

@@ -483,7 +483,7 @@ def test_an_extended_client_is_told_of_a_failed_delivery() -> None:
         "command": "%%goto",
         "receiver": "SimR",
         "content": "0 3 3 45",
-        "reason": "nobody holds that name",
+        "reason": "no program has that name",
     }
 
 
