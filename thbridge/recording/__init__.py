@@ -1,1 +1,1 @@
-"""Recordings of sessions, written, read and repaired: bags, journals, telemetry logs."""
+"""Writing, reading and repair of sessions' recordings: bags, journals, telemetry logs."""

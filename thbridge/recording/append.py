@@ -1,4 +1,4 @@
-"""Records appended to a file completely or not at all."""
+"""Appending of records to a file: completely or not at all."""
 
 import contextlib
 import os
@@ -6,7 +6,7 @@ from typing import IO
 
 
 def append_whole(file: IO[bytes], content: bytes, *, synced: bool) -> None:
-    """Write at the end of a file. After an error, what was written is cut off again as far as possible.
+    """Write at the end of a file. After an error, the written part is removed again if possible.
 
     Args:
         file: an unbuffered file, positioned at its end.
@@ -24,7 +24,7 @@ def append_whole(file: IO[bytes], content: bytes, *, synced: bool) -> None:
         if synced:
             os.fsync(file.fileno())
     except OSError:
-        # If this fails, too: readers of the file ignore a torn record at its end.
+        # This may fail too; then readers of the file ignore the incomplete record at its end.
         with contextlib.suppress(OSError):
             file.truncate(before)
             file.seek(before)

@@ -1,7 +1,7 @@
-"""Lines of JSON that carry their length and a checksum chained to all lines before, so that no damage reads as data.
+"""Lines of JSON with their length and a checksum, chained to all lines before, so that damage is never read as data.
 
-A line is an object whose last members are `"length"` (bytes of the line without these two) and `"sum"` (64 bits of
-BLAKE2b over the sum before and the line without it, as hexadecimal). So it stays a line of JSON for every other reader.
+A line is an object. Its last members are `"length"` (bytes of the line without these two members) and `"sum"` (64 bits
+of BLAKE2b over the previous sum and the line without its own sum, hexadecimal). For other readers it is plain JSON.
 """
 
 import re
@@ -10,16 +10,16 @@ from hashlib import blake2b
 _END = re.compile(rb',"length":([0-9]{1,9}),"sum":"([0-9a-f]{16})"\}')
 
 
-class DamagedLine(ValueError):  # noqa: N818 - it is told as a sentence
-    """A line whose checksum does not fit it."""
+class DamagedLine(ValueError):  # noqa: N818 - it is shown as a sentence
+    """A line with a wrong checksum, or without one."""
 
 
 def checked(text: str, before: str) -> tuple[bytes, str]:
-    """A line with its length and checksum, without a newline, and the checksum.
+    """Return a line with its length and checksum, without a newline, and the checksum.
 
     Args:
-        text: an object of JSON with at least one member.
-        before: checksum of the line before; "" for the first.
+        text: a JSON object with at least one member.
+        before: checksum of the line before; "" for the first line.
     """
     body = text.encode()
     length = f',"length":{len(body)}'.encode()
@@ -28,15 +28,15 @@ def checked(text: str, before: str) -> tuple[bytes, str]:
 
 
 def has_sum(line: bytes) -> bool:
-    """True for a line that ends in a length and a checksum, right or wrong."""
+    """Return True for a line that ends with a length and a checksum, right or wrong."""
     return b'"sum"' in line[-40:] or _END.search(line[-60:]) is not None
 
 
 def verified(line: bytes, before: str) -> tuple[bytes, str]:
-    """The object of a line without length and checksum, and the checksum.
+    """Return the object of a line without length and checksum, and the checksum.
 
     Raises:
-        DamagedLine: they do not fit.
+        DamagedLine: length or checksum is wrong.
     """
     found = _END.search(line, max(0, len(line) - 60))
     if found is None or found.end() != len(line):

@@ -1,7 +1,7 @@
-"""Names of recordings that belong to one running program.
+"""Names of recordings that are reserved by one running program.
 
-A claim is a lock on a small file beside the bag, `.NAME.bag.lock`, which says whose it is. The system lifts the lock
-when its program ends, however it does; a file that is left over means nothing.
+A claim is a lock on a small file next to the bag, `.NAME.bag.lock`, which names its owner. The system releases the lock
+when the program ends for any reason, so a file without a lock has no effect.
 """
 
 import datetime
@@ -15,7 +15,7 @@ from thbridge.files.disk.own_links import own_target
 from thbridge.files.errors import BadFile
 
 _claims: dict[Path, IO[str]] = {}
-"""The lock files that this program holds."""
+"""Lock files of this program, which must stay open."""
 
 
 def lock_of(bag: Path) -> Path:
@@ -24,18 +24,18 @@ def lock_of(bag: Path) -> Path:
 
 
 def claim(bag: Path) -> None:
-    """Claim the name of a recording, with its parts, journal and telemetry log; to claim it again does nothing.
+    """Claim the name of a recording, with its parts, journal and telemetry log; a second claim does nothing.
 
     Raises:
-        BadFile: it belongs to another running program; the message says to which, and since when. Or a link of another
+        BadFile: another running program has claimed it (the message says which, and since when), or a link of another
             account leads to its folder.
-        OSError: there is no such folder, or it cannot be written.
+        OSError: there is no such folder, or it is not writable.
     """
     path = _lock_path(bag)
     if path in _claims:
         return
     while True:
-        file = open(path, "a+", encoding="utf-8", opener=_without_links)  # noqa: SIM115 - it is held
+        file = open(path, "a+", encoding="utf-8", opener=_without_links)  # noqa: SIM115 - it stays open
         try:
             fcntl.flock(file.fileno(), fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
@@ -43,7 +43,7 @@ def claim(bag: Path) -> None:
             owner = file.read().strip() or "another program"
             file.close()
             raise BadFile(bag, f"{owner} is recording there", "choose another name, or wait until it ends") from None
-        # Whoever held it before may have removed the file just now: then the lock is on nothing.
+        # The previous owner may have removed the file in the meantime. Then this lock is on a deleted file: try again.
         if path.exists() and os.fstat(file.fileno()).st_ino == path.stat().st_ino:
             break
         file.close()
@@ -59,7 +59,7 @@ def claim(bag: Path) -> None:
 
 
 def release(bag: Path) -> None:
-    """Give the name of a recording free; without a claim this does nothing."""
+    """Release the name of a recording; without a claim this does nothing."""
     path = _lock_path(bag)
     file = _claims.pop(path, None)
     if file is not None:
@@ -72,5 +72,5 @@ def _lock_path(bag: Path) -> Path:
 
 
 def _without_links(path: str, flags: int) -> int:
-    """Open a lock file, which is emptied afterwards: a link in its place could lead to any file."""
+    """Open a lock file, but no link: the file is truncated afterwards, and a link could lead to any file."""
     return os.open(path, flags | os.O_NOFOLLOW, 0o666)

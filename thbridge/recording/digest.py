@@ -1,9 +1,9 @@
-"""Digest of a recording's messages: equal when two sessions said the same, whichever machines recorded them.
+"""Digest of a recording's messages: equal if two sessions sent the same messages, on whatever machines.
 
-It is a SHA-256 over all messages but the session's own record, oldest first, those of one stamp in the order of
-recording. Each adds its topic and type (UTF-8) and its data, each of these after its length in bytes, and between type
-and data its stamp in nanoseconds. Lengths and stamps are unsigned, of 8 bytes, little endian. Compression, parts,
-chunks, definitions and publishers do not count.
+It is a SHA-256 over all messages except the session's own record, oldest first; messages with one stamp are in the
+order of recording. Each message adds: topic (UTF-8), type (UTF-8), stamp in nanoseconds, data. Topic, type and data
+have their length in bytes before them. Lengths and stamps are unsigned little-endian integers of 8 bytes. Compression,
+parts, chunks, definitions and publishers have no influence.
 """
 
 import struct
@@ -17,13 +17,13 @@ _NUMBER = struct.Struct("<Q")
 
 
 class MessageDigest:
-    """The digest of messages that are added one by one, as while a session runs."""
+    """Digest of messages that are added one by one, for example while a session runs."""
 
     def __init__(self) -> None:
         self._hash = sha256()
 
     def add(self, topic: str, msgtype: str, stamp_ns: int, data: bytes) -> None:
-        """Add a message; the session's own record, which tells machine and versions, is left out."""
+        """Add a message; the session's own record is left out, because it contains machine and versions."""
         if msgtype == SESSION:
             return
         for text in (topic.encode(), msgtype.encode()):
@@ -36,12 +36,12 @@ class MessageDigest:
         self._hash.update(data)
 
     def hexdigest(self) -> str:
-        """The digest of all messages so far, 64 hexadecimal digits."""
+        """Return the digest of all messages so far, 64 hexadecimal digits."""
         return self._hash.hexdigest()
 
 
 def digest_of(bag: Path) -> str:
-    """The digest of a recording's messages, 64 hexadecimal digits; memory does not grow with its length.
+    """Return the digest of a recording's messages, 64 hexadecimal digits, in constant memory.
 
     Args:
         bag: a bag, or the name of a split recording.

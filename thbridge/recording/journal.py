@@ -1,8 +1,8 @@
-"""The journal: one file per game, one event a line, on the disk before it is published.
+"""The journal: one file per game, one event per line; each event is on the disk before it is published.
 
-A game that was cut off by a crash or a power failure is recovered from its journal. The last line may be torn and is
-then dropped. Damage anywhere else is an error: each line carries its length and a checksum chained to all before
-(`checked_lines`). Journals of 0.1.0 have none, and are read without.
+A game that was interrupted by a crash or a power failure is recovered from its journal. The last line may be incomplete
+and is then dropped. Damage anywhere else is an error: each line has its length and a checksum, chained to all lines
+before (`checked_lines`). Journals of 0.1.0 have no checksums, and are read without.
 """
 
 import contextlib
@@ -33,11 +33,11 @@ class RecoveredGame:
 
     Attributes:
         started: the first event.
-        events: the further events, and what was said between them, in order.
+        events: the further events, and the utterances between them, in order.
         state: the state after all events.
-        size: bytes of the whole lines of the file, each with a newline at its end.
-        checksum: of the last line; None where the journal has none.
-        torn: the incomplete last line that was being written when the writer died, or None; it is not in `events`.
+        size: bytes of the complete lines of the file, each with its newline.
+        checksum: of the last line; None if the journal has no checksums.
+        torn: the incomplete last line, which was being written when the writer died, or None; it is not in `events`.
     """
 
     started: GameStarted
@@ -49,12 +49,12 @@ class RecoveredGame:
 
 
 def journal_path(folder: Path, game: int) -> Path:
-    """Path of the journal of a game."""
+    """Return the path of the journal of a game."""
     return folder / f"game-{game:04d}.jsonl"
 
 
 def next_game(folder: Path) -> int:
-    """Number of the next game: one more than the highest in this folder; 1 if there is none, or no folder."""
+    """Return the number of the next game: one more than the highest in this folder, or 1."""
     numbers = [int(found.group(1)) for path in folder.glob("game-*.jsonl") if (found := _NAME.fullmatch(path.name))]
     return max(numbers, default=0) + 1
 
@@ -63,8 +63,8 @@ def read_journal(path: Path) -> RecoveredGame:
     """Read a journal, also one that is still being written.
 
     Raises:
-        BadFile: it cannot be read, it does not begin with the start of a game, or a line other than a torn last one is
-            not an event of this game.
+        BadFile: it cannot be read, it does not begin with the start of a game, or a line is not an event of this game
+            (unless it is an incomplete last line).
     """
     try:
         content = content_of(path)
@@ -98,7 +98,7 @@ def read_journal(path: Path) -> RecoveredGame:
 
 
 def _lines(path: Path, content: bytes) -> tuple[list[bytes], str | None, int, bytes | None]:
-    """The whole lines without their checksums, the last checksum, the bytes of these lines, and a torn last line."""
+    """Return the complete lines without checksums, the last checksum, the size of these lines, and a torn last line."""
     whole, newline, torn = content.rpartition(b"\n")
     written = whole.split(b"\n") if newline else []
     size = len(whole) + 1 if newline else 0
@@ -111,7 +111,7 @@ def _lines(path: Path, content: bytes) -> tuple[list[bytes], str | None, int, by
         except DamagedLine as damage:
             raise BadFile(path, str(damage), _remedy(number), line=number) from None
         lines.append(body)
-    # Of a last line the newline alone may be missing, or be another byte.
+    # The last line may be complete except for its newline, which may be missing or damaged.
     for candidate in (torn, torn[:-1]):
         with contextlib.suppress(DamagedLine):
             body, checksum = verified(candidate, checksum)
@@ -120,7 +120,7 @@ def _lines(path: Path, content: bytes) -> tuple[list[bytes], str | None, int, by
 
 
 class Journal:
-    """Appends events to the journal of one game. Keeps the file open and locked; close it, or use it in `with`."""
+    """Journal of one game, to which events are appended. It keeps its file open and locked; close it or use `with`."""
 
     def __init__(self, path: Path, file: IO[bytes]) -> None:
         self.path = path
@@ -129,13 +129,13 @@ class Journal:
 
     @classmethod
     def start(cls, folder: Path, started: GameStarted) -> Self:
-        """Begin the journal of a new game; its folder is made if it is missing.
+        """Begin the journal of a new game; its folder is created if it is missing.
 
         Raises:
-            BadFile: a journal of this number exists already, or it cannot be written.
+            BadFile: a journal with this number exists already, or it cannot be written.
         """
         path = journal_path(folder, started.game)
-        # It gets its name with its first event: a journal without one would prevent the next game.
+        # The file gets its name only with its first event, because a journal without events would block the next game.
         part = path.with_name(f".{path.name}.{os.getpid()}.part")
         try:
             make_folder(folder)
@@ -161,7 +161,7 @@ class Journal:
 
     @classmethod
     def resume(cls, path: Path) -> tuple[Self, RecoveredGame]:
-        """Continue the journal of a game that was cut off: recover the game, and cut a torn last line off.
+        """Resume the journal of an interrupted game: recover the game, and remove an incomplete last line.
 
         Raises:
             BadFile: as for `read_journal`; or another program is writing it.
@@ -188,7 +188,7 @@ class Journal:
         """Write events, in order; they are on the disk when this returns.
 
         Raises:
-            BadFile: the disk is full or gone. Lines that were written are then cut off again as far as possible.
+            BadFile: the disk is full or gone. Lines that were written are then removed again if possible.
         """
         lines, checksum = [], self._checksum
         for event in events:
@@ -203,7 +203,7 @@ class Journal:
         self._checksum = checksum
 
     def close(self) -> None:
-        """Release the file and its lock. Closing twice does nothing."""
+        """Release the file and its lock. A second call does nothing."""
         self._file.close()
 
     def __enter__(self) -> Self:

@@ -1,4 +1,4 @@
-"""The journals of all games of one keeper: a folder with one file per game, the last of which may not have ended."""
+"""The journals of all games of one keeper: a folder with one file per game. The last game may be unfinished."""
 
 import logging
 from collections.abc import Sequence
@@ -18,10 +18,10 @@ _log = logging.getLogger(__name__)
 
 @dataclass(frozen=True, slots=True)
 class UnfinishedGame:
-    """A game that was cut off.
+    """A game that was interrupted.
 
     Attributes:
-        history: its events and what was said, oldest first, with `GameStarted`.
+        history: its events and utterances, oldest first, beginning with `GameStarted`.
         torn: True when the last event was incomplete and is lost.
     """
 
@@ -30,13 +30,13 @@ class UnfinishedGame:
 
 
 class JournalStore:
-    """Writes the events of the keeper's games; one journal is open at a time.
+    """Store of the events of the keeper's games; one journal is open at a time.
 
     Args:
-        folder: the folder of the journals; made if it is missing.
+        folder: the folder of the journals; created if it is missing.
 
     Raises:
-        BadFile: the folder cannot be made.
+        BadFile: the folder cannot be created.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -50,14 +50,14 @@ class JournalStore:
 
     @property
     def last_game(self) -> int:
-        """The highest number of a game so far; 0 when there is none."""
+        """Highest number of a game so far; 0 if there is none."""
         return next_game(self.folder) - 1
 
     def name_of_folder(self, fresh: str) -> str:
-        """Return the name that the folder was given once, unlike all others; `fresh` where it has none yet.
+        """Return the unique name of the folder; if it has none yet, it gets the name `fresh`.
 
         Raises:
-            BadFile: it cannot be read or written.
+            BadFile: the name cannot be read or written.
         """
         path = self.folder / _FOLDER_NAME
         try:
@@ -69,7 +69,7 @@ class JournalStore:
             raise BadFile(path, problem, "choose a folder you may write to, with room on its disk") from None
 
     def resume(self) -> UnfinishedGame | None:
-        """Continue the last game, if it did not end; None when there is no such game.
+        """Resume the last game if it has not ended; return None if there is no such game.
 
         Raises:
             BadFile: its journal cannot be read, or another program is writing it.
@@ -99,7 +99,7 @@ class JournalStore:
                 self._journal.append((event,))
 
     def close(self) -> None:
-        """Close the journal that is open."""
+        """Close the open journal, if there is one."""
         if self._journal is not None:
             self._journal.close()
             self._journal = None

@@ -1,4 +1,4 @@
-"""Paths of recordings: a bag or its parts, the journal beside it, and older recordings of the same name."""
+"""Paths of recordings: a bag or its parts, the journal next to it, and older recordings of the same name."""
 
 import hashlib
 import re
@@ -13,33 +13,36 @@ ACTIVE = ".active"
 
 
 _LEAST = 1 << 16
-"""Bytes without which no recording is begun."""
+"""Smallest free disk space with which a recording is started, in bytes."""
 
 
 def active_of(bag: Path) -> Path:
-    """Path of a bag while it is being written."""
+    """Return the path of a bag while it is being written."""
     return bag.with_name(bag.name + ACTIVE)
 
 
 def unfinished_of(bag: Path) -> Path | None:
-    """The file, or the first part, of a bag that is being written or whose writer was killed; None without one."""
+    """Return the unfinished file, or first unfinished part, of a bag; None if there is none.
+
+    A bag is unfinished while it is being written, and after its writer was killed.
+    """
     parts = (path for _, path in _numbered(bag, bag.suffix + ACTIVE))
     return active_of(bag) if active_of(bag).exists() else next(parts, None)
 
 
 def part_of(bag: Path, number: int) -> Path:
-    """Path of one part of a split recording, counted from 0; `NAME_0.bag`, as with rosbag."""
+    """Return the path of one part of a split recording, counted from 0: `NAME_0.bag`, as with rosbag."""
     return bag.with_name(f"{bag.stem}_{number}{bag.suffix}")
 
 
 def parts_of(bag: Path) -> tuple[Path, ...]:
-    """The files of a recording, in order.
+    """Return the files of a recording, in order.
 
-    If the file exists, it is the whole recording. Else these are `NAME_0.bag`, `NAME_1.bag`, ..., without the one that
-    is being written.
+    If the file exists, it is the whole recording. Otherwise these are `NAME_0.bag`, `NAME_1.bag`, ..., without a part
+    that is being written.
 
     Args:
-        bag: the recording's name, or a file; it is returned when there are no parts.
+        bag: the recording's name, or a file; it is returned if there are no parts.
     """
     if bag.exists():
         return (bag,)
@@ -47,11 +50,11 @@ def parts_of(bag: Path) -> tuple[Path, ...]:
 
 
 def digest_of(bag: Path) -> str:
-    """SHA-256 of a recording: of its file, or of the files of a split one, one after the other.
+    """Return the SHA-256 of a recording's file, or of the joined files of a split recording.
 
     Raises:
-        BadFile: a pipe or a device is in its place.
-        OSError: there is none, or it cannot be read.
+        BadFile: it is a pipe or a device.
+        OSError: it does not exist, or cannot be read.
     """
     digest = hashlib.sha256()
     for part in parts_of(bag):
@@ -62,26 +65,26 @@ def digest_of(bag: Path) -> str:
 
 
 def journal_of(bag: Path) -> Path:
-    """Path of the journal folder that belongs to a bag."""
+    """Return the path of the journal folder that belongs to a bag."""
     return bag.with_name(bag.name.removesuffix(".bag") + ".journal")
 
 
 def tlog_of(bag: Path) -> Path:
-    """Path of the telemetry log that belongs to a bag."""
+    """Return the path of the telemetry log that belongs to a bag."""
     return bag.with_name(bag.name.removesuffix(".bag") + ".tlog")
 
 
 def make_room(bag: Path) -> Path | None:
     """Rename an older recording of this name, with its journal and telemetry log; nothing is overwritten.
 
-    The name belongs to this program from then on.
+    The name is then claimed by this program.
 
     Returns:
-        The new path of the older bag, or None when there was none.
+        The new path of the older bag, or None if there was none.
 
     Raises:
         BadFile: another running program records there.
-        OSError: it cannot be moved.
+        OSError: it cannot be renamed.
     """
     if bag.parent.is_dir():
         claim(bag)
@@ -98,10 +101,10 @@ def make_room(bag: Path) -> Path | None:
 
 
 def try_place(bag: Path) -> None:
-    """Check that a bag can be begun at this path, before anything that takes time is done.
+    """Check that a bag can be started at this path, before anything that takes time is done.
 
     Raises:
-        OSError: it cannot.
+        OSError: it cannot be started there.
     """
     active = active_of(bag)
     make_folder(bag.parent)
@@ -113,7 +116,7 @@ def try_place(bag: Path) -> None:
 
 
 def _numbered(bag: Path, ending: str) -> list[tuple[int, Path]]:
-    """The existing parts, in order, with their numbers."""
+    """Return the existing parts with their numbers, in order."""
     pattern = re.compile(rf"{re.escape(bag.stem)}_(0|[1-9][0-9]*){re.escape(ending)}")
     siblings = bag.parent.iterdir() if bag.parent.is_dir() else ()
     matches = ((pattern.fullmatch(path.name), path) for path in siblings)

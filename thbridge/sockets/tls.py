@@ -59,6 +59,7 @@ def check_server(transport: BaseTransport, key: ClientKey) -> None:
 
 
 def is_encrypted(transport: BaseTransport) -> bool:
+    """Return True for a TLS connection."""
     return transport.get_extra_info("ssl_object") is not None
 
 

@@ -1,1 +1,1 @@
-"""ROS 1 bags: written so that kills and full disks lose little, read whole or by index, repaired."""
+"""ROS 1 bags: writing that loses little when programs are killed or disks are full, reading, and repair."""

@@ -1,4 +1,4 @@
-"""Refusal of files that are no bags, and of bags that are damaged, cut off or still being written."""
+"""Refusal of files that are not bags, and of bags that are damaged, cut off or still being written."""
 
 import struct
 from collections.abc import Iterator
@@ -27,18 +27,18 @@ _STUMBLES = (
     MemoryError,
     RuntimeError,
 )
-"""Errors of rosbags and of its decompressors on damaged files; they include failed assertions."""
+"""Errors of rosbags and of its decompressors for damaged files; they include failed assertions."""
 
 
 class TooLargeChunk(ValueError):  # noqa: N818 - it names the fault of a chunk
-    """A chunk unpacks to more than one may; the text says so as a clause."""
+    """A chunk unpacks to more than is allowed; the text says so as a clause."""
 
 
 def check_is_bag(path: Path) -> None:
     """Raise BadFile unless a file begins like a ROS 1 bag.
 
     Raises:
-        BadFile: it does not, cannot be read, or is still being written under its name with `.active`.
+        BadFile: it does not, it cannot be read, or it is still being written under its name with `.active`.
     """
     try:
         with open_regular(path) as file:
@@ -57,7 +57,7 @@ def check_is_bag(path: Path) -> None:
 
 @contextmanager
 def damage_as_bad_file(path: Path) -> Iterator[None]:
-    """Convert errors of parser and decompressors within the block to BadFile."""
+    """Convert errors of parser and decompressors in the block to BadFile."""
     try:
         yield
     except TooLargeChunk as error:
@@ -68,12 +68,12 @@ def damage_as_bad_file(path: Path) -> Iterator[None]:
 
 
 def damaged(path: Path) -> BadFile:
-    """The BadFile for a file that is cut off or damaged."""
+    """Return the BadFile for a file that is cut off or damaged."""
     return BadFile(path, "the bag was cut off or is damaged", f"run `thbridge bag reindex {path}`")
 
 
 def unfinished(path: Path) -> BadFile:
-    """The BadFile for a file without an index."""
+    """Return the BadFile for a file without an index."""
     if path.name.endswith(ACTIVE):
         problem = "the bag is still being written, or its writer was killed"
         remedy = f"wait until its session has ended; otherwise run `thbridge bag reindex {path}`"

@@ -1,4 +1,4 @@
-"""Options of a recording: which messages, how chunks are compressed, and when another file begins."""
+"""Options of a recording: choice of messages, compression of chunks, and limits of a file."""
 
 from dataclasses import dataclass
 from enum import StrEnum
@@ -28,11 +28,11 @@ class DefinitionTexts(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class SplitLimits:
-    """Limits of a file, after which a recording goes on in another one.
+    """Limits of a file, after which a recording continues in another one.
 
     Attributes:
-        size: bytes after which a file ends, behind a chunk and all messages of one stamp; None for no limit.
-            Latched messages repeated at a file's beginning do not count: they alone may be larger.
+        size: bytes after which a file ends, after a whole chunk and all messages of one stamp; None for no limit.
+            Latched messages that are repeated at a file's beginning do not count, because they alone may be larger.
         duration_ns: longest recorded time of a file; None for no limit.
     """
 
@@ -46,7 +46,7 @@ class SplitLimits:
 
 
 class Readers(StrEnum):
-    """Accounts of the machine that may read what is written."""
+    """Accounts of the machine that may read written files."""
 
     OWNER = "owner"
     GROUP = "group"
@@ -54,5 +54,5 @@ class Readers(StrEnum):
 
     @property
     def umask(self) -> int:
-        """The permissions that new files and folders do not get."""
+        """Permissions that new files and folders do not get."""
         return {Readers.OWNER: 0o077, Readers.GROUP: 0o027, Readers.EVERYONE: 0o022}[self]

@@ -1,7 +1,7 @@
 """The records of ROS 1's bag format 2.0, as bytes (wiki.ros.org/Bags/Format/2.0).
 
-Differs from rosbags' writer in two points on which ROS 1's own tools depend: the first record is padded as by ROS, and
-LZ4 frames are of the only kind that roslz4 reads.
+Differs from rosbags' writer in two points on which ROS 1's own tools depend: the first record is padded as in ROS, and
+LZ4 frames are of the only kind that roslz4 can read.
 """
 
 import bz2
@@ -18,30 +18,30 @@ from thbridge.ros.messages.identification import DefinitionSource
 
 MAGIC = b"#ROSBAG V2.0\n"
 HEADER_BYTES = 4096
-"""Header and padding of the first record, without its two length words. rosbags counts those in, ROS 1 does not, and
-ROS 1's `reindex` overwrites as many bytes as it would have written itself."""
+"""Size of header and padding of the first record, without its two length words. rosbags includes these words, ROS 1
+does not, and ROS 1's `reindex` overwrites exactly as many bytes as it would have written itself."""
 
 U32 = Struct("<I")
 _U64 = Struct("<Q")
 _TIME = Struct("<II")
 _BZ2_LEVEL = 9
 _LZ4_LEVEL = 0
-"""As ROS's own recorder packs. Level 3 is the first that searches more: recordings are a tenth smaller or somewhat
-more, at four times the processor time."""
+"""Level of ROS's own recorder. Level 3 is the first that searches more: its recordings are at least a tenth smaller,
+for four times the processor time."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class BagConnection:
-    """One connection of a bag: a publisher of a topic. Two are equal only if they are one object.
+    """One connection of a bag: a publisher of a topic. Two connections are equal only if they are the same object.
 
     Attributes:
         number: its number in the bag.
         topic: its topic.
         msgtype: for example "nav_msgs/Odometry".
         md5: md5 sum of the type.
-        definition: definition of the type, with those of the types within it.
-        caller: name of the publishing node; None where it is not known.
-        latching: True when late subscribers get the last message; None where it is not known.
+        definition: definition of the type, with the definitions of the types in it.
+        caller: name of the publishing node; None if unknown.
+        latching: True when late subscribers get the last message; None if unknown.
         source: origin of the definition.
     """
 
@@ -56,12 +56,12 @@ class BagConnection:
 
 
 def time_bytes(stamp_ns: int) -> bytes:
-    """A stamp in the format of records: seconds and nanoseconds."""
+    """Return a stamp in the format of records: seconds and nanoseconds."""
     return _TIME.pack(*divmod(stamp_ns, 1_000_000_000))
 
 
 def bag_header(index_pos: int, connections: int, chunks: int) -> bytes:
-    """The first record, which always has the same length; its numbers are 0 while the bag is being written."""
+    """Return the first record. It always has the same length; its numbers are 0 while the bag is being written."""
     header = _header(
         RecordType.BAGHEADER,
         index_pos=_U64.pack(index_pos),
@@ -72,7 +72,7 @@ def bag_header(index_pos: int, connections: int, chunks: int) -> bytes:
 
 
 def connection_record(connection: BagConnection) -> bytes:
-    """A connection record."""
+    """Return a connection record."""
     values = {
         "topic": connection.topic,
         "type": connection.msgtype,
@@ -89,32 +89,32 @@ def connection_record(connection: BagConnection) -> bytes:
 
 
 def message_head(connection: int) -> bytes:
-    """The beginning of a message record; `time_bytes`, the message's length (`U32`) and the message follow."""
+    """Return the beginning of a message record; `time_bytes`, the message's length (`U32`) and the message follow."""
     fields = (b"op=" + bytes((RecordType.MSGDATA,)), b"conn=" + U32.pack(connection))
     head = b"".join(map(_sized, fields)) + U32.pack(len(b"time=") + _TIME.size) + b"time="
     return U32.pack(len(head) + _TIME.size) + head
 
 
 def time_in(record: bytes) -> bytes:
-    """The `time_bytes` of a message record."""
+    """Return the `time_bytes` of a message record."""
     (head,) = U32.unpack_from(record)
     return record[U32.size + head - _TIME.size : U32.size + head]
 
 
 def chunk_record(data: bytes, compression: Compression) -> bytes:
-    """A chunk record with message and connection records in it."""
+    """Return a chunk record that contains message and connection records."""
     return b"".join(chunk_pieces(data, compression))
 
 
 def chunk_pieces(data: bytes, compression: Compression) -> tuple[bytes, bytes]:
-    """A `chunk_record` in two pieces, for who joins it to others: what is large is copied only once."""
+    """Return a `chunk_record` in two pieces, so that callers that join it to others copy its data only once."""
     header = _header(RecordType.CHUNK, compression=compression.encode(), size=U32.pack(len(data)))
     packed = _packed(data, compression)
     return header + U32.pack(len(packed)), packed
 
 
 def index_record(connection: BagConnection, entries: bytes) -> bytes:
-    """An index data record for the chunk before it: stamp and offset (4 bytes) of each message of a connection."""
+    """Return an index data record for the chunk before it: stamp and offset (4 bytes) of a connection's messages."""
     return _index_head(connection.number, len(entries)) + entries
 
 
@@ -123,14 +123,14 @@ INDEX_ENTRY_BYTES = _TIME.size + U32.size
 
 @lru_cache(maxsize=4096)
 def _index_head(number: int, size: int) -> bytes:
-    """An index data record up to its entries, which are so many bytes."""
+    """Return an index data record up to its entries; `size` is their length in bytes."""
     count = size // INDEX_ENTRY_BYTES
     header = _header(RecordType.IDXDATA, ver=U32.pack(1), conn=U32.pack(number), count=U32.pack(count))
     return header + U32.pack(size)
 
 
 def chunk_info_record(position: int, start_ns: int, end_ns: int, counts: Mapping[BagConnection, int]) -> bytes:
-    """A chunk info record: position, first and last stamp, and number of messages by connection."""
+    """Return a chunk info record: position, first and last stamp, and number of messages by connection."""
     head = _header(
         RecordType.CHUNK_INFO,
         ver=U32.pack(1),
@@ -147,11 +147,11 @@ def _packed(data: bytes, compression: Compression) -> bytes:
         case Compression.NONE:
             return data
         case Compression.LZ4:
-            # The only frames that roslz4 accepts: independent blocks, no content size, a checksum of the content.
+            # The only frames that roslz4 accepts: independent blocks, no content size, with a checksum of the content.
             packed: bytes = lz4.frame.compress(
                 data,
                 compression_level=_LZ4_LEVEL,
-                block_size=lz4.frame.BLOCKSIZE_MAX256KB,  # what is left of a chunk that was cut off counts in blocks
+                block_size=lz4.frame.BLOCKSIZE_MAX256KB,  # A chunk that was cut off is recovered up to a block.
                 block_linked=False,
                 store_size=False,
                 content_checksum=True,

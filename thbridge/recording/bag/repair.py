@@ -1,4 +1,4 @@
-"""Repair of a bag: writes all messages that can be read into a new one, with an index."""
+"""Repair of a bag: all readable messages are written to a new bag with an index."""
 
 import contextlib
 from collections import Counter
@@ -17,7 +17,7 @@ from thbridge.ros.messages.identification import by_name, identified, known_defi
 from thbridge.ros.messages.types import md5_of
 
 MOST_SPANS = 1000
-"""Damaged places that are told apart."""
+"""Largest number of damaged places that are reported separately."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,11 +26,11 @@ class RepairResult:
 
     Attributes:
         path: the repaired bag.
-        backup: the bag as it was.
-        messages: number of messages recovered.
-        end_ns: stamp of the last of them; None when there are none.
+        backup: the original bag.
+        messages: number of recovered messages.
+        end_ns: stamp of the last recovered message; None if there are none.
         lost_bytes: number of bytes that could not be read.
-        losses: sentences on what they were, in the order of the file.
+        losses: sentences about these bytes, in the order of the file.
     """
 
     path: Path
@@ -42,15 +42,15 @@ class RepairResult:
 
 
 def reindex(path: Path) -> RepairResult:
-    """Write a bag's readable messages into a new bag of the same name, and keep the old one beside it.
+    """Write a bag's readable messages into a new bag of the same name, and keep the old one next to it.
 
-    `NAME.bag` and `NAME.bag.active` give `NAME.bag`, and the old file becomes `NAME.orig.bag`. Every complete message
-    is recovered: those of a chunk that is cut off, too, and those behind a record or chunk that cannot be read. A
-    connection without a definition gets the one that its md5 sum names, or else its type's name if its first message
-    fits. The old file stays until the new one is complete.
+    The result for `NAME.bag` and `NAME.bag.active` is `NAME.bag`, and the old file becomes `NAME.orig.bag`. Every
+    complete message is recovered, also those of a chunk that is cut off, and those after an unreadable record or chunk.
+    A connection without a definition gets the definition with its md5 sum, or that of its type's name if its first
+    message fits. The old file stays until the new one is complete.
 
     Raises:
-        BadFile: it is not a ROS 1 bag, a file is in the way, or the disk is full.
+        BadFile: it is not a ROS 1 bag, a file would be overwritten, or the disk is full.
     """
     compression = compression_of(path)
     repaired = path.with_name(path.name.removesuffix(ACTIVE))
@@ -62,9 +62,9 @@ def reindex(path: Path) -> RepairResult:
     try:
         fresh.unlink(missing_ok=True)
         messages, end_ns, losses = _copy(path, fresh, compression)
-        # BagFile has synced the bytes. At a power cut there is always a file to go on with.
+        # BagFile has synced the bytes. At each step a power failure would leave the old file or the complete new one.
         if repaired == path:
-            with contextlib.suppress(OSError):  # Some file systems have no second names.
+            with contextlib.suppress(OSError):  # Some file systems have no hard links.
                 backup.hardlink_to(path)
                 sync_folder(path.parent)
             if not backup.exists():
@@ -83,18 +83,18 @@ def reindex(path: Path) -> RepairResult:
 
 
 def compression_of(path: Path) -> Compression:
-    """The compression of a file's first chunk, where it is one that we write; else none."""
+    """Return the compression of a file's first chunk if we can write it; otherwise none."""
     name = next((record.compression for record in scan(path) if isinstance(record, ChunkRecord)), Compression.NONE)
     return Compression(name) if name in set(Compression) else Compression.NONE
 
 
 SHARED_NUMBERS = 1_000_000
-"""First of the numbers of connections whose own number another connection has."""
+"""First new number for connections that share their number with another connection."""
 
 
 @dataclass(slots=True)
 class _Losses:
-    """Losses of a repair: damaged bytes, messages of connections that are not known, numbers that several have."""
+    """Losses of a repair: damaged bytes, messages of unknown connections, shared connection numbers."""
 
     spans: list[UnreadableSpan] = field(default_factory=list)
     messages: Counter[int] = field(default_factory=Counter)
@@ -102,14 +102,14 @@ class _Losses:
     sharing: dict[int, dict[tuple[str, str], int]] = field(default_factory=dict)
 
     def add(self, span: UnreadableSpan) -> None:
-        """Add bytes; beyond so many spans, to the last one."""
+        """Add unreadable bytes; after `MOST_SPANS` spans they are added to the last one."""
         if span.lost and len(self.spans) < MOST_SPANS:
             self.spans.append(span)
         elif span.lost:
             self.spans[-1] = replace(self.spans[-1], lost=self.spans[-1].lost + span.lost)
 
     def renumbered(self, known: BagConnection, other: BagConnection) -> BagConnection:
-        """Note that another connection has the number of one, and return it with a number of its own."""
+        """Note that another connection has the number of a known one; return it with a new number."""
         shared = self.sharing.setdefault(other.number, {(known.topic, known.msgtype): known.number})
         fresh = SHARED_NUMBERS + sum(map(len, self.sharing.values()))  # of integers
         shared.setdefault((other.topic, other.msgtype), fresh)
@@ -124,18 +124,18 @@ class _Losses:
             yield f"{span.lost} bytes from byte {span.position} on: {span.problem}."
         for number, count in sorted(self.messages.items()):
             what = f"{count} messages of connection {number}, {self.message_bytes[number]} bytes"
-            yield f"{what}: no record that can be read says its topic and type."
+            yield f"{what}: no readable record has its topic and type."
         for number, shared in self.sharing.items():
             first, second, *more = (f"{topic} ({msgtype})" for topic, msgtype in shared)
             others = f" and {len(more)} more" if more else ""
             yield (
                 f"{first} and {second}{others} have the same connection number {number}. Each message counts as one of "
-                "the connection whose record was the last before it, which may be wrong within a chunk."
+                "the connection with the last record before it, which may be wrong inside a chunk."
             )
 
 
 def _copy(path: Path, fresh: Path, compression: Compression) -> tuple[int, int | None, _Losses]:
-    """Copy the messages. Return their number, the last stamp, and what is lost."""
+    """Copy the messages. Return their number, the last stamp, and the losses."""
     count, end_ns, losses = 0, None, _Losses()
     connections: dict[int, BagConnection] = {}
     undefined: set[int] = set()
@@ -178,12 +178,12 @@ def _all_connections(path: Path) -> dict[int, BagConnection]:
 
 
 def _undefined(connections: Mapping[int, BagConnection]) -> set[int]:
-    """Numbers of the connections without a whole definition."""
+    """Return the numbers of the connections without a complete definition."""
     return {number for number, each in connections.items() if missing_types(each.msgtype, each.md5, each.definition)}
 
 
 def _named(connection: BagConnection, data: bytes) -> BagConnection:
-    """The connection with the definition of its type's name, if a message fits; else as it is."""
+    """Return the connection with the definition of its type's name if a message fits; otherwise unchanged."""
     found, known = by_name(connection.msgtype, data), known_definition(connection.msgtype)
     if found is None or known is None:
         return connection

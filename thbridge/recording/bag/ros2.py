@@ -1,8 +1,8 @@
-"""ROS 2 recordings, and MCAP files, read as the ROS 1 bags that they become.
+"""ROS 2 recordings and MCAP files, converted to ROS 1 bags for reading.
 
-A recording is converted once in the life of the process, into a folder that ends with it. What reads bags then has one
-format to know. Messages get the types of ROS Noetic; fields that only ROS 2 has are left out, those that only ROS 1 has
-are 0. Publishers whose last message is kept for later subscribers (transient local) become latched ones.
+A recording is converted once per process, into a folder that is removed when the process ends. So readers of bags need
+only one format. Messages get the types of ROS Noetic: fields that only ROS 2 has are left out, fields that only ROS 1
+has are 0. Publishers with durability "transient local" become latched publishers.
 """
 
 import errno
@@ -44,12 +44,12 @@ _RENAMED = {"tf/msg/tfMessage": "tf2_msgs/msg/TFMessage"}
 
 @dataclass(frozen=True, slots=True)
 class ConvertedRecording:
-    """The ROS 1 bag that another recording has become.
+    """The ROS 1 bag of a converted recording.
 
     Attributes:
         path: of the bag.
-        kind: of the original, a phrase: "a ROS 2 recording".
-        left_out: topics that could not be converted, with the reason.
+        kind: of the original, as a phrase: "a ROS 2 recording".
+        left_out: topics that could not be converted, with the reasons.
     """
 
     path: Path
@@ -58,12 +58,12 @@ class ConvertedRecording:
 
 
 def is_other_recording(path: Path) -> bool:
-    """True for a folder of rosbag2, and for a file of its storages: MCAP and SQLite."""
+    """Return True for a folder of rosbag2, and for a file of its storages MCAP and SQLite."""
     return (path / METADATA).is_file() if path.is_dir() else path.suffix in {MCAP, SQLITE} and path.is_file()
 
 
 def as_ros1(path: Path) -> Path:
-    """The file that holds a recording as a ROS 1 bag: itself, if it is none of ROS 2 or MCAP.
+    """Return the path of a recording as a ROS 1 bag: `path` itself unless it is of ROS 2 or MCAP.
 
     Raises:
         BadFile: it cannot be read or converted.
@@ -72,7 +72,7 @@ def as_ros1(path: Path) -> Path:
 
 
 def converted(path: Path) -> ConvertedRecording:
-    """The ROS 1 bag that a recording of ROS 2, or an MCAP file, becomes.
+    """Return the converted bag of a ROS 2 recording or an MCAP file.
 
     Raises:
         BadFile: it cannot be read or converted.
@@ -98,7 +98,7 @@ def _converted(path: Path, _mtime_ns: int, _size: int) -> ConvertedRecording:
     except TooLargeChunk as error:
         bag.unlink(missing_ok=True)
         raise BadFile(path, str(error), "it is forged or damaged; name another recording") from error
-    except Exception as error:  # rosbags and its parsers raise whatever damaged bytes bring about
+    except Exception as error:  # For damaged bytes, rosbags and its parsers raise errors of many kinds.
         bag.unlink(missing_ok=True)
         if isinstance(error, OSError) and error.errno in _DISK_FAULTS:
             remedy = "free space in the folder of temporary files (TMPDIR)"
@@ -115,17 +115,17 @@ def _kept() -> tempfile.TemporaryDirectory[str]:
 
 
 def _folder() -> Path:
-    """A new folder in one that is removed when the process ends."""
+    """Return a new folder inside one that is removed when the process ends."""
     return Path(tempfile.mkdtemp(dir=_kept().name))
 
 
 def _sentence(error: Exception) -> str:
-    """The first line of an error's text, or its kind where it has none."""
+    """Return the first line of an error's text, or its type if it has no text."""
     return (str(error).splitlines() or [""])[0].rstrip(".") or type(error).__name__
 
 
 def _is_ros1_mcap(path: Path) -> bool:
-    """True for an MCAP file with a schema of ROS 1."""
+    """Return True for an MCAP file with a schema of ROS 1."""
     if path.is_dir() or path.suffix != MCAP:
         return False
     with path.open("rb") as file:
@@ -144,22 +144,22 @@ def _repack(path: Path, bag: Path) -> None:
     so_far = UnpackedBytes(size_of(path))
     with path.open("rb") as file:
         for schema, channel, message in make_reader(file).iter_messages():
-            so_far.add(len(message.data))  # an index can name a chunk any number of times
+            so_far.add(len(message.data))  # Counted, because an index can refer to a chunk any number of times.
             if schema is None or channel.message_encoding != MessageEncoding.ROS1:
                 continue
             connection = connections.get(channel.id)
             if connection is None:
-                text, told = schema.data.decode(), channel.metadata
-                md5 = told.get("md5sum") or md5_of(schema.name, text) or "*"
-                latching = {"true": True, "1": True, "false": False, "0": False}.get(told.get("latching", ""))
-                connection = target.connect(channel.topic, schema.name, md5, text, told.get("callerid"), latching)
+                text, meta = schema.data.decode(), channel.metadata
+                md5 = meta.get("md5sum") or md5_of(schema.name, text) or "*"
+                latching = {"true": True, "1": True, "false": False, "0": False}.get(meta.get("latching", ""))
+                connection = target.connect(channel.topic, schema.name, md5, text, meta.get("callerid"), latching)
                 connections[channel.id] = connection
             target.write(connection, message.log_time, message.data)
     target.close()
 
 
 def _convert(path: Path, bag: Path) -> dict[str, str]:
-    """Write the messages of a ROS 2 recording to a bag; the topics that had to be left out, with reasons."""
+    """Write the messages of a ROS 2 recording to a bag; return the topics that were left out, with reasons."""
     ours = get_typestore(Stores.EMPTY)
     ours.register(typestore().fielddefs)
     target = BagFile(bag)
@@ -186,12 +186,12 @@ def _convert(path: Path, bag: Path) -> dict[str, str]:
 
 
 def _conversion(msgtype: str, theirs: Typestore, ours: Typestore) -> tuple[str, Callable[[bytes], memoryview]]:
-    """The type that messages of a ROS 2 type become, which is added to ours if it is new; and how."""
+    """Return the ROS 1 type for messages of a ROS 2 type, which is added to `ours` if it is new, and the converter."""
     target = _RENAMED.get(msgtype, msgtype)
     if target not in ours.fielddefs:
         text, _ = theirs.generate_msgdef(msgtype, ros_version=1)
         found = types_in(target, text)
         register(ours, {name: fields for name, fields in found.items() if name not in ours.fielddefs})
-    with redirect_stdout(io.StringIO()):  # it tells what it will do
+    with redirect_stdout(io.StringIO()):  # It prints what it will do.
         convert = generate_message_converter(theirs, ours, msgtype, target, {}, src_is2=True, dst_is2=False)
     return target, convert

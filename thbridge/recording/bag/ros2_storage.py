@@ -1,7 +1,6 @@
-"""Reading of rosbag2's storages within bounds: packed files and messages, SQLite and metadata of others.
+"""Reading of rosbag2's storages with limits: packed files and messages, SQLite, and untrusted metadata.
 
-rosbags unpacks whatever there is, and lets SQLite and YAML multiply as they like; some kilobytes could stand for
-gigabytes.
+rosbags unpacks without limits, and does not limit SQLite and YAML. So a few kilobytes could expand to gigabytes.
 """
 
 import shutil
@@ -27,21 +26,22 @@ from thbridge.recording.bag.unpacking import ALWAYS, UnpackedBytes, check_mcap, 
 
 METADATA = "metadata.yaml"
 LARGEST_METADATA = 1 << 26
-"""Bytes of metadata.yaml; it has some hundred for each file and topic, and the study of a session of ours."""
+"""Largest size of metadata.yaml, in bytes. It has some hundred per file and topic, and our sessions' study."""
 MOST_VALUES = 1 << 20
-"""Values in it, its aliases expanded."""
+"""Largest number of values in it, with aliases expanded."""
 _INFORMATION = "rosbag2_bagfile_information"
 
 _STEPS_ALWAYS, _STEPS_BYTE, _STEPS_ONCE = 1 << 26, 128, 1 << 16
-"""Steps of SQLite's virtual machine for all of a file, for each of its bytes, and between two counts of them.
+"""Steps of SQLite's virtual machine that are allowed for any file, in addition for each of its bytes, and between two
+counts of the steps.
 
-A message has at least a dozen bytes, and takes some twenty steps in each of three queries.
+A message has at least a dozen bytes, and needs some twenty steps in each of three queries.
 """
 
 
 @contextmanager
 def plain_recording(path: Path, work: Path) -> Iterator[Path]:
-    """Yield a recording of ROS 2 or an MCAP file whose files are not packed as a whole: itself, or a copy for the time.
+    """Yield the path of a recording of ROS 2 or an MCAP file without packed files: its own path, or a temporary copy.
 
     Its MCAP files are checked.
 
@@ -50,8 +50,8 @@ def plain_recording(path: Path, work: Path) -> Iterator[Path]:
         work: a folder for the copy.
 
     Raises:
-        TooLargeChunk: it unpacks to more than it may.
-        BadFile: a file of it is a pipe or a device, or a link leads out of its folder.
+        TooLargeChunk: it unpacks to more than is allowed.
+        BadFile: one of its files is a pipe or a device, or a link leads out of its folder.
         OSError, YAMLError: it cannot be read.
     """
     for file in path.rglob("*") if path.is_dir() else [path]:
@@ -71,17 +71,17 @@ def plain_recording(path: Path, work: Path) -> Iterator[Path]:
 
 
 def stored_messages(path: Path, reader: AnyReader, known: list[Connection]) -> Iterator[tuple[Connection, int, bytes]]:
-    """Yield the messages of an open reader, with their stamps; those that are packed one by one are unpacked.
+    """Yield the messages of an open reader, with their stamps; messages that are packed one by one are unpacked.
 
     Raises:
-        TooLargeChunk: they are more than a recording of its size can hold.
+        TooLargeChunk: the messages are larger than a recording of its size can contain.
     """
     size = size_of(path)
     (opened,) = cast(Sequence[Reader], reader.readers)
     storage = opened.storage
     is_packed = storage.metadata.compression_mode == "message"
-    storage.metadata = storage.metadata._replace(compression_mode=None)  # rosbags unpacks without bounds
-    # An index of MCAP can name a chunk twice. SQLite has each message once, unless its table computes them.
+    storage.metadata = storage.metadata._replace(compression_mode=None)  # rosbags would unpack without limits.
+    # An MCAP index can refer to a chunk twice. SQLite has each message once, unless its table is computed.
     sqlite = any(isinstance(file, Sqlite3Reader) for file in (storage, *getattr(storage, "storages", ())))
     stored = UnpackedBytes(0, size) if sqlite else UnpackedBytes(size)
     so_far = UnpackedBytes(size)
@@ -91,18 +91,18 @@ def stored_messages(path: Path, reader: AnyReader, known: list[Connection]) -> I
 
 
 def open_reader(path: Path) -> AnyReader:
-    """A reader of a recording of ROS 2, not yet open; within `bounded_sqlite` it opens, and reads, within bounds."""
-    # Older recordings have no definitions; those of Humble fit all that does not change.
+    """Return a reader of a ROS 2 recording, not yet open; open and use it inside `bounded_sqlite`."""
+    # Older recordings have no definitions; those of Humble fit all types that have not changed.
     return AnyReader([path], default_typestore=get_typestore(Stores.ROS2_HUMBLE))
 
 
 @contextmanager
 def bounded_sqlite(path: Path) -> Iterator[None]:
-    """Bound what SQLite does with the files of a recording that are opened within the block.
+    """Limit SQLite's work on the files of a recording that are opened during the block.
 
     Raises:
-        TooLargeChunk: it takes more steps than a recording of its size can need; a table can refer to a page of the
-            file any number of times.
+        TooLargeChunk: it takes more steps than a recording of its size can need. (A table can refer to a page of the
+            file any number of times.)
     """
     left = _STEPS_ALWAYS + _STEPS_BYTE * size_of(path)
     exceeded = False
@@ -131,21 +131,21 @@ def bounded_sqlite(path: Path) -> Iterator[None]:
 
 
 def size_of(path: Path) -> int:
-    """Bytes of a recording: of its file, or of all files in its folder."""
+    """Return the size of a recording in bytes: of its file, or of all files in its folder."""
     return sum(file.stat().st_size for file in path.iterdir()) if path.is_dir() else path.stat().st_size
 
 
 def _unpacked_folder(path: Path, work: Path) -> Path | None:
-    """A copy of a folder of which each file is packed, without that; None for another."""
+    """Return an unpacked copy of a folder with packed files; None for any other folder."""
     text = content_of(path / METADATA, LARGEST_METADATA).decode()
     _check_aliases(path / METADATA, text)
     metadata = cast(dict[str, dict[str, object]], YAML(typ="safe").load(text))
-    told = metadata.get(_INFORMATION) if isinstance(metadata, dict) else None
-    if not isinstance(told, dict) or str(told.get("compression_mode")).lower() != "file":
+    facts = metadata.get(_INFORMATION) if isinstance(metadata, dict) else None
+    if not isinstance(facts, dict) or str(facts.get("compression_mode")).lower() != "file":
         return None
-    packing, names = told.get("compression_format"), told.get("relative_file_paths")
+    packing, names = facts.get("compression_format"), facts.get("relative_file_paths")
     if packing != "zstd" or not isinstance(names, list):
-        return None  # which its reader tells
+        return None  # The reader reports the error.
     copy = work / "unpacked"
     copy.mkdir()
     try:
@@ -153,7 +153,7 @@ def _unpacked_folder(path: Path, work: Path) -> Path | None:
         so_far = UnpackedBytes(size_of(path))
         for file in files:
             unpack_file(path_inside(path, file.name), path_inside(copy, file.stem), so_far)
-        told |= {"compression_format": "", "compression_mode": "", "relative_file_paths": [it.stem for it in files]}
+        facts |= {"compression_format": "", "compression_mode": "", "relative_file_paths": [it.stem for it in files]}
         with (copy / METADATA).open("w", encoding="utf-8") as out:
             YAML(typ="safe").dump(metadata, out)
     except BaseException:
@@ -163,7 +163,7 @@ def _unpacked_folder(path: Path, work: Path) -> Path | None:
 
 
 def _check_aliases(path: Path, text: str) -> None:
-    """Raise BadFile when the values of a document are too many with its aliases expanded, as texts of faults do it."""
+    """Raise BadFile if a document has too many values with its aliases expanded, as error messages expand them."""
     sizes: dict[str, int] = {}
     open_nodes: list[tuple[str | None, int]] = []
     count = 0

@@ -1,4 +1,4 @@
-"""Unpacking of chunks within bounds: some kilobytes of bz2 can stand for gigabytes of zeros."""
+"""Unpacking of chunks with limits: a few kilobytes of bz2 can expand to gigabytes of zeros."""
 
 import bz2
 from collections.abc import Iterator
@@ -16,78 +16,79 @@ from thbridge.files.disk.regular_files import is_regular
 from thbridge.recording.bag.damage import TooLargeChunk
 
 ALWAYS = 1 << 28
-"""Bytes that any chunk may unpack to; usual chunks have 768 KiB, or one large message."""
+"""Unpacked size that any chunk may have, in bytes; usual chunks have 768 KiB, or one large message."""
 TIMES_PACKED = 64
-"""Chunks whose packed data are larger may unpack to so many times their size."""
+"""Factor by which a chunk may expand if that is more than `ALWAYS`."""
 ALWAYS_IN_ALL = 1 << 32
 TIMES_FILE = 1000
-"""All chunks of a file may together unpack to `ALWAYS_IN_ALL` and so many times its size: unpacking takes time."""
+"""All chunks of a file may together unpack to `ALWAYS_IN_ALL` plus `TIMES_FILE` times its size, because unpacking takes
+time."""
 
 COMPRESSIONS = ("none", "bz2", "lz4")
 
 MCAP_MAGIC = b"\x89MCAP0\r\n"
 _MCAP_RECORD = Struct("<BQ")
-"""The kind of a record, and its length."""
+"""Kind and length of a record."""
 _MCAP_CHUNK = Struct("<QQQII")
 """First and last time of a chunk, unpacked size, checksum, and the length of the name of its compression."""
 _PIECE = 1 << 20
 
 
 TIMES_WHOLE = 1000
-"""A file of rosbag2 that is packed as a whole may unpack to `ALWAYS` or so many times its size."""
+"""Factor by which a file of rosbag2 that is packed as a whole may expand if that is more than `ALWAYS`."""
 
 
 class UnpackedBytes:
-    """The bytes that chunks of a file have unpacked to so far, held against what it may unpack to.
+    """Counter of the unpacked bytes of a file's chunks, with the file's limit.
 
     Args:
         file_size: bytes of the file.
-        always: bytes that there may be whatever its size.
+        always: bytes that are allowed for any size.
     """
 
     def __init__(self, file_size: int, always: int = ALWAYS_IN_ALL) -> None:
         self._left = always + TIMES_FILE * file_size
 
     def add(self, size: int) -> None:
-        """Count a chunk. Raises TooLargeChunk: it is too much for the file."""
+        """Count a chunk. Raises TooLargeChunk above the file's limit."""
         self._left -= size
         if self._left < 0:
             raise TooLargeChunk("its chunks unpack to more than a recording of its size can hold")
 
 
 def unpacked(compression: str, packed: bytes, size: int) -> bytes:
-    """The data of a chunk; of a stream that is cut off what there is.
+    """Return the data of a chunk; for a stream that is cut off, the available data.
 
     Args:
         compression: a name of `COMPRESSIONS`.
         packed: its bytes in the file.
-        size: bytes of its data, as its record says.
+        size: bytes of its data according to its record.
 
     Raises:
-        TooLargeChunk: it unpacks to more than its record says, or than a chunk may.
+        TooLargeChunk: it unpacks to more than its record says, or more than is allowed for a chunk.
         ValueError: there is no such compression.
         OSError, RuntimeError, EOFError: the stream is damaged.
     """
     if compression == "none":
         return packed
     _check_claim(len(packed), size)
-    # One byte more tells a stream that has more than its record says.
+    # One more byte is requested, to detect a stream that has more than its record says.
     match compression:
         case "bz2":
             data = bz2.BZ2Decompressor().decompress(packed, max_length=size + 1)
         case "lz4":
             data = bytes(lz4.frame.LZ4FrameDecompressor().decompress(packed, max_length=size + 1))
         case other:
-            raise ValueError(f"compression {other!r} is not known")
+            raise ValueError(f"compression {other!r} is unknown")
     _check_size(len(data), size)
     return data
 
 
 def unpacked_message(packed: bytes, so_far: UnpackedBytes) -> bytes:
-    """The data of a message of rosbag2 that is packed by zstd, counted.
+    """Return the data of a rosbag2 message that is packed with zstd, and count them.
 
     Raises:
-        TooLargeChunk: it unpacks to more than a chunk of its size may, or is too much for the file.
+        TooLargeChunk: it unpacks to more than is allowed for a chunk of its size, or for the file.
         ZstdError: it is damaged.
     """
     data = b"".join(_zstd_pieces(BytesIO(packed), max(ALWAYS, TIMES_PACKED * len(packed)), so_far))
@@ -97,10 +98,10 @@ def unpacked_message(packed: bytes, so_far: UnpackedBytes) -> bytes:
 
 
 def unpack_file(packed: Path, to: Path, so_far: UnpackedBytes) -> None:
-    """Unpack a file of rosbag2 that is packed by zstd as a whole.
+    """Unpack a file of rosbag2 that is packed with zstd as a whole.
 
     Raises:
-        TooLargeChunk: it unpacks to more than a file of its size may.
+        TooLargeChunk: it unpacks to more than is allowed for a file of its size.
         ZstdError: it is damaged.
         OSError: a file cannot be read or written.
     """
@@ -111,12 +112,12 @@ def unpack_file(packed: Path, to: Path, so_far: UnpackedBytes) -> None:
 
 
 def check_mcap(path: Path) -> None:
-    """Check what the chunks of an MCAP file unpack to, for its readers unpack all that a chunk has.
+    """Check the unpacked sizes of the chunks of an MCAP file, because its readers unpack without limits.
 
-    Files of other kinds are left alone.
+    Files of other kinds are ignored.
 
     Raises:
-        TooLargeChunk: it is more than records say, or than chunks and files may.
+        TooLargeChunk: they unpack to more than records say, or more than is allowed.
         OSError: the file cannot be read.
     """
     if not is_regular(path):
@@ -132,7 +133,7 @@ def check_mcap(path: Path) -> None:
             kind, length = _MCAP_RECORD.unpack(file.read(_MCAP_RECORD.size))
             at += _MCAP_RECORD.size + length
             if at > end:
-                return  # cut off, which readers tell
+                return  # The file is cut off; its readers report that.
             if kind == Opcode.CHUNK:
                 record = file.read(length)
                 if len(record) >= _MCAP_CHUNK.size:
@@ -155,19 +156,19 @@ def _check_mcap_chunk(record: bytes, so_far: UnpackedBytes) -> None:
 
 
 def _zstd_pieces(packed: BinaryIO, most: int, so_far: UnpackedBytes) -> Iterator[bytes]:
-    """Yield what a stream unpacks to. Raises TooLargeChunk: it is more than `most`, or too much for the file."""
+    """Yield the unpacked pieces of a stream. Raises TooLargeChunk above `most` bytes, or above the file's limit."""
     found = 0
     with zstandard.ZstdDecompressor().stream_reader(packed, read_across_frames=True) as stream:
         while piece := stream.read(_PIECE):
             found += len(piece)
             if found > most:
-                raise TooLargeChunk(f"it unpacks to more than the {most} bytes it may")
+                raise TooLargeChunk(f"it unpacks to more than the allowed {most} bytes")
             so_far.add(len(piece))
             yield piece
 
 
 def _counts(compression: bytes, packed: bytes) -> Iterator[int]:
-    """Yield the sizes of the pieces that a chunk unpacks to; errors are left to the readers."""
+    """Yield the sizes of a chunk's unpacked pieces; errors are left to the readers."""
     with suppress(zstandard.ZstdError, RuntimeError, EOFError):
         if compression == b"zstd":
             with zstandard.ZstdDecompressor().stream_reader(packed, read_across_frames=True) as stream:
@@ -185,13 +186,13 @@ def _counts(compression: bytes, packed: bytes) -> Iterator[int]:
 
 
 def _check_claim(packed: int, size: int) -> None:
-    """Raise TooLargeChunk when a chunk claims to unpack to more than one may."""
+    """Raise TooLargeChunk if a chunk claims an unpacked size above the limit."""
     most = max(ALWAYS, TIMES_PACKED * packed)
     if size > most:
-        raise TooLargeChunk(f"a chunk of {packed} bytes claims to unpack to {size}, more than the {most} it may")
+        raise TooLargeChunk(f"a chunk of {packed} bytes claims to unpack to {size}, more than the allowed {most}")
 
 
 def _check_size(found: int, size: int) -> None:
-    """Raise TooLargeChunk when a chunk unpacks to more than it claims."""
+    """Raise TooLargeChunk if a chunk unpacks to more than it claims."""
     if found > size:
         raise TooLargeChunk(f"a chunk unpacks to more than the {size} bytes that its record says")

@@ -19,7 +19,7 @@ from thbridge.ros.topics import (
 )
 
 LISTED = frozenset({GAME_EVENTS, UTTERANCES, DIALOGUE_MOVES, DIALOGUE_STATES, SEND_ROBOTS, SUCCESS, INPUTS, ROSOUT})
-"""Topics of which all recent messages are kept; of all others only the newest, which contains the present state."""
+"""Topics with all recent messages kept; of other topics only the newest message is kept: it has the present state."""
 
 MAX_MESSAGES = 1000
 """Largest number of kept messages of a listed topic; for the game's events, of one kind."""

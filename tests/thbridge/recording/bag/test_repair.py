@@ -241,7 +241,7 @@ def test_a_connection_that_cannot_be_read_costs_its_messages_alone(tmp_path: Pat
     assert (repaired.messages, {topic for topic, _, _ in read(path)}) == (40, {"/chatter"})
     told = " ".join(repaired.losses)
     assert "the connection of /other lacks its field type" in told
-    assert "40 messages of connection 1, 320 bytes: no record that can be read says its topic and type." in told
+    assert "40 messages of connection 1, 320 bytes: no readable record has its topic and type." in told
 
 
 def test_two_connections_of_one_number_are_both_kept_and_reported(tmp_path: Path) -> None:

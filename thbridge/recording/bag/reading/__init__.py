@@ -1,1 +1,1 @@
-"""Recordings read: messages in order, at random by topic and time, and all that is left of damaged ones."""
+"""Reading of recordings: messages in order, random access by topic and time, and the rest of damaged recordings."""

@@ -18,17 +18,17 @@ from thbridge.recording.bag.records import INDEX_ENTRY_BYTES, U32
 from thbridge.recording.bag.unpacking import COMPRESSIONS, UnpackedBytes, unpacked
 
 BYTES_KEPT = 32 * 1024 * 1024
-"""Bytes of unpacked chunks that are cached, unless told otherwise."""
+"""Default size of the cache of unpacked chunks, in bytes."""
 WHOLE = 1024 * 1024
-"""Largest uncompressed chunk that is read as a whole; of larger ones single messages are read."""
+"""Largest uncompressed chunk that is read as a whole; from larger ones single messages are read."""
 
 FEW = 16
-"""So many messages of an uncompressed chunk, or fewer, are read one by one."""
+"""Largest number of messages of an uncompressed chunk that are read one by one."""
 
 _CONNECTION = b"\x09\x00\x00\x00conn="
-"""The field `conn` of an index data record's header, up to its value of 4 bytes."""
+"""Beginning of the field `conn` in an index data record's header, before its value of 4 bytes."""
 _USUAL_HEAD = 55
-"""Bytes of an index data record's header with both lengths, as ROS and we write them."""
+"""Bytes of an index data record's header with both lengths, as written by ROS and by us."""
 _BYTES_OF_U32 = np.arange(4)
 
 
@@ -51,13 +51,13 @@ class ChunkInfo:
     counts: Mapping[int, int]
 
     def is_before(self, stamp_ns: int | None) -> bool:
-        """True when all its messages are before a stamp; False without one."""
+        """Return True when all its messages are before a stamp; False if the stamp is None."""
         return stamp_ns is not None and self.end_ns < stamp_ns
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Packed:
-    """Position and size of a chunk's data in its file, compression, and bytes of the data when they are unpacked."""
+    """Position and size of a chunk's data in its file, their compression, and their size when unpacked."""
 
     position: int
     size: int
@@ -71,12 +71,12 @@ class _Packed:
 
 
 class ChunkReader:
-    """Reads the chunks of a recording, in one thread. All methods raise BadFile: a file is damaged, or gone.
+    """Reader of the chunks of a recording, for use by one thread. All methods raise BadFile for damaged or lost files.
 
     Args:
         parts: paths of the files.
-        files: the same, opened; `close` closes them.
-        bytes_kept: bytes of unpacked chunks that are cached.
+        files: the opened files; `close` closes them.
+        bytes_kept: size of the cache of unpacked chunks, in bytes.
     """
 
     def __init__(self, parts: Sequence[Path], files: Sequence[BinaryIO], bytes_kept: int = BYTES_KEPT) -> None:
@@ -93,12 +93,12 @@ class ChunkReader:
             file.close()
 
     def compression_of(self, chunk: ChunkInfo) -> str:
-        """Name of a chunk's compression."""
+        """Return the name of a chunk's compression."""
         with damage_as_bad_file(self._parts[chunk.file]):
             return self._packed_at(chunk).compression
 
     def index_of(self, chunk: ChunkInfo) -> dict[int, bytes]:
-        """The data of a chunk's index data records, by connection number."""
+        """Return the data of a chunk's index data records, by connection number."""
         file = self._files[chunk.file]
         with damage_as_bad_file(self._parts[chunk.file]):
             packed = self._packed_at(chunk)
@@ -117,7 +117,7 @@ class ChunkReader:
             return found
 
     def message(self, chunk: ChunkInfo, offset: int) -> bytes:
-        """The message whose record begins at an offset of the unpacked chunk."""
+        """Return the message with its record at an offset of the unpacked chunk."""
         packed = self._packed.get(chunk)
         if packed is None:
             with damage_as_bad_file(self._parts[chunk.file]):
@@ -126,7 +126,7 @@ class ChunkReader:
             return self._message_alone(chunk, packed, offset)
         data = self._data(chunk, packed)
         try:
-            start = _after_length(data, offset)  # behind the record's header
+            start = _after_length(data, offset)  # The end of the record's header.
             return data[start + 4 : _after_length(data, start)]
         except ValueError as error:
             raise damaged(self._parts[chunk.file]) from error
@@ -134,9 +134,9 @@ class ChunkReader:
     def places(
         self, chunk: ChunkInfo, numbers: Collection[int]
     ) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
-        """(n,) connection numbers, stamps and offsets of the messages of some connections in a chunk, in order of time.
+        """Return (n,) connection numbers, stamps and offsets of messages in a chunk, in order of time.
 
-        Those of one stamp are in the order of their offsets.
+        Only messages of the connections `numbers` are returned. Messages with one stamp are in the order of offsets.
         """
         found = self.index_of(chunk)
         wanted = [(number, found[number]) for number in numbers]
@@ -148,7 +148,7 @@ class ChunkReader:
         return who[order], stamps[order], offsets[order]
 
     def messages(self, chunk: ChunkInfo, offsets: NDArray[np.int64]) -> Iterator[bytes]:
-        """Yield the messages whose records begin at these offsets of the unpacked chunk."""
+        """Yield the messages with their records at these offsets of the unpacked chunk."""
         with damage_as_bad_file(self._parts[chunk.file]):
             packed = self._packed_at(chunk)
         if packed.plain and (packed.size > WHOLE or len(offsets) <= FEW):
@@ -157,7 +157,7 @@ class ChunkReader:
         data = self._data(chunk, packed)
         with damage_as_bad_file(self._parts[chunk.file]):
             octets = np.frombuffer(data, dtype=np.uint8)
-            bodies = offsets + 4 + _lengths_at(octets, offsets)  # behind the records' headers
+            bodies = offsets + 4 + _lengths_at(octets, offsets)  # The ends of the records' headers.
             ends = bodies + 4 + _lengths_at(octets, bodies)
             if (ends > len(data)).any():
                 raise ValueError("a record ends beyond its chunk")
@@ -176,7 +176,7 @@ class ChunkReader:
         return known
 
     def _message_alone(self, chunk: ChunkInfo, packed: _Packed, offset: int) -> bytes:
-        """Read one message of a large chunk without the rest, for example images."""
+        """Read one message of a large chunk without the rest, for example an image."""
         file = self._files[chunk.file]
         with damage_as_bad_file(self._parts[chunk.file]):
             file.seek(packed.position + offset)
@@ -184,7 +184,7 @@ class ChunkReader:
             return read_bytes(file, read_uint32(file))
 
     def _data(self, chunk: ChunkInfo, packed: _Packed) -> bytes:
-        """The unpacked data of a chunk."""
+        """Return the unpacked data of a chunk."""
         known = self._unpacked.get(chunk)
         if known is not None:
             self._unpacked.move_to_end(chunk)
@@ -210,7 +210,7 @@ def _size_of(file: BinaryIO) -> int:
 
 
 def _after_length(data: bytes, at: int) -> int:
-    """End of a field that begins with its length of 4 bytes. Raises ValueError: it is beyond the data."""
+    """Return the end of a field that begins with its length of 4 bytes. Raises ValueError if it is beyond the data."""
     end = at + 4 + int.from_bytes(data[at : at + 4], "little")
     if end > len(data):
         raise ValueError("a record ends beyond its chunk")
@@ -218,13 +218,13 @@ def _after_length(data: bytes, at: int) -> int:
 
 
 def entries_in(data: bytes | bytearray) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """(n,) stamps and offsets in the data of index data records. Raises ValueError: they are cut off."""
+    """Return (n,) stamps and offsets in the data of index data records. Raises ValueError if the data are cut off."""
     seconds, nanoseconds, offsets = np.frombuffer(data, dtype="<u4").reshape(-1, 3).T
     return seconds.astype(np.int64) * 1_000_000_000 + nanoseconds, offsets.astype(np.int64)
 
 
 def _index_in(block: bytes, records: int) -> dict[int, bytes] | None:
-    """The data of so many index data records by connection number; None when the block ends before their end."""
+    """Return the data of some index data records, by connection number; None if the block ends before the last one."""
     found: dict[int, bytes] = {}
     at = 0
     try:
@@ -242,6 +242,6 @@ def _index_in(block: bytes, records: int) -> dict[int, bytes] | None:
 
 
 def _lengths_at(octets: NDArray[np.uint8], places: NDArray[np.int64]) -> NDArray[np.int64]:
-    """(n,) lengths of 4 bytes at these places. Raises IndexError: one is beyond the end."""
+    """Return (n,) lengths of 4 bytes at these places. Raises IndexError if one is beyond the end."""
     lengths: NDArray[np.int64] = octets[places[:, np.newaxis] + _BYTES_OF_U32].view("<u4")[:, 0].astype(np.int64)
     return lengths

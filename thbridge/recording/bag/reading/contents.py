@@ -1,4 +1,4 @@
-"""The index of a bag: its publishers and the stamps of all messages, without reading any message."""
+"""The index of a bag: its publishers and the stamps of all messages. No message is read."""
 
 from collections import defaultdict
 from dataclasses import dataclass
@@ -21,9 +21,9 @@ class ConnectionStamps:
         topic: its name.
         msgtype: for example "nav_msgs/Odometry".
         md5: md5 sum of the type.
-        caller: name of the node; None where it was not recorded.
+        caller: name of the node; None if it was not recorded.
         latched: True when late subscribers get the last message.
-        stamps_ns: (n,) stamps of its messages, rising.
+        stamps_ns: (n,) stamps of its messages, in ascending order.
     """
 
     topic: str
@@ -52,7 +52,7 @@ class BagContents:
 
 
 def contents(path: Path) -> BagContents:
-    """Read the index of one bag, 12 bytes for each message; messages are not read.
+    """Read the index of one bag, 12 bytes per message; messages are not read.
 
     Raises:
         BadFile: there is no such file, it is not a ROS 1 bag, or it is cut off or damaged.

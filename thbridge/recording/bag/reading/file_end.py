@@ -1,4 +1,4 @@
-"""The index at the end of a bag: its connections, and chunk infos that count the messages of each in each chunk."""
+"""The index at the end of a bag: its connections, and chunk infos with each connection's number of messages."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
@@ -14,35 +14,35 @@ from thbridge.recording.bag.reading.chunk_reader import ChunkInfo
 from thbridge.recording.bag.records import BagConnection
 
 STEP = 64
-"""Number of chunks after which reading the end of a bag pauses: some milliseconds."""
+"""Number of chunks after which reading the end of a bag pauses; reading them takes some milliseconds."""
 
 
 @dataclass(slots=True)
 class FileEnd:
-    """The connections of one file, and its chunks that hold any message, both in the file's order."""
+    """The connections of one file, and its chunks with at least one message, both in the file's order."""
 
     connections: list[BagConnection] = field(default_factory=list)
     chunks: list[ChunkInfo] = field(default_factory=list)
 
     @property
     def start_ns(self) -> int | None:
-        """Stamp of the first message; None when there is none."""
+        """Stamp of the first message; None if there are no messages."""
         return min((chunk.start_ns for chunk in self.chunks), default=None)
 
     @property
     def end_ns(self) -> int | None:
-        """Stamp of the last message; None when there is none."""
+        """Stamp of the last message; None if there are no messages."""
         return max((chunk.end_ns for chunk in self.chunks), default=None)
 
 
 def read_end(file: BinaryIO, number: int, part: Path, end: FileEnd) -> Iterator[float]:
-    """Read the end of a file in steps of some milliseconds, between which the share that is read is yielded.
+    """Read the end of a file in steps of some milliseconds; after each step yield the share of work done.
 
     Args:
         file: the file.
         number: its number among the recording's parts.
         part: its path.
-        end: what is filled.
+        end: object for the result.
 
     Raises:
         BadFile: the bag is encrypted, or has no index.
@@ -71,7 +71,7 @@ def read_end(file: BinaryIO, number: int, part: Path, end: FileEnd) -> Iterator[
 
 def _connection(file: BinaryIO) -> BagConnection:
     outer = Header.read(file, RecordType.CONNECTION)
-    inner = Header.read(file)  # the record's data has the form of a header
+    inner = Header.read(file)  # The record's data have the form of a header.
     return BagConnection(
         outer.get_uint32("conn"),
         normalize(outer.get_string("topic")),

@@ -1,7 +1,7 @@
 """Random access to the messages of a recording by topic and time.
 
 Opening reads only the chunk info records at the end of each file. The index of a chunk is read when it is needed, and
-kept in a limited cache. So neither time nor memory grows with messages that are not looked at.
+kept in a limited cache. So unused messages cost neither time nor memory.
 """
 
 from bisect import bisect_right
@@ -37,7 +37,7 @@ class IndexedConnection:
         topic: its topic.
         msgtype: for example "nav_msgs/Odometry".
         md5: md5 sum of the type.
-        definition: definition of the type and of the types within it.
+        definition: definition of the type and of the types in it.
     """
 
     file: int
@@ -49,7 +49,7 @@ class IndexedConnection:
 
 
 class MessageLocation(NamedTuple):
-    """The location of a message; ordered by time, at equal times in the order of recording.
+    """Location of a message. Locations are ordered by time, at equal times in the order of recording.
 
     Attributes:
         stamp_ns: stamp of recording.
@@ -84,7 +84,7 @@ class _TopicChunks:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Entries:
-    """Messages of one connection in one chunk: (n,) stamps, rising, and (n,) offsets in the unpacked chunk."""
+    """Messages of one connection in one chunk: (n,) stamps, ascending, and (n,) offsets in the unpacked chunk."""
 
     publisher: IndexedConnection
     stamps_ns: NDArray[np.int64]
@@ -92,7 +92,7 @@ class _Entries:
 
     @classmethod
     def of(cls, publisher: IndexedConnection, data: bytes) -> "_Entries":
-        """The entries in the data of an index data record."""
+        """Return the entries in the data of an index data record."""
         stamps, offsets = entries_in(data)
         if (np.diff(stamps) <= 0).any():
             order = np.lexsort((offsets, stamps))
@@ -103,11 +103,11 @@ class _Entries:
 class BagIndex:
     """A recording that was opened by `open_index`, for use by one thread.
 
-    All methods that find or read messages raise BadFile when the file is damaged, or gone.
+    All methods that find or read messages raise BadFile if the file is damaged or lost.
 
     Attributes:
-        path: the path as it was given.
-        start_ns: stamp of the first message; 0 when there is none.
+        path: the path as given.
+        start_ns: stamp of the first message; 0 if there are no messages.
         end_ns: stamp of the last message.
     """
 
@@ -147,7 +147,7 @@ class BagIndex:
 
     @property
     def counts(self) -> dict[str, int]:
-        """Number of messages of each topic; repeated latched messages of split recordings count in each part."""
+        """Number of messages of each topic; repeated latched messages of a split recording count in each part."""
         counts = dict.fromkeys(sorted(self._of_topic), 0)
         for chunk in self._chunks:
             for number, count in chunk.counts.items():
@@ -160,11 +160,11 @@ class BagIndex:
         self._reader.close()
 
     def last(self, topic: str, at_ns: int) -> MessageLocation | None:
-        """Location of the last message of a topic up to and including a time; None without one."""
+        """Return the location of the last message of a topic up to and including a time, or None."""
         best: MessageLocation | None = None
         topic_chunks = self._chunks_of(topic)
-        # Chunks may overlap in time: a message in an earlier chunk can be later than the best one so far. The running
-        # maximum of the last stamps tells when no earlier chunk can have one.
+        # Chunks may overlap in time: a message in an earlier chunk can be later than the best one so far. The search
+        # ends when the running maximum of last stamps shows that no earlier chunk can have a later one.
         for turn in range(bisect_right(topic_chunks.starts, at_ns) - 1, -1, -1):
             if best is not None and topic_chunks.reach[turn] < best.stamp_ns:
                 break
@@ -177,7 +177,7 @@ class BagIndex:
         return best
 
     def next(self, topic: str, after_ns: int) -> MessageLocation | None:
-        """Location of the first message of a topic later than a time; None without one."""
+        """Return the location of the first message of a topic after a time, or None."""
         best: MessageLocation | None = None
         topic_chunks = self._chunks_of(topic)
         for turn in range(bisect_right(topic_chunks.reach, after_ns), len(topic_chunks.chunks)):
@@ -192,7 +192,7 @@ class BagIndex:
         return best
 
     def chunks_back(self, topic: str, at_ns: int, until_ns: int) -> Iterator[int]:
-        """Yield the chunks, last first, that may have messages of a topic from a time back to another, inclusive."""
+        """Yield the chunks, last first, with possible messages of a topic from `at_ns` back to `until_ns`, inclusive."""
         topic_chunks = self._chunks_of(topic)
         for turn in range(bisect_right(topic_chunks.starts, at_ns) - 1, -1, -1):
             if topic_chunks.reach[turn] < until_ns:
@@ -200,11 +200,11 @@ class BagIndex:
             yield topic_chunks.chunks[turn]
 
     def locations(self, topic: str, chunk: int) -> list[MessageLocation]:
-        """Locations of the messages of a topic in a chunk, in order of time."""
+        """Return the locations of the messages of a topic in a chunk, in order of time."""
         return sorted(each for entries in self._entries_of(chunk, topic) for each in self._locations(chunk, entries))
 
     def walk(self, topics: Collection[str]) -> Iterator[list[MessageLocation]]:
-        """Yield locations of all messages of some topics in order of time; a list for each chunk, to pause between."""
+        """Yield the locations of all messages of some topics in order of time, one list per chunk to allow pauses."""
         wanted = frozenset[tuple[int, int]]().union(*(self._of_topic.get(topic, set()) for topic in topics))
         pending: list[MessageLocation] = []
         for index, chunk in enumerate(self._chunks):
@@ -212,7 +212,7 @@ class BagIndex:
             if numbers:
                 for entries in self._entries(index, numbers):
                     pending.extend(self._locations(index, entries))
-            # Chunks are ordered by their first stamps: nothing in later chunks is before the start of the next one.
+            # Chunks are ordered by their first stamps: no message in later chunks is before the start of the next one.
             horizon = self._chunks[index + 1].start_ns if index + 1 < len(self._chunks) else None
             pending.sort()
             ready = pending if horizon is None else [location for location in pending if location.stamp_ns < horizon]
@@ -220,7 +220,7 @@ class BagIndex:
             yield ready
 
     def read(self, location: MessageLocation) -> RawMessage:
-        """The message at a location."""
+        """Return the message at a location."""
         publisher, data = location.publisher, self._reader.message(self._chunks[location.chunk], location.offset)
         return RawMessage(publisher.topic, publisher.msgtype, publisher.md5, location.stamp_ns, data)
 
@@ -247,7 +247,7 @@ class BagIndex:
         return self._entries(index, (number for part, number in self._of_topic[topic] if part == file))
 
     def _entries(self, index: int, numbers: Iterable[int]) -> list[_Entries]:
-        """Messages of some connections in a chunk."""
+        """Return the messages of some connections in a chunk."""
         inner, file = self._inside(index), self._chunks[index].file
         found = []
         for number in numbers:
@@ -260,7 +260,7 @@ class BagIndex:
         return found
 
     def _inside(self, index: int) -> dict[int, bytes | _Entries]:
-        """The index of a chunk by connection number; entries are decoded when they are needed."""
+        """Return the index of a chunk by connection number; entries are decoded when they are needed."""
         known = self._inner.get(index)
         if known is None:
             known = self._inner[index] = {**self._reader.index_of(self._chunks[index])}
@@ -272,7 +272,7 @@ class BagIndex:
 
 
 def open_index(path: Path) -> Generator[float, None, BagIndex]:
-    """Open a recording in steps of some milliseconds, between which the share of work done is yielded.
+    """Open a recording in steps of some milliseconds; after each step yield the share of work done.
 
     Args:
         path: a bag, or the name of a split recording.

@@ -1,4 +1,4 @@
-"""Reads ROS 1 bags, ours and others; damaged ones raise BadFile with a remedy."""
+"""Reader of ROS 1 bags, our own and others; damaged bags raise BadFile with a remedy."""
 
 from bisect import bisect_left
 from collections.abc import Callable, Collection, Iterator, Mapping
@@ -19,7 +19,7 @@ from thbridge.recording.recordings import parts_of
 from thbridge.ros.messages.identification import DefinitionSource, IdentifiedType, by_name, identified, missing_types
 
 BYTES_KEPT = 4 * 1024 * 1024
-"""Bytes of unpacked chunks that are cached, for those that overlap in time."""
+"""Size of the cache of unpacked chunks, in bytes; it is used for chunks that overlap in time."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,7 +28,7 @@ class TopicInfo:
 
     Attributes:
         name: its name, with the leading slash.
-        msgtype: type of its messages, "nav_msgs/Odometry"; several, separated by commas, where publishers disagree.
+        msgtype: type of its messages, "nav_msgs/Odometry"; several, separated by commas, if publishers disagree.
         messages: number of messages.
         latched: True when a publisher latches it.
     """
@@ -46,11 +46,11 @@ class BagInfo:
     Attributes:
         path: the file.
         size: bytes.
-        start_ns: stamp of the first message, nanoseconds; None when there is none.
+        start_ns: stamp of the first message, nanoseconds; None if there are no messages.
         end_ns: stamp of the last message.
-        duration: seconds between them; 0 when there is none.
+        duration: seconds between them; 0 if there are no messages.
         messages: number of messages.
-        topics: the topics by name.
+        topics: the topics, ordered by name.
     """
 
     path: Path
@@ -68,7 +68,7 @@ class RawMessage(NamedTuple):
     Attributes:
         topic: its topic.
         msgtype: for example "nav_msgs/Odometry".
-        md5: md5 sum of its type; differs between releases with different fields.
+        md5: md5 sum of its type, which differs between releases with different fields.
         stamp_ns: stamp of recording.
         data: its bytes.
     """
@@ -81,9 +81,9 @@ class RawMessage(NamedTuple):
 
 
 def info(path: Path) -> BagInfo:
-    """Summary of a recording from its index; of a split one over all parts.
+    """Return the summary of a recording from its index; of a split recording, over all parts.
 
-    The latched messages that are repeated at the beginning of each part are counted in each.
+    Latched messages that are repeated at the beginning of a part count in each part.
 
     Raises:
         BadFile: there is no such file, it is not a ROS 1 bag, or it is cut off or damaged.
@@ -139,16 +139,17 @@ def recorded(
 ) -> Iterator[tuple[BagConnection, int, bytes]]:
     """Yield every message, oldest first: its publisher, stamp of recording (nanoseconds), and bytes.
 
-    Messages with equal stamps come in the order of recording. Memory holds a few chunks, whatever the recording's size.
+    Messages with equal stamps come in the order of recording. Only a few chunks are in memory, whatever the recording's
+    size.
 
-    The parts of a split recording are read as one: the latched messages that a part repeats at its beginning, so that
-    it can be played by itself, are left out. A publisher that is in several parts is one object. One without a whole
-    definition gets the one that its md5 sum names, or else its type's name if its first message fits.
+    The parts of a split recording are read as one. A part repeats latched messages at its beginning, so that it can be
+    played by itself; these are left out. A publisher in several parts is one object. A publisher without a complete
+    definition gets the definition with its md5 sum, or that of its type's name if its first message fits.
 
     Args:
         path: the bag, or the name of a split recording.
         topics: names of the topics to read; None for all. Chunks without them are not unpacked.
-        since_ns: stamp; of chunks that end before it only the messages of publishers that hold (`holds`) are read.
+        since_ns: stamp; from chunks that end before it, only the messages of publishers that hold (`holds`) are read.
 
     Raises:
         BadFile: there is no such file, it is not a ROS 1 bag, or it is cut off or damaged.
@@ -186,9 +187,9 @@ def recorded(
 
 
 def holds(publisher: BagConnection) -> bool:
-    """True when the last message of a publisher holds until the next: it latches, or says static transforms.
+    """Return True when the last message of a publisher stays valid: it latches, or publishes static transforms.
 
-    Static transforms count even when their recorder did not mark them so.
+    Static transforms count even if their recorder did not mark them as latched.
     """
     return publisher.latching is True or publisher.topic.endswith("tf_static")
 
@@ -202,14 +203,14 @@ def _publisher(found: BagConnection, known: dict[tuple[str | bool | None, ...], 
 
 
 def _lacks(publisher: BagConnection) -> bool:
-    """True when a publisher has no whole definition."""
+    """Return True when a publisher has no complete definition."""
     return bool(missing_types(publisher.msgtype, publisher.md5, publisher.definition))
 
 
 def _named(
     publisher: BagConnection, data: bytes, known: dict[tuple[str | bool | None, ...], BagConnection]
 ) -> BagConnection:
-    """The publisher with the definition of its type's name, if a message fits; else as it is."""
+    """Return the publisher with the definition of its type's name if a message fits; otherwise unchanged."""
     better = by_name(publisher.msgtype, data)
     return publisher if better is None else _publisher(replace(publisher, **better._asdict()), known)
 
@@ -217,9 +218,9 @@ def _named(
 def _in_order(
     reader: ChunkReader, chosen: Collection[ChunkInfo], wanted: Callable[[ChunkInfo], Collection[int]]
 ) -> Iterator[tuple[int, int, bytes]]:
-    """Yield connection number, stamp and bytes of the messages of wanted connections in some chunks of one file."""
+    """Yield connection number, stamp and bytes of messages of wanted connections, from some chunks of one file."""
     chunks = sorted(chosen, key=lambda chunk: (chunk.start_ns, chunk.position))
-    # Messages that are not before all later chunks wait for these: stamp, position of the chunk, offset, number, turn.
+    # Chunks may overlap in time, so messages not before the next chunk wait: stamp, chunk, offset, number, turn.
     late: list[tuple[int, int, int, int, int]] = []
     for turn, chunk in enumerate(chunks):
         numbers, stamps, offsets = reader.places(chunk, wanted(chunk))
@@ -250,7 +251,7 @@ def opened(path: Path) -> Iterator[tuple[FileEnd, ChunkReader]]:
     """Open one file: the index at its end, and a reader of its chunks. A ROS 2 recording is converted first.
 
     Raises:
-        BadFile: there is no such file, it is no recording, or it is cut off or damaged.
+        BadFile: there is no such file, it is not a recording, or it is cut off or damaged.
     """
     path = as_ros1(path)
     check_is_bag(path)

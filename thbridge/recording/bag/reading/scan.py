@@ -1,4 +1,4 @@
-"""Reads all records of a ROS 1 bag from beginning to end, without its index, and reports bytes that cannot be read.
+"""Reader of all records of a ROS 1 bag from beginning to end, without its index, which reports unreadable bytes.
 
 Source: the bag format 2.0 of ROS 1 (rosbag, bag.py and bag.cpp).
 """
@@ -22,12 +22,12 @@ _UINT64 = Struct("<Q")
 _TIME = Struct("<II")
 _PAIR = Struct("<II")
 _LZ4_FLAGS = 4
-"""Offset of the byte FLG in an LZ4 frame, behind the magic number."""
+"""Offset of the byte FLG in an LZ4 frame, after the magic number."""
 _MESSAGE_HEADER = 38
-"""Length of the usual header of a message record: the fields op, conn and time, each after its length."""
+"""Length of the usual header of a message record: the fields op, conn and time, each with its length before it."""
 _OP_CONN_TIME = Struct("<II3sBI5sII5sII")
 _CONN_OP_TIME = Struct("<II5sII3sBI5sII")
-"""rosbags writes these fields in the first order, ROS 1 in the second; other headers are read field by field."""
+"""The first form has the order of rosbags' fields, the second that of ROS 1; other headers are read field by field."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,10 +35,10 @@ class BagHeaderRecord:
     """The first record of a bag.
 
     Attributes:
-        index_pos: offset of the index; 0 while there is none.
+        index_pos: offset of the index; 0 if there is none yet.
         connections: number of connections in the index.
         chunks: number of chunks in the index.
-        length: bytes of header and padding, without their two length words; ROS 1 makes it 4096.
+        length: bytes of header and padding, without their two length words; in ROS 1 always 4096.
         encryptor: empty unless the bag is encrypted.
     """
 
@@ -58,10 +58,10 @@ class ConnectionRecord:
         topic: its topic.
         msgtype: for example "nav_msgs/Odometry".
         md5: md5 sum of the type.
-        definition: definition of the type and of all types within it.
-        caller: name of the node, or None when it is not recorded.
-        latching: the text in the file, normally "0" or "1"; None when it is not recorded.
-        lacks: fields that every connection must have and this one has not; they are empty here.
+        definition: definition of the type and of all types in it.
+        caller: name of the node, or None if it was not recorded.
+        latching: the text in the file, normally "0" or "1"; None if it was not recorded.
+        lacks: required fields that are missing; they are empty here.
     """
 
     number: int
@@ -125,7 +125,7 @@ class ChunkInfoRecord:
 
 @dataclass(frozen=True, slots=True)
 class IndexDataRecord:
-    """An index data record, behind its chunk: the messages of one connection in it.
+    """An index data record, which follows its chunk: the messages of one connection in the chunk.
 
     Attributes:
         number: number of the connection.
@@ -141,8 +141,8 @@ class UnreadableSpan:
     """Bytes that cannot be read.
 
     Attributes:
-        position: offset in the file; for bytes within a chunk, that of the chunk.
-        lost: number of bytes, compressed or not.
+        position: offset in the file; for bytes inside a chunk, that of the chunk.
+        lost: number of bytes, compressed or uncompressed.
         problem: the problem as a clause.
     """
 
@@ -162,15 +162,15 @@ BagRecord = (
 )
 
 
-class _Torn(Exception):  # noqa: N818 - it is no error of the program
+class _Torn(Exception):  # noqa: N818 - not an error of the program
     """The file cannot be read at this point."""
 
 
 def scan(path: Path) -> Iterator[BagRecord]:
     """Yield every record in the file's order; damaged bytes become an `UnreadableSpan`.
 
-    What can be read of a chunk that is cut off or damaged is yielded. After a record that makes no sense the next one
-    follows, within chunks, too, unless it is its lengths that make none.
+    The readable part of a chunk that is cut off or damaged is yielded. After an invalid record the scan continues with
+    the next record, also inside chunks, unless the lengths of the record are invalid.
 
     Raises:
         BadFile: there is no such file, or it does not begin like a bag.
@@ -204,7 +204,7 @@ def scan(path: Path) -> Iterator[BagRecord]:
 def _cut_off(
     at: int, kind: int, fields: dict[bytes, bytes], data: bytes, size: int, so_far: UnpackedBytes
 ) -> Iterator[BagRecord]:
-    """The last record of a file that ends before it: what can be read of a chunk, nothing of others."""
+    """Yield the last, incomplete record of a file: the readable part of a chunk, nothing of other records."""
     lost = len(data)
     if kind == RecordType.CHUNK:
         lost = 0
@@ -223,7 +223,7 @@ def _outer(at: int, kind: int, fields: dict[bytes, bytes], data: bytes, so_far: 
     match kind:
         case RecordType.BAGHEADER:
             encryptor = fields.get(b"encryptor", b"").decode(errors="replace")
-            # Before each field is its length of 4 bytes, and within it a "=".
+            # Each field has its length of 4 bytes before it, and contains a "=".
             length = sum(len(name) + len(value) + 5 for name, value in fields.items()) + len(data)
             yield BagHeaderRecord(
                 _unpack(_UINT64, fields, b"index_pos"),
@@ -279,14 +279,14 @@ def _chunk(at: int, compression: str, packed: bytes, size: int, so_far: Unpacked
         problem = str(torn)
     if odd:
         yield UnreadableSpan(at, odd_bytes, odd)
-    # A decompressor gives what it has of a stream that is cut off, without an error.
+    # For a stream that is cut off, a decompressor returns the available data without an error.
     whole = len(data) if compression == "none" else size
     if place < whole:
         yield UnreadableSpan(at, whole - place, problem)
 
 
 def _inner(head: bytes, body: bytes) -> ConnectionRecord | MessageRecord:
-    """The record in a chunk with this head and these data."""
+    """Return the record in a chunk with this head and body."""
     fields = _fields(head)
     match _kind(fields):
         case RecordType.MSGDATA:
@@ -298,7 +298,7 @@ def _inner(head: bytes, body: bytes) -> ConnectionRecord | MessageRecord:
 
 
 def _usual_message(data: bytes, at: int) -> tuple[MessageRecord, int] | None:
-    """A message whose header has one of the usual forms, and its end; None for other forms. Saves most of the time."""
+    """Return a message with a usual form of header, and its end; None for other forms. This saves most of the time."""
     start = at + 4 + _MESSAGE_HEADER + 4
     if start > len(data) or data[at] != _MESSAGE_HEADER:
         return None
@@ -345,7 +345,7 @@ def _uint32(data: bytes) -> int:
 
 
 def _sized(data: bytes, at: int) -> tuple[bytes, int]:
-    """Bytes after their length of 4 bytes, and their end."""
+    """Return the bytes after their length of 4 bytes, and their end."""
     if at + 4 > len(data):
         raise _Torn("a chunk ends in the middle of a record")
     start = at + 4

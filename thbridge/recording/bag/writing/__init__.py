@@ -1,1 +1,1 @@
-"""Recordings written: files of chunks, threads that write them, and streams for several readers."""
+"""Writing of recordings: files of chunks, threads that write them, and streams for several readers."""

@@ -1,4 +1,4 @@
-"""A ROS 1 bag written chunk by chunk, so that kills and full disks lose little."""
+"""A ROS 1 bag that is written chunk by chunk, so that little is lost if the program is killed or the disk is full."""
 
 import errno
 import os
@@ -18,14 +18,14 @@ from thbridge.recording.bag.writing.chunks import Chunk, ChunkBuilder
 from thbridge.recording.bag.writing.disk_room import reserve_space
 
 NAMELESS = ".new"
-"""Suffix of a file that does not have a bag's first record yet."""
+"""Suffix of a file that does not yet have a bag's first record."""
 
 
 class ChunkFile:
     """A bag that grows by whole chunks. A chunk is written completely or, with an OSError, not at all.
 
-    Each chunk begins with the records of connections that are new to the file. So there is no connection without a
-    message, for which `rosbag info` may show a negative duration. Memory grows with the chunks, not the messages.
+    Each chunk begins with the records of connections that are new to the file. So each connection has a message;
+    without one, `rosbag info` may show a negative duration. Memory grows with the chunks, not with the messages.
 
     Args:
         path: path of the file, which must not exist.
@@ -33,7 +33,7 @@ class ChunkFile:
 
     Attributes:
         path: path of the file.
-        size: bytes of the chunks so far, with the file's first record.
+        size: bytes of the chunks so far, including the file's first record.
 
     Raises:
         OSError: the file cannot be created.
@@ -50,7 +50,7 @@ class ChunkFile:
         self._complete = False
         if path.exists():
             raise FileExistsError(errno.EEXIST, os.strerror(errno.EEXIST), str(path))
-        # The file gets its name with its first record: a kill before that leaves no file that is not a bag.
+        # The file gets its name only with its first record, so that a killed program never leaves an invalid bag.
         nameless = path.with_name(path.name + NAMELESS)
         nameless.unlink(missing_ok=True)
         self._file = nameless.open("xb", buffering=0)
@@ -63,10 +63,10 @@ class ChunkFile:
             raise
 
     def append(self, chunk: Chunk) -> None:
-        """Add a chunk. Raises OSError; then the file is as it was, except for a preview."""
+        """Add a chunk. Raises OSError; then the file is unchanged, except for a preview."""
         head = self._head(chunk)
         info = chunk_info_record(self.size, chunk.start_ns, chunk.end_ns, chunk.counts)
-        # Space for the index is reserved now, so that the bag can be completed on a full disk.
+        # Space for the index is reserved with each chunk, so that the bag can be completed on a full disk.
         self._index_bytes += len(head) + len(info)
         try:
             self._append(_records(head, chunk, self._compression))
@@ -77,9 +77,9 @@ class ChunkFile:
         self._infos.append(info)
 
     def preview(self, chunk: Chunk) -> None:
-        """Write a chunk that is still growing; the complete one will overwrite it. Raises OSError, like `append`.
+        """Write a chunk that is still growing; the complete chunk will overwrite it. Raises OSError, like `append`.
 
-        A preview is never compressed: the part on the disk stays readable while a longer one is written over it.
+        A preview is never compressed, so the part on the disk stays readable while a longer one is written over it.
         """
         self._put(_records(self._head(chunk), chunk, Compression.NONE))
 
@@ -90,10 +90,10 @@ class ChunkFile:
             raise FileNotFoundError("the file was deleted")
 
     def finish(self) -> None:
-        """Write the index, once. Raises OSError; then the file is as it was, and this may be called again."""
+        """Write the index, once. Raises OSError; then the file is unchanged, and this may be called again."""
         if self._complete:
             return
-        # Readers order messages with equal stamps by the order of connections here: it is the same in all parts.
+        # Sorted, because readers order messages with equal stamps by this order, which must be the same in all parts.
         known = sorted(self._known, key=lambda connection: connection.number)
         position, self._index_bytes = self.size, 0
         self._append(b"".join((*map(connection_record, known), *self._infos)))
@@ -105,15 +105,15 @@ class ChunkFile:
         self._complete = True
 
     def close(self) -> None:
-        """Close the file as it is."""
+        """Close the file without completing it."""
         self._file.close()
 
     def _head(self, chunk: Chunk) -> bytes:
-        """The records of connections that are new to the file."""
+        """Return the records of connections that are new to the file."""
         return b"".join(connection_record(connection) for connection in chunk.entries if connection not in self._known)
 
     def _append(self, data: bytes) -> None:
-        """Write behind the kept bytes, and keep the data."""
+        """Write after the kept bytes, and keep the data."""
         self._put(data)
         self.size += len(data)
         if self._end > self.size:
@@ -122,7 +122,7 @@ class ChunkFile:
             self._set_aside(0)
 
     def _put(self, data: bytes) -> None:
-        """Write behind the kept bytes. Raises OSError; then the file ends with the kept bytes."""
+        """Write after the kept bytes. Raises OSError; then the file ends with the kept bytes."""
         self._set_aside(len(data))
         try:
             self._write(self.size, data)
@@ -143,26 +143,26 @@ class ChunkFile:
         self._end = self.size
 
     def _set_aside(self, size: int) -> None:
-        """Reserve disk space for so many bytes behind the kept ones, and for the index. Raises OSError."""
+        """Reserve disk space for `size` bytes after the kept ones, and for the index. Raises OSError."""
         if size + self._index_bytes:
             reserve_space(self._file.fileno(), self.size, size + self._index_bytes)
 
 
 def _records(head: bytes, chunk: Chunk, compression: Compression) -> bytes:
-    """A chunk with its index data records, without which ROS's `reindex` refuses a last chunk."""
+    """Return a chunk with its index data records; without these ROS's `reindex` rejects a last chunk."""
     index = (index_record(connection, chunk.moved_entries(connection, len(head))) for connection in chunk.entries)
     return b"".join((*chunk_pieces(head + chunk.data, compression), *index))
 
 
 class BagFile:
-    """A bag that one thread writes message by message; stamps may go back.
+    """A bag that one thread writes message by message; stamps need not be in order.
 
     Args:
         path: path of the file, which must not exist.
         compression: compression of the chunks.
 
     Raises:
-        OSError: from every method. `close` may be called again; then it leaves out what could not be written.
+        OSError: raised by every method. `close` may be called again; then it leaves out what could not be written.
     """
 
     def __init__(self, path: Path, compression: Compression = Compression.NONE) -> None:

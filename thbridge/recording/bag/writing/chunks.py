@@ -11,17 +11,17 @@ from thbridge.recording.bag.records import U32, BagConnection, message_head, tim
 
 CHUNK_BYTES = 768 * 1024
 CHUNK_NS = 1_000_000_000
-"""A chunk ends after the stamp with which it becomes larger than this (rosbag's own size: each chunk has an index for
-every topic in it), or before it spans more time than this."""
+"""Limits of a chunk. It ends after the stamp with which it becomes larger than `CHUNK_BYTES`, or before it spans more
+time than `CHUNK_NS`. The size is rosbag's own: each chunk has an index for every topic in it."""
 
 MOST_BYTES = 2 * CHUNK_BYTES
-"""Size beyond which a chunk ends even between messages with equal stamps."""
+"""Size above which a chunk ends even between messages with equal stamps."""
 
 _NO_TIME = time_bytes(0)
 _TIME = np.dtype(f"V{len(_NO_TIME)}")
 _ENTRY = np.dtype([("time", _TIME), ("offset", "<u4")])
 _HEAD = message_head(0) + _NO_TIME + U32.pack(0)
-"""All of a message record but the message."""
+"""A message record without the message."""
 _HEAD_FIELDS = np.dtype(
     {
         "names": ["connection", "time", "size"],
@@ -51,7 +51,7 @@ class Chunk:
     counts: Mapping[BagConnection, int]
 
     def moved_entries(self, connection: BagConnection, by: int) -> bytes:
-        """The index entries of a connection, when `by` bytes are written before `data` in the chunk."""
+        """Return the index entries of a connection if `by` bytes are written before `data` in the chunk."""
         if not by:
             return self.entries[connection]
         entries = np.frombuffer(self.entries[connection], _ENTRY).copy()
@@ -60,7 +60,7 @@ class Chunk:
 
 
 class ChunkBuilder:
-    """Collects messages for a chunk; their records are made all at once, when the chunk is wanted.
+    """Collector of messages for a chunk. Their records are built all at once, when the chunk is needed.
 
     Attributes:
         size: bytes of the collected messages' records.
@@ -75,11 +75,11 @@ class ChunkBuilder:
         self._messages: list[bytes] = []
         self._stamps: list[int] = []
         self._repeats: list[int] = []
-        """Numbers of messages, one after another, that have each of these."""
+        """Number of successive messages with each of these stamps."""
         self._start_ns = 0
 
     def accepts(self, stamp_ns: int) -> bool:
-        """Return True when a message with this stamp still belongs into the chunk."""
+        """Return True when a message with this stamp still belongs to the chunk."""
         if not self.size:
             return True
         if stamp_ns == self._stamps[-1]:
@@ -91,7 +91,10 @@ class ChunkBuilder:
         self._add(stamp_ns, (connection,), (data,), len(data) + len(_HEAD))
 
     def add_all(self, connections: Sequence[BagConnection], stamp_ns: int, messages: Sequence[bytes]) -> bool:
-        """Add messages of one stamp, of which the chunk accepts the first; return False, and add none, if not all."""
+        """Add messages of one stamp if all of them fit; return False, and add none, if not.
+
+        The chunk must accept the first one.
+        """
         size = sum(map(len, messages)) + len(_HEAD) * len(messages)
         if self.size + size > MOST_BYTES:
             return False
@@ -110,7 +113,7 @@ class ChunkBuilder:
         self.size += size
 
     def snapshot(self) -> Chunk:
-        """The chunk so far, which goes on growing."""
+        """Return the chunk so far, which continues to grow."""
         count = len(self._messages)
         numbers = np.fromiter((connection.number for connection in self._connections), np.int64, count)
         sizes = np.fromiter(map(len, self._messages), np.int64, count)
@@ -120,7 +123,7 @@ class ChunkBuilder:
         entries = np.empty(len(sizes), _ENTRY)
         entries["time"] = times
         entries["offset"] = np.cumsum(sizes + len(_HEAD)) - sizes - len(_HEAD)
-        # Sorted by connection, each connection's entries are one piece.
+        # Sorted by connection, so that each connection's entries are contiguous.
         packed = entries[np.argsort(numbers, kind="stable")].tobytes()
         counts = np.bincount(numbers)
         ends = (np.cumsum(counts) * _ENTRY.itemsize).tolist()
@@ -135,14 +138,14 @@ class ChunkBuilder:
         )
 
     def take(self) -> Chunk:
-        """The chunk; the next message begins another one."""
+        """Return the chunk; the next message begins another one."""
         chunk = self.snapshot()
         self._begin()
         return chunk
 
 
 def _heads(numbers: NDArray[np.int64], times: NDArray[np.void], sizes: NDArray[np.int64]) -> list[bytes]:
-    """The heads of messages: (n,) numbers of their connections, times as in `_TIME`, and lengths."""
+    """Return the heads of messages, given (n,) numbers of their connections, times as in `_TIME`, and lengths."""
     rows = np.frombuffer(bytearray(_HEAD * len(sizes)), _HEAD_FIELDS)
     rows["connection"], rows["time"], rows["size"] = numbers, times, sizes
     heads: list[bytes] = rows.view(f"V{len(_HEAD)}").tolist()

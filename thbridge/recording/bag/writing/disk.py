@@ -1,4 +1,4 @@
-"""The disk that a bag is written to, by threads of its own: whether it keeps up, and what is kept when it fails."""
+"""The disk to which threads write a bag: its delays, and the rescue of a recording when it fails."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -14,7 +14,7 @@ BEHIND_SECONDS = 10.0
 """Delay of the disk that ends the recording."""
 
 WAITING_BYTES = 2 * 2**20
-"""Bytes waiting for the disk beyond which the session waits, too: as many as bz2 packs in a tenth of a second."""
+"""Bytes waiting for the disk above which the session waits too: the amount that bz2 packs in 0.1 s."""
 
 CLOSE_SECONDS = 60.0
 """Longest wait for the disk at the end of a recording."""
@@ -23,7 +23,7 @@ ALMOST_ALL = "it holds all but the last second"
 
 
 class BagNotWritten(BadFile):
-    """A recording could not begin or go on; the message says what is kept, and in which file."""
+    """A recording could not begin or continue; the message says what is kept, and in which file."""
 
     def __init__(self, path: Path, problem: str, remedy: str) -> None:
         super().__init__(path, problem, remedy)
@@ -38,8 +38,8 @@ class BagDisk:
     Args:
         path: path of the finished bag.
         compression: compression of the bag's chunks.
-        splitting: limits after which the recording goes on in another file.
-        make_queue: makes the two job queues, from a name for each.
+        splitting: limits after which the recording continues in another file.
+        make_queue: factory of the two job queues, given a name for each.
 
     Raises:
         BagNotWritten: the bag exists already, or the folder cannot be written to.
@@ -66,12 +66,12 @@ class BagDisk:
 
     @property
     def failure(self) -> Exception | None:
-        """The error of the thread that failed; None while none has."""
+        """Error of the thread that failed; None if no thread has failed."""
         return self._writing.failure or self._syncing.failure
 
     @property
     def behind(self) -> float:
-        """Seconds that the oldest work has waited."""
+        """Seconds that the oldest pending job has waited."""
         return max(self._writing.oldest_wait(), self._syncing.oldest_wait())
 
     @property
@@ -84,15 +84,15 @@ class BagDisk:
         self._writing.submit(lambda: self._parts.append(piece), len(piece.chunk.data))
 
     def sync(self, growing: QueuedChunk | None) -> None:
-        """Force everything onto the disk, with the chunk that is still growing if there is one."""
+        """Force everything onto the disk, including the growing chunk if there is one."""
         self._writing.submit(self._parts.sync if growing is None else lambda: self._parts.preview(growing))
 
     def keep_up(self) -> None:
-        """Wait for the disk if a session runs at full speed; in real time, fewer bytes wait."""
+        """Wait for the disk if a session runs at full speed; in real time too few bytes are pending to wait."""
         self._writing.wait(WAITING_BYTES, BEHIND_SECONDS)
 
     def finish(self) -> bool:
-        """Complete the files; return False when that takes too long."""
+        """Complete the files; return False if that takes too long."""
         self._writing.submit(self._parts.finish)
         return self._writing.wait(0, CLOSE_SECONDS) and self._syncing.wait(0, CLOSE_SECONDS)
 
@@ -115,31 +115,31 @@ class BagDisk:
         )
 
     def stuck(self) -> BagNotWritten:
-        """Leave the threads of a disk that does not answer, and return the error to raise."""
+        """Abandon the threads of a disk that does not respond, and return the error to raise."""
         self.end()
-        problem = f"the disk does not answer, not even within {CLOSE_SECONDS:.0f} s"
+        problem = f"the disk has not responded for {CLOSE_SECONDS:.0f} s"
         return self._left(problem, "it holds what reached the disk: when that works again,")
 
     def _left(self, problem: str, remedy: str) -> BagNotWritten:
-        """The error for a file that could not be completed, with its remedy."""
+        """Return the error for a file that could not be completed, with its remedy."""
         active = self._parts.unfinished
         if active is None or not active.exists():
             return BagNotWritten(self._path, problem, "record again, into a folder that is not deleted")
         return BagNotWritten(active, problem, f"{remedy} run `thbridge bag reindex {active}`")
 
     def end(self) -> None:
-        """Let the threads end, and others record under this name."""
+        """End the threads, and release the name for other recordings."""
         self._writing.end()
         self._syncing.end()
         release(self._path)
 
 
 def _refuse_taken(path: Path) -> None:
-    """Raise BagNotWritten when there is a recording of this name."""
+    """Raise BagNotWritten if there is a recording with this name."""
     finished = [file for file in parts_of(path) if file.exists()]
     active = [file for file in (active_of(path), active_of(part_of(path, 0))) if file.exists()]
     if finished:
-        raise BagNotWritten(finished[0], "there is such a file already", "choose another name, or move it elsewhere")
+        raise BagNotWritten(finished[0], "this file exists already", "choose another name, or move it elsewhere")
     if active:
         raise BagNotWritten(
             active[0],

@@ -5,7 +5,7 @@ import errno
 import os
 
 _KEEP_SIZE = 1
-"""FALLOC_FL_KEEP_SIZE: the space is reserved behind the file's end, which stays where it is."""
+"""FALLOC_FL_KEEP_SIZE: the space is reserved after the end of the file, and the file's size does not change."""
 # Errors of file systems that cannot reserve space.
 _CANNOT = {errno.EOPNOTSUPP, errno.ENOSYS, errno.EINVAL}
 
@@ -15,7 +15,7 @@ _fallocate = getattr(ctypes.CDLL(None, use_errno=True), "fallocate", None)
 def reserve_space(file: int, start: int, size: int) -> None:
     """Reserve disk space for a range of a file without making the file longer (fallocate(2)).
 
-    The space belongs to the file until it is truncated. Systems and file systems without this function are left alone.
+    The space belongs to the file until it is truncated. Without support by the system or file system, nothing is done.
 
     Args:
         file: descriptor of an open file.
@@ -23,7 +23,7 @@ def reserve_space(file: int, start: int, size: int) -> None:
         size: number of bytes; more than 0.
 
     Raises:
-        OSError: the disk has not enough space.
+        OSError: the disk does not have enough space.
     """
     if _fallocate is None:
         return

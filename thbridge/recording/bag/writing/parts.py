@@ -1,4 +1,4 @@
-"""The files of a recording that is being written: one, or several where it is split."""
+"""The files of a recording that is being written: one, or several if it is split."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,7 +19,7 @@ class QueuedChunk:
     Attributes:
         chunk: the chunk.
         latched: the last message of every latched topic before it.
-        period: number of the period of `SplitLimits.duration_ns` that it is in, from 0.
+        period: number of its period of `SplitLimits.duration_ns`, from 0.
     """
 
     chunk: Chunk
@@ -28,12 +28,12 @@ class QueuedChunk:
 
 
 class SplitBagWriter:
-    """Writes chunks into one bag, or into several one after another, in one thread at a time.
+    """Writer of chunks into one bag, or into several bags one after another, for one thread at a time.
 
-    Further files begin with the latched messages so far, at the stamp of their first message.
+    Each further file begins with the latched messages so far, with the stamp of its first message.
 
     Args:
-        path: path of the bag, from which names of parts are made.
+        path: path of the bag, from which the names of parts are made.
         compression: compression of the chunks.
         splitting: limits of a file.
         syncing: queue of the jobs that force files onto the disk.
@@ -65,7 +65,7 @@ class SplitBagWriter:
         return _finished(self._file)
 
     def append(self, piece: QueuedChunk) -> None:
-        """Add a chunk. Raises OSError; then all before it is kept."""
+        """Add a chunk. Raises OSError; then all earlier chunks are kept."""
         self._turn_to(piece)
         self._file.append(piece.chunk)
         own_size = self._file.size - self._repeated
@@ -73,18 +73,18 @@ class SplitBagWriter:
         self._end_ns = piece.chunk.end_ns
 
     def preview(self, piece: QueuedChunk) -> None:
-        """Force a chunk that is still growing onto the disk, with all before it. Raises OSError."""
+        """Force a chunk that is still growing onto the disk, with all earlier chunks. Raises OSError."""
         self._turn_to(piece)
         self._file.preview(piece.chunk)
         self.sync()
 
     def sync(self) -> None:
-        """Force everything onto the disk, unless an earlier call is still at work."""
+        """Force everything onto the disk, unless an earlier call is still running."""
         if not self._syncing.oldest_wait():
             self._syncing.submit(self._file.sync)
 
     def finish(self) -> None:
-        """Complete the file, and give it its final name when it is on the disk. Raises OSError."""
+        """Complete the file; it gets its final name when it is on the disk. Raises OSError."""
         file = self._file
         file.finish()
         self._syncing.submit(lambda: self._settle(file))
@@ -101,8 +101,8 @@ class SplitBagWriter:
             file.close()
 
     def _turn_to(self, piece: QueuedChunk) -> None:
-        """Begin another file if the chunk does not belong into the present one."""
-        # Messages with one stamp stay in one file, so that readers keep their order.
+        """Begin another file if the chunk does not belong to the present one."""
+        # Messages with one stamp stay in one file, so that readers see them in order.
         if not (self._full and piece.chunk.start_ns > self._end_ns) and piece.period == self._period:
             return
         self.finish()

@@ -25,13 +25,13 @@ BEGINNING = MAGIC + bag_header(0, 0, 0)
 
 
 class BagStream:
-    """Makes the message records, which are the same for all readers.
+    """Maker of the message records, which are the same for all readers.
 
     Args:
         definitions: definitions of message types.
 
     Attributes:
-        connections: the connections by number, in the order of the first messages of topics.
+        connections: the connections by number, in the order of their topics' first messages.
     """
 
     def __init__(self, definitions: Definitions) -> None:
@@ -42,7 +42,7 @@ class BagStream:
         self._time = b""
 
     def record(self, message: RosMessage) -> tuple[BagConnection, bytes]:
-        """The record of a message, and its connection."""
+        """Return the connection and the record of a message."""
         topic, stamp_ns, data, _ = message
         connection, head = self._of_topic.get(topic) or self._connect(topic)
         if stamp_ns != self._stamp_ns:
@@ -61,7 +61,7 @@ class BagStream:
 
 
 class ChunkMaker:
-    """Makes the chunks of one reader, and keeps the connections that the reader already has.
+    """Maker of the chunks of one reader, which remembers the connections that the reader already has.
 
     Args:
         stream: the stream that it reads.
@@ -72,9 +72,10 @@ class ChunkMaker:
         self._announced: set[int] = set()
 
     def chunk(self, records: Sequence[tuple[int, bytes]]) -> bytes:
-        """A chunk of message records with their connection numbers; new connections are added before their messages.
+        """Return a chunk of message records, given with their connection numbers.
 
-        Its index data follow, because rosbag's `reindex` needs a record after every chunk.
+        New connections are added before their messages. The chunk's index data follow it, because rosbag's `reindex`
+        needs a record after every chunk.
         """
         connections = self._stream.connections
         pieces: list[bytes] = []

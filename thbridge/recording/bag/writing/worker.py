@@ -1,4 +1,4 @@
-"""Jobs that may wait for a disk, done in order by a separate thread, so that the session does not wait."""
+"""Jobs that may wait for a disk. A separate thread does them in order, so that the session does not wait."""
 
 import threading
 import time
@@ -10,31 +10,31 @@ Job = Callable[[], None]
 
 
 class JobQueue(Protocol):
-    """Does jobs one after another. After a job has failed, no further one is done.
+    """Queue of jobs, which are done one after another. After a job has failed, no further one is done.
 
     Attributes:
-        failure: the error of the job that failed.
-        waiting: bytes that the jobs not done yet keep in memory.
+        failure: the error of the failed job.
+        waiting: bytes in memory for the pending jobs.
     """
 
     failure: Exception | None
     waiting: int
 
     def submit(self, job: Job, size: int = 0) -> None:
-        """Have a job done, now or later; `size`: bytes that it keeps in memory."""
+        """Add a job, which is done now or later; `size` is the number of bytes that it keeps in memory."""
 
     def oldest_wait(self) -> float:
-        """Seconds that the oldest job not done yet has waited; 0 when there is none."""
+        """Return the seconds that the oldest pending job has waited; 0 if there is none."""
 
     def wait(self, size: int, seconds: float) -> bool:
-        """Wait until no more than `size` bytes wait; with 0, until no job waits.
+        """Wait until at most `size` bytes are pending; with 0, until no job is pending.
 
         Returns:
-            True when that is so, False when the time is up.
+            True if that was reached, False after `seconds`.
         """
 
     def end(self) -> None:
-        """Take no more jobs, and drop those that wait; the present one is finished."""
+        """Accept no more jobs, and drop the waiting ones; the running one is finished."""
 
 
 class WorkerThread:
@@ -55,7 +55,7 @@ class WorkerThread:
         threading.Thread(target=self._run, name=name, daemon=True).start()
 
     def submit(self, job: Job, size: int = 0) -> None:
-        """Have a job done after those that wait."""
+        """Add a job after the waiting ones."""
         with self._changed:
             if self.failure is None and not self._ended:
                 self._jobs.append((self._clock(), size, job))
@@ -63,17 +63,17 @@ class WorkerThread:
                 self._changed.notify_all()
 
     def oldest_wait(self) -> float:
-        """Seconds that the oldest job not done yet has waited; 0 when there is none."""
+        """Return the seconds that the oldest pending job has waited; 0 if there is none."""
         with self._changed:
             return self._clock() - self._jobs[0][0] if self._jobs else 0.0
 
     def wait(self, size: int, seconds: float) -> bool:
-        """Wait until no more than `size` bytes wait, or with 0 no job waits. Return False when the time is up."""
+        """Wait until at most `size` bytes, or with 0 no jobs, are pending; return False after `seconds`."""
         with self._changed:
             return self._changed.wait_for(lambda: self.waiting <= size and (size > 0 or not self._jobs), seconds)
 
     def end(self) -> None:
-        """Take no more jobs, and drop those that wait; the present one is finished."""
+        """Accept no more jobs, and drop the waiting ones; the running one is finished."""
         with self._changed:
             self._ended = True
             self._changed.notify_all()
@@ -88,7 +88,7 @@ class WorkerThread:
                 _, size, job = self._jobs[0]
             try:
                 job()
-            except Exception as error:  # read from `failure` by the owner
+            except Exception as error:  # The owner reads it from `failure`.
                 with self._changed:
                     self.failure = error
                     self._forget()

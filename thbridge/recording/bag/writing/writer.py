@@ -1,4 +1,4 @@
-"""Records a session in a bag. A program killed at any time loses no more than the last second."""
+"""Recording of a session in a bag. A program that is killed at any time loses at most the last second."""
 
 import time
 from collections.abc import Callable, Iterable, Sequence
@@ -18,21 +18,21 @@ from thbridge.ros.names import CALLER
 from thbridge.ros.topics import MessageFilter, RosMessage, Topic
 
 SYNC_SECONDS = 0.5
-"""Wall time after which all messages so far are forced onto the disk: half of the second that may be lost, to leave
-time for a busy machine."""
+"""Wall time after which all messages so far are forced onto the disk: half of the second that may be lost, because a
+busy machine may be late."""
 
 WHOLE = SplitLimits()
 
 
 @dataclass(frozen=True, slots=True)
 class ForeignTopic:
-    """A topic of another node, with exactly the definition that this node has.
+    """A topic of another node, with exactly that node's definition.
 
     Attributes:
         name: name of the topic.
         msgtype: for example "nav_msgs/Odometry".
         md5: md5 sum of the type.
-        definition: definition of the type, with those of the types within it.
+        definition: definition of the type, with the definitions of the types in it.
         caller: name of the node.
         latched: True when late subscribers get the last message.
     """
@@ -46,20 +46,20 @@ class ForeignTopic:
 
 
 class BagWriter:
-    """Writes messages into `PATH.active` and, closed, leaves them in `PATH`, or `NAME_0.bag`, `NAME_1.bag`, ...
+    """Writer of messages into `PATH.active`, which is renamed to `PATH` (or `NAME_0.bag`, ...) when it is closed.
 
-    Use it as a context manager: the bag is completed however the block is left. Equal messages give equal bytes.
-    Compression and writing are done by threads, so a disk that is slow for a while does not delay the session.
+    Use it as a context manager: the bag is completed however the block ends. Equal messages give equal bytes. Threads
+    compress and write, so a disk that is slow for a while does not delay the session.
 
     Args:
         path: path of the finished bag, normally `*.bag`.
         definitions: definitions of message types; by default those that are the same on every machine.
         clock: monotonic clock, seconds, for the times of syncing.
         compression: compression of the bag's chunks.
-        splitting: limits after which the recording goes on in another file.
-        make_queue: makes the two job queues, from a name for each.
+        splitting: limits after which the recording continues in another file.
+        make_queue: factory of the two job queues, given a name for each.
         caller: name of the node that publishes the messages.
-        keep: keeps those of the messages that it is given which are to be written.
+        keep: filter that returns the messages to write.
 
     Raises:
         BagNotWritten: the bag exists already, or the folder cannot be written to.
@@ -94,10 +94,10 @@ class BagWriter:
         self._synced = clock()
 
     def write(self, message: RosMessage) -> None:
-        """Write one message, unless it is not to be kept; a topic's connection is made with its first message.
+        """Write one message, unless it is filtered out; a topic's connection is made with its first message.
 
         Raises:
-            BagNotWritten: the disk is full, gone or too slow; the bag is closed, and the messages in it are kept.
+            BagNotWritten: the disk is full, gone or too slow. The bag is closed, and the messages in it are kept.
             ValueError: the message is older than the last one, or the bag is closed.
         """
         for topic, stamp_ns, data, _ in self._keep((message,)):
@@ -108,7 +108,7 @@ class BagWriter:
         self._add(source, stamp_ns, data)
 
     def take(self, tick: int, messages: Iterable[RosMessage]) -> None:
-        """Write the messages of a tick, and sync if it is time to; raises as `write` does."""
+        """Write the messages of a tick, and sync if that is due; raises as `write` does."""
         kept = self._keep(messages)
         if kept:
             topics, stamps, data, _ = zip(*kept, strict=True)
@@ -120,7 +120,7 @@ class BagWriter:
         self.sync_if_due()
 
     def sync_if_due(self) -> None:
-        """Force everything onto the disk if `SYNC_SECONDS` have passed; call this much more often.
+        """Force everything onto the disk if `SYNC_SECONDS` have passed; must be called much more often.
 
         Raises:
             BagNotWritten: as `write` does.
@@ -178,14 +178,14 @@ class BagWriter:
             self._latched[connection] = data
 
     def _turn_to(self, stamp_ns: int) -> None:
-        """Make ready for a message with this stamp: check it, and begin another chunk where that is due."""
+        """Prepare for a message with this stamp: check the stamp, and begin another chunk if that is due."""
         if stamp_ns != self._stamp_ns or not self._open:
             self._go_on_to(stamp_ns)
         if not self._chunks.accepts(stamp_ns):
             self._hand_over()
 
     def _go_on_to(self, stamp_ns: int) -> None:
-        """Go on to another stamp."""
+        """Continue with another stamp."""
         if not self._open:
             raise ValueError(f"{self.path} is closed")
         if self._first_ns is None:
@@ -213,7 +213,7 @@ class BagWriter:
         return connection
 
     def _hand_over(self) -> None:
-        """Submit the chunk, and check that the disk keeps up."""
+        """Submit the chunk, and check that the disk is fast enough."""
         self._give_chunk()
         self._disk.keep_up()
         self._check()
@@ -237,6 +237,6 @@ class BagWriter:
 
     def _check_failures(self) -> None:
         if (failure := self._disk.failure) is not None:
-            self._give_chunk()  # the file may be intact: perhaps only its folder is gone, or its name is taken
+            self._give_chunk()  # The file may be intact: perhaps only its folder is gone, or its name is taken.
             self._open = False
             raise self._disk.saved(failure)
