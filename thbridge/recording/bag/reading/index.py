@@ -192,7 +192,7 @@ class BagIndex:
         return best
 
     def chunks_back(self, topic: str, at_ns: int, until_ns: int) -> Iterator[int]:
-        """Yield the chunks, last first, with possible messages of a topic from `at_ns` back to `until_ns`, inclusive."""
+        """Yield the chunks, last first, that may have a topic's messages from `at_ns` back to `until_ns`, inclusive."""
         topic_chunks = self._chunks_of(topic)
         for turn in range(bisect_right(topic_chunks.starts, at_ns) - 1, -1, -1):
             if topic_chunks.reach[turn] < until_ns:
