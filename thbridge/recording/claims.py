@@ -19,7 +19,7 @@ _claims: dict[Path, IO[str]] = {}
 
 
 def lock_of(bag: Path) -> Path:
-    """Path of the lock file that belongs to a bag."""
+    """Return the path of the lock file that belongs to a bag."""
     return bag.with_name(f".{bag.name}.lock")
 
 
