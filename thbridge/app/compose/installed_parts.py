@@ -210,7 +210,7 @@ class GuardedLocalizer:
             else:
                 return self._accepted(said, odometry)
         base_in_map = self._odom_in_map.compose(odometry.base_in_odom)
-        # A failed call is reported once; a localizer that could not be built has failed for good.
+        # A failed call is reported once; a localizer that could not be built has failed permanently.
         fault, self._fault = self._fault, self._fault if self._localizer is None else ""
         return Estimate(
             odometry.tick, base_in_map, self._odom_in_map, self._covariance, _NO_PARTICLES, False, True, fault=fault
