@@ -41,7 +41,7 @@ def versions(plugins: Iterable[str] = ()) -> dict[str, str]:
             found[package] = metadata.version(package)
         except metadata.PackageNotFoundError:
             continue  # clingo is optional
-    return found | {key: package for key in plugins if (package := package_of(key)) is not None}
+    return found | {key: version for key in plugins if (version := package_of(key)) is not None}
 
 
 def machine() -> dict[str, str]:
