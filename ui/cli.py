@@ -19,17 +19,17 @@ from ui.command_line.terminal import (
 
 
 class _SweepGroup(SharingGroup):
-    """The commands of `sweep`; `run` may be left out."""
+    """Commands of `sweep`; the name `run` is optional."""
 
     def parse_args(self, ctx: typer.Context, args: list[str]) -> list[str]:  # type: ignore[override]
-        """Take the name of the command, or add it."""
+        """Parse the arguments; if they name no command, the command is `run`."""
         if args and args[0] not in self.paths and args[0] not in ctx.help_option_names:
             args = ["run", *args]
         return super().parse_args(ctx, args)
 
 
 class _Commands(CommandGroup):
-    """All commands."""
+    """All commands of `thbridge`."""
 
     paths = {  # noqa: RUF012
         "play": "ui.commands.play:play",
@@ -49,7 +49,7 @@ class _Commands(CommandGroup):
         "localize": "ui.commands.offline.localize:localize",
         "replay": "ui.commands.replay.replay:replay",
         "bag": group(
-            "Look into recordings and mend them.",
+            "Inspect, check, repair, convert and plot recordings.",
             {
                 "ui.commands.bag.bag:bag_": "info check reindex cut to-mcap",
                 "ui.commands.bag.export:bag_": "export",
@@ -57,7 +57,7 @@ class _Commands(CommandGroup):
             },
         ),
         "maps": group(
-            "Maps: the arenas that robots drive in.",
+            "Maps: list, check, measure, create and edit the arenas that robots drive in.",
             {
                 "ui.commands.maps.maps:maps_": "check list",
                 "ui.commands.maps.measure:maps_": "measure",
@@ -66,7 +66,7 @@ class _Commands(CommandGroup):
             SharingGroup,
         ),
         "study": group(
-            "Study files: everything that can be set, in one YAML file.",
+            "Study files (one YAML file with all settings), and studies with people.",
             {
                 "ui.commands.study.study:study_": "init check",
                 "ui.commands.study.edit:study_": "edit",
@@ -75,7 +75,7 @@ class _Commands(CommandGroup):
             },
         ),
         "templates": group(
-            "Template sets: treasures, their properties and pictures, and the sentences of robots.",
+            "Template sets: treasures with their properties and pictures, and the robots' sentences.",
             {"ui.commands.templates.templates:templates_": "check edit list new"},
             SharingGroup,
         ),
@@ -84,24 +84,24 @@ class _Commands(CommandGroup):
             {"ui.commands.mavlink.mavlink:mavlink_": "status goto replay"},
         ),
         "ros": group(
-            "ROS 1: our message types for it, a master, and what rviz and Foxglove show.",
+            "ROS 1: message types, a ROS master, and views for rviz and Foxglove.",
             {"ui.commands.ros:ros_": "messages master rviz foxglove"},
         ),
         "keys": group(
-            "Keys by which programs and windows take part from other machines: made, listed, revoked.",
+            "Keys: create, list and revoke keys of programs and windows on other machines.",
             {"ui.commands.keys:keys_": "new list revoke"},
         ),
         "talk": "ui.commands.talk.talk:talk_app",
         "plugins": group(
-            "Plug-ins: programs of your lab that replace a part, found by their entry points.",
+            "Plug-ins: list and check programs of your lab that replace a part of thbridge (found by entry points).",
             {"ui.commands.plugins.plugins:plugins_": "list check"},
         ),
         "desktop": group(
-            "Open bags by a double click on a Linux desktop: install or remove menu entry, file types and icon.",
+            "Linux desktop: open bags with a double click (menu entry, file types, icon).",
             {"ui.commands.desktop.desktop:desktop_": "install remove"},
         ),
         "sweep": group(
-            "Sweeps: many games over the factors of a design. `sweep DESIGN.yaml` is `sweep run DESIGN.yaml`.",
+            "Sweeps: many games over the factors of a design. `sweep DESIGN.yaml` means `sweep run DESIGN.yaml`.",
             {
                 "ui.commands.sweep.sweep:sweep_": "status collect",
                 "ui.commands.sweep.run:sweep_": "run",
@@ -115,14 +115,14 @@ class _Commands(CommandGroup):
 app = typer.Typer(
     cls=_Commands,
     name="thbridge",
-    help="A treasure hunt shared by people and teams of robots: simulate it, play it, record it.",
+    help="A treasure hunt for people and teams of robots: simulate, play, record and analyze it.",
     no_args_is_help=True,
     rich_markup_mode="rich",
     pretty_exceptions_enable=False,
 )
 
 
-def _tell_version(wanted: bool) -> None:
+def _print_version(wanted: bool) -> None:
     if wanted:
         typer.echo(f"thbridge {metadata.version('thbridge')}")
         raise typer.Exit
@@ -131,17 +131,17 @@ def _tell_version(wanted: bool) -> None:
 @app.callback()
 def thbridge(
     _version: Annotated[
-        bool, typer.Option("--version", callback=_tell_version, is_eager=True, help="Tell the version, and end.")
+        bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Print the version and exit.")
     ] = False,
 ) -> None:
-    """Take what stands before a command."""
+    """Handle the options given before a command."""
 
 
 class NoteHandler(logging.Handler):
-    """Log records as lines on standard error, above a progress bar where there is one."""
+    """Handler that prints log records on standard error, above the progress bar if one is shown."""
 
     def emit(self, record: logging.LogRecord) -> None:
-        """Print a record in one line; those of an exception are as many as Python prints."""
+        """Print a record on one line, or on several if it has a traceback."""
         note(self.format(record))
 
 
@@ -149,7 +149,8 @@ def main() -> None:
     """Run the command line."""
     keep_to_owner()
     if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
-        # Begun by `&` in a script. Else Ctrl-C would stop a server or not, by the moment, and SIGTERM not stop a kiosk.
+        # A shell script that starts a command with `&` makes it ignore SIGINT. Then Ctrl-C would not always stop a
+        # server, and SIGTERM would not stop a kiosk.
         signal.signal(signal.SIGINT, signal.default_int_handler)
     replace_closed_streams()
     forgive_standard_error()

@@ -1,15 +1,15 @@
-"""Entry point: checks the operating system before it imports modules that not every system has."""
+"""Entry point: check the operating system before importing modules that some systems lack."""
 
 import sys
 
 
 def main() -> None:
-    """Run the command line; on Windows, print how to run it, and exit."""
+    """Run the command line. On Windows, print how to run thbridge there, and exit."""
     if sys.platform == "win32":
         sys.exit(
-            "thbridge runs on Linux and macOS. On Windows, install WSL 2 (`wsl --install` in PowerShell), and install "
+            "thbridge runs on Linux and macOS. On Windows, install WSL 2 (`wsl --install` in PowerShell), then install "
             "thbridge in it. Its windows appear on the Windows desktop."
         )
-    from ui.cli import main as run  # noqa: PLC0415 - what it imports is not there on Windows
+    from ui.cli import main as run  # noqa: PLC0415 - its imports do not exist on Windows
 
     run()

@@ -1,1 +1,1 @@
-"""The command line beside its commands: options that they share and what these stand for, output, progress, outcome."""
+"""Parts that commands share: options, settings, output, progress, outcome."""

@@ -1,4 +1,4 @@
-"""Confirmation by a person at the terminal."""
+"""Confirmation by the person at the terminal."""
 
 import sys
 
@@ -8,11 +8,11 @@ from ui.command_line.terminal import BAD_INPUT, FAILED, fail
 
 
 def confirm(question: str, otherwise: str, *, yes: bool) -> None:
-    """Ask for a confirmation, and end the command without one.
+    """Ask for a confirmation; end the command if there is none.
 
     Args:
-        question: what is confirmed.
-        otherwise: clause on what was not done then.
+        question: the question to ask.
+        otherwise: clause for the error message: what was not done.
         yes: True to skip the question.
     """
     if yes:

@@ -1,4 +1,4 @@
-"""Values of options and arguments: words of the command line, converted; faults are told in the words of files."""
+"""Conversion of command line arguments to values; faults are reported in the same words as those of files."""
 
 import inspect
 import re
@@ -21,14 +21,14 @@ _COMMA = re.compile(r"[-+]?\d*,\d+")
 """Decimal number with a comma."""
 _NUMBER = re.compile(r"[-+]?(\d+(\.\d*)?|\.\d+)([eE][-+]?\d{1,4})?")
 _OF_ANGLES = re.compile(r"yaw|angle")
-"""Names of options for an angle."""
+"""Options that take an angle."""
 _IS_NOT: Mapping[type, str] = {int: "not a whole number", float: "not a number"}
 
 
 def convert_if_given(command: TyperCommand | TyperGroup, context: typer.Context) -> None:
-    """Have the options and arguments of a command convert what is given, and leave a default as it is.
+    """Let a command convert the arguments that are given, and leave defaults as they are.
 
-    Typer's own conversion, which this takes the place of, is by pydantic, whose import takes longer than a start.
+    This replaces Typer's own conversion by pydantic. Importing pydantic takes longer than starting a command.
     """
     declared = {} if command.callback is None else inspect.signature(command.callback, eval_str=True).parameters
     for parameter in command.get_params(context):
@@ -38,7 +38,7 @@ def convert_if_given(command: TyperCommand | TyperGroup, context: typer.Context)
 
 
 def _described(annotation: object) -> tuple[object, ParameterInfo]:
-    """Return the type of a parameter, without None, and what else its annotation declares."""
+    """Return the type of a parameter, without None, and its other declarations."""
     kind, info = getattr(annotation, "__origin__", annotation), ParameterInfo()
     for mark in getattr(annotation, "__metadata__", ()):
         info = mark if isinstance(mark, ParameterInfo) else info
@@ -49,7 +49,7 @@ def _described(annotation: object) -> tuple[object, ParameterInfo]:
 
 @dataclass(frozen=True, slots=True)
 class _Conversion:
-    """Conversion of what is given to a parameter; while a shell completes words, they are left as they are."""
+    """Conversion of an argument. It does nothing while a shell completes words."""
 
     parameter: TyperOption | TyperArgument
     kind: object
@@ -99,7 +99,7 @@ class _Conversion:
             value = float(word)
         except ValueError:
             if _COMMA.fullmatch(word):
-                raise ValueError(f"{word!r} is not a number. Write a point: {word.replace(',', '.')}.") from None
+                raise ValueError(f"{word!r} is not a number. Use a decimal point:  {word.replace(',', '.')}.") from None
         else:
             if kind is float or value.is_integer():
                 if least <= value <= most or (self.info.min, self.info.max) == (None, None):
@@ -108,7 +108,7 @@ class _Conversion:
         raise ValueError(f"{word!r} is {problem}. {wanted(kind, limits)}.")
 
     def _in_radians(self, word: str) -> str:
-        """Return a number of radians for an angle with a unit; print a doubt about one that has none."""
+        """Return an angle with a unit in radians; print a warning about a doubtful number without a unit."""
         radians = radians_of(word)
         if radians is not None:
             return repr(radians)

@@ -1,4 +1,4 @@
-"""The event loop that runs a program, with the keyboard if somebody types."""
+"""The event loop that runs a program and, if a person plays, reads the keyboard."""
 
 import asyncio
 import os
@@ -10,17 +10,17 @@ from ui.command_line.terminal import BAD_INPUT, FAILED, bad_input, fail
 
 T = TypeVar("T")
 
-_NO_KEYBOARD = "--participant person: standard input is a file or closed. Type in a terminal, or feed a pipe."
+_NO_KEYBOARD = "--participant person: standard input is a file or closed. Type in a terminal, or use a pipe."
 
 
 def run(program: Coroutine[object, object, T], typed: Callable[[str], None] | None = None) -> T:
-    """Run a program to its end, with the keyboard if somebody types. A file at fault ends the command as failed."""
+    """Run a program to its end; `typed`, if given, receives each typed line. A bad file ends the command as failed."""
     with bad_input(FAILED):
         return asyncio.run(_with_keyboard(program, typed))
 
 
 async def _with_keyboard(program: Coroutine[object, object, T], typed: Callable[[str], None] | None) -> T:
-    """Run a program; lines are taken in as they are typed, between two ticks."""
+    """Run a program; typed lines are read between two ticks."""
     if typed is None:
         return await program
     loop = asyncio.get_running_loop()
@@ -41,7 +41,7 @@ async def _with_keyboard(program: Coroutine[object, object, T], typed: Callable[
 
 
 def read_line() -> str:
-    """Wait for a typed line, before the event loop runs, and take no more than that; empty at the end of the input."""
+    """Wait for one typed line, before the event loop runs, and read no further. At the end of the input it is empty."""
     line = b""
     try:
         while not line.endswith(b"\n") and (byte := os.read(sys.stdin.fileno(), 1)):

@@ -1,4 +1,4 @@
-"""Maps that commands take: a map.yaml, a folder with one, or the name of a map that comes with the project."""
+"""Maps that commands accept: a map.yaml, a folder with one, or the name of a shipped map."""
 
 from pathlib import Path
 
@@ -11,10 +11,10 @@ MAP_YAML = "map.yaml"
 
 
 def grid_at(named: Path) -> OccupancyGrid:
-    """The occupancy grid of a map; doubts about its file are printed.
+    """Return the occupancy grid of a map; print warnings about its file.
 
     Raises:
-        BadFile: it cannot be read.
+        BadFile: the map cannot be read.
     """
     if named.is_dir():
         named = named / MAP_YAML

@@ -14,25 +14,25 @@ from ui.command_line.terminal import faults_of_files
 
 
 class CommandGroup(TyperGroup):
-    """Commands, imported when they are asked for, and the flags before them.
+    """Group of commands, each imported when it is first needed.
 
     Attributes:
-        paths: of each command its module and, after a colon, its function or its Typer application; or a group.
+        paths: for each command, its module and, after a colon, its function or Typer application; or a group.
     """
 
     paths: "Mapping[str, str | CommandGroup]"
 
     def parse_args(self, ctx: typer.Context, args: list[str]) -> list[str]:  # type: ignore[override]
-        """Take the flags."""
+        """Parse the options given before a command."""
         convert_if_given(self, ctx)
         return super().parse_args(ctx, args)
 
     def list_commands(self, ctx: typer.Context) -> list[str]:  # type: ignore[override]
-        """Name the commands."""
+        """Return the names of the commands."""
         return [*self.paths]
 
     def get_command(self, ctx: typer.Context, cmd_name: str) -> TyperCommand | None:  # type: ignore[override]
-        """Import a command; for a name that is none all of them, since similar names are suggested."""
+        """Import a command. For an unknown name import all commands, because similar names are suggested."""
         for name in [cmd_name] if cmd_name in self.paths else self.paths:
             if name not in self.commands:
                 path = self.paths[name]
@@ -45,16 +45,16 @@ class CommandGroup(TyperGroup):
         return found
 
     def invoke(self, ctx: typer.Context) -> object:  # type: ignore[override]
-        """Carry a command out; faults of files that it does not tell end in a message, too."""
+        """Run a command; faults of files that it does not report itself also end in a message."""
         with faults_of_files():
             return super().invoke(ctx)
 
 
 class SharingGroup(CommandGroup):
-    """Commands whose outputs others of the machine may read, as the account's umask says."""
+    """Commands that write files for others on this machine, with the permissions of the account's umask."""
 
     def invoke(self, ctx: typer.Context) -> object:  # type: ignore[override]
-        """Carry a command out."""
+        """Run a command."""
         share_outputs()
         return super().invoke(ctx)
 
@@ -67,8 +67,8 @@ def group(
     """Return a group that shows its help if no command is given.
 
     Args:
-        help: what it shows.
-        commands: as for `paths_of`.
+        help: its help text.
+        commands: see `paths_of`.
         kind: class of the group.
     """
     made = kind(help=help, no_args_is_help=True)
@@ -80,7 +80,7 @@ def paths_of(commands: Mapping[str, str]) -> dict[str, str]:
     """Return the path of each command.
 
     Args:
-        commands: names of commands with blanks between, after the path at which all of their functions' names begin.
+        commands: names of commands with blanks between, by the path that begins the names of their functions.
     """
     return {name: start + name.replace("-", "_") for start, names in commands.items() for name in names.split()}
 

@@ -1,4 +1,4 @@
-"""Keys by which programs and windows take part: those of a session's doors, and the one that a client shows."""
+"""Keys of programs and windows: those that a session accepts, and the one that a client shows."""
 
 from pathlib import Path
 
@@ -13,18 +13,21 @@ from ui.command_line.terminal import BAD_INPUT, bad_input, command, fail
 
 
 def key_of(path: Path) -> ClientKey:
-    """Return the key in a file that is its owner's alone."""
+    """Return the key in a file that only its owner can read."""
     with bad_input():
         return read_key(path)
 
 
 def keys_of(study: Study, file: Path | None, folder: Path | None) -> RingKeys | None:
-    """Return the keys of programs and windows on other machines, None for none; `folder` wins over the study's."""
+    """Return the keys of programs and windows on other machines; if None, there are none.
+
+    `folder` takes precedence over the folder in the study.
+    """
     beside = Path() if file is None else file.parent
     path = folder or (None if study.keys is None else beside / study.keys)
     if path is not None and not path.is_dir():
         make = command("keys", "new", "NAME", "--keys", path)
-        fail(BAD_INPUT, f"keys: there is no folder {path}. Make a key, and the folder with it: {make}")
+        fail(BAD_INPUT, f"keys: there is no folder {path}. Create a key, and the folder with it: {make}")
     return None if path is None else _ring_keys("keys", path)
 
 
@@ -33,16 +36,18 @@ def _ring_keys(option: str, folder: Path) -> RingKeys:
         ring = KeyRing(folder, utc_now)
         if not ring.entries:
             make = command("keys", "new", "NAME", "--keys", folder)
-            fail(BAD_INPUT, f"{option}: there are no keys in {folder}. Make one: {make}")
+            fail(BAD_INPUT, f"{option}: there are no keys in {folder}. Create one: {make}")
         return RingKeys(ring, server_context(certificate_of(folder, utc_now())))
 
 
 def watch_keys(path: Path) -> KeyVerifier:
-    """Return the keys at a path: a folder of `thbridge keys`, or a file with one that is good for everything."""
+    """Return the keys at a path: a folder of `thbridge keys`, or a file with one key that has all rights."""
     if path.is_dir():
         return _ring_keys("--watch-key", path)
     key = key_of(path).secret
     if len(key) < SHORTEST_KEY:
-        problem = f"{path}: this key can be guessed: it has {len(key)} characters"
-        fail(BAD_INPUT, f"{problem}. Write {SHORTEST_KEY} random ones or more, or make keys: {command('keys', 'new')}")
+        problem = f"{path}: this key is easy to guess, because it has only {len(key)} characters"
+        fail(
+            BAD_INPUT, f"{problem}. Use at least {SHORTEST_KEY} random ones, or create keys:  {command('keys', 'new')}"
+        )
     return SingleKey(key)

@@ -1,4 +1,4 @@
-"""Addresses on which a session listens beside its text server: ROS graph, researchers' windows, ground stations."""
+"""Addresses of a session in addition to its text server: ROS graph, researchers' windows, ground stations."""
 
 from collections.abc import Sequence
 from importlib.util import find_spec
@@ -20,25 +20,27 @@ from ui.command_line.terminal import BAD_INPUT, bad_input, fail, note
 
 
 def graph_of(options: RosOptions, open_to: Sequence[str] = ()) -> GraphAddress | None:
-    """Return the ROS graph to join, with the networks that it is open to; None where that is not wanted."""
+    """Return the ROS graph to join and the networks that may reach it. If None, the session joins no graph."""
     if not options.join:
         return None
     uri = options.ros_master or ROS_MASTER_URI
     if not is_master_uri(uri):
-        fail(BAD_INPUT, f"--ros-master: {uri!r} is not a master's address. Write {ROS_MASTER_URI}, for example.")
+        fail(BAD_INPUT, f"--ros-master: {uri!r} is not the address of a ROS master. Write {ROS_MASTER_URI}, say.")
     return GraphAddress(uri, options.ros_host or LOCALHOST, Admission.to(open_to))
 
 
 def watch_of(
     study: Study, file: Path | None, options: WatchOptions, ring: RingKeys | None = None
 ) -> WatchAddress | None:
-    """Return the address for researchers' windows, None for none; the study gives it where options do not.
+    """Return the address for researchers' windows; if None, no window can connect.
+
+    Options take precedence over the study.
 
     Args:
-        study: with what options change in it.
-        file: of the study.
-        options: which win over the study.
-        ring: keys of the session, which are those of its windows, where they have none of their own.
+        study: the study, as changed by options.
+        file: file of the study.
+        options: options of the command.
+        ring: keys of the session. Windows use them too if there are no keys for windows alone.
     """
     section = study.watch
     host, port = section.host, section.port
@@ -46,11 +48,11 @@ def watch_of(
     if at is not None:
         given, _, number = at.rpartition(":")
         if not number.isdecimal() or int(number) > 65535 or (":" in at and not given):
-            fail(BAD_INPUT, f"--watch: {at!r} is no address. Write a port, such as {WATCH_PORT}, or HOST:PORT.")
+            fail(BAD_INPUT, f"--watch: {at!r} is not an address. Write a port, such as {WATCH_PORT}, or HOST:PORT.")
         host, port = given.strip("[]") or host, int(number)
     if port is None:
         if key is not None:
-            fail(BAD_INPUT, f"--watch-key: nobody may watch. Add --watch {WATCH_PORT}, or leave the option out.")
+            fail(BAD_INPUT, f"--watch-key requires --watch PORT. Add --watch {WATCH_PORT}, or omit --watch-key.")
         return None
     beside = Path() if file is None else file.parent
     path = key or (None if section.key is None else beside / section.key)
@@ -58,17 +60,17 @@ def watch_of(
 
 
 def check_foxglove(port: int | None) -> None:
-    """End the program where a port for Foxglove is wanted, but the package that it needs is missing."""
+    """End the program if a port for Foxglove is given, but the package that it needs is missing."""
     if port is not None and find_spec("foxglove") is None:
         fail(BAD_INPUT, "--foxglove: foxglove-sdk is not installed. Run: pip install 'thbridge[foxglove]'")
 
 
 def ports_of(study: Study, file: Path | None, key: Path | None) -> MavlinkPorts | None:
-    """Return the links for ground stations, None for none; `key` wins over the study's."""
+    """Return the links for ground stations; if None, there are none. `key` takes precedence over the study."""
     section = study.mavlink
     if not section.on:
         if key is not None:
-            fail(BAD_INPUT, "--signing-key: the robots do not speak MAVLink. Add --mavlink, or leave the option out.")
+            fail(BAD_INPUT, "--signing-key: the robots do not speak MAVLink. Add --mavlink, or omit --signing-key.")
         return None
     beside = Path() if file is None else file.parent
     path = key or (None if section.signing_key is None else beside / section.signing_key)
@@ -81,7 +83,7 @@ def ports_of(study: Study, file: Path | None, key: Path | None) -> MavlinkPorts 
 
 
 def hosts_of(graph: GraphAddress | None, quiet: bool = False) -> StartupCallbacks:
-    """Return callbacks that tell how graph, watch and MAVLink have started; each ends the program on failure."""
+    """Return callbacks that report how graph, watch and MAVLink have started; each ends the program on failure."""
 
     def joined(master: MasterPresence | CannotListen) -> None:
         if isinstance(master, CannotListen):
@@ -93,13 +95,13 @@ def hosts_of(graph: GraphAddress | None, quiet: bool = False) -> StartupCallback
         if isinstance(where, CannotListen):
             fail(BAD_INPUT, f"--watch: {where}")
         if not quiet:
-            note(f"Researchers can watch at {where.host}:{where.port}.")
+            note(f"Researchers can connect to {where.host}:{where.port}.")
 
     def linked(names: Sequence[str] | CannotListen) -> None:
         if isinstance(names, CannotListen):
             fail(BAD_INPUT, f"MAVLink: {names}")
         if not quiet:
-            note(f"Robots speak MAVLink: {', '.join(names) or 'to nobody'}.")
+            note(f"MAVLink links of the robots: {', '.join(names) or 'none'}.")
 
     def shown(where: ListeningAddress | CannotListen) -> None:
         if isinstance(where, CannotListen):

@@ -1,4 +1,4 @@
-"""Doors to other machines: refused unless the networks that may come are named, and told."""
+"""Connections from other machines: refused unless the study or an option names the networks that may connect."""
 
 from __future__ import annotations
 
@@ -18,12 +18,10 @@ if TYPE_CHECKING:
 
 
 def with_open_to(study: Study, networks: Sequence[str] | None) -> Study:
-    """Return the study with the networks that options name; None, or none, changes nothing."""
+    """Return the study with the networks that options name; if there are none, it is unchanged."""
     for text in networks or ():
         if parse_network(text) is None:
-            fail(
-                BAD_INPUT, f"--open-to: {text!r} is no network. Write 10.0.0.0/24, for example; 0.0.0.0/0 is everybody."
-            )
+            fail(BAD_INPUT, f"--open-to: {text!r} is not a network. Write 10.0.0.0/24, say; 0.0.0.0/0 is all machines.")
     return dataclasses.replace(study, open_to=tuple(networks)) if networks else study
 
 
@@ -35,11 +33,11 @@ def check_doors(
     *,
     serves_text: bool = True,
 ) -> None:
-    """End the program where other machines could reach what nobody has opened to them; else tell what is open to whom.
+    """End the program if other machines could connect without permission; otherwise print which of them may connect.
 
     Args:
-        study: with what options change in it.
-        keys: of programs and windows on other machines.
+        study: the study, as changed by options.
+        keys: keys of programs and windows on other machines.
         watch: address for researchers' windows.
         graph: the ROS graph to take part in.
         serves_text: False for a program whose text server is elsewhere.
@@ -53,24 +51,24 @@ def check_doors(
             plain = {"the text server": study.server.host} | plain
     if plain and not networks:
         what, host = next(iter(plain.items()))
-        problem = f"{what}: other machines could reach {host}, and no network is named that may"
-        with_keys = ", or --keys FOLDER for programs that show a key" if what == "the text server" else ""
-        remedy = f"Add --open-to NETWORK (open_to in the study), such as 10.0.0.0/24{with_keys}; or take 127.0.0.1"
+        problem = f"{what}: other machines could reach {host}, but no network is allowed to connect"
+        with_keys = ", or --keys FOLDER for programs that have a key" if what == "the text server" else ""
+        remedy = f"Add --open-to NETWORK (open_to in the study), such as 10.0.0.0/24{with_keys}; or listen on 127.0.0.1"
         fail(BAD_INPUT, f"{problem}. {remedy}.")
     if watch is not None and not is_own(watch.host):
         if watch.keys is None or watch.keys.tls is None:
-            problem = f"researchers' windows: whoever reaches {watch.host} would see the truth and command robots"
-            remedy = f"Make a key, {command('keys', 'new', 'NAME')}, and add --watch-key keys; or listen on 127.0.0.1"
+            problem = f"researchers' windows: any client at {watch.host} could see the truth and command robots"
+            remedy = f"Create a key, {command('keys', 'new', 'NAME')}, and add --watch-key keys; or listen on 127.0.0.1"
             fail(BAD_INPUT, f"{problem}. {remedy}.")
         keyed["researchers' windows"] = watch.host
     if keyed:
-        note(f"Open to whoever shows a key, encrypted: {', '.join(keyed)}.")
+        note(f"Accepting remote clients that present a key (TLS): {', '.join(keyed)}.")
     if plain:
-        note(f"Open to {networks}, without key or encryption: {', '.join(plain)}.")
+        note(f"Accepting clients from {networks} without key or encryption: {', '.join(plain)}.")
 
 
 def _plain_doors(study: Study, graph: GraphAddress | None) -> dict[str, str]:
-    """Return the hosts of the doors that have no keys, but for the text server."""
+    """Return the hosts of the servers that use no keys, except the text server."""
     mavlink = study.mavlink
     hosts = {} if graph is None else {"ROS": graph.host}
     if mavlink.on:

@@ -1,4 +1,4 @@
-"""Options of one subject: a dataclass, which several commands take as one parameter."""
+"""Options of one subject: a dataclass that several commands use as one parameter."""
 
 import dataclasses
 import inspect
@@ -10,7 +10,7 @@ P = ParamSpec("P")
 
 
 def with_option_sets(function: Callable[P, None]) -> Callable[P, None]:
-    """Return a command that has, for each of its parameters that is a dataclass, an option for each field.
+    """Return a command that has an option for each field of its parameters that are dataclasses.
 
     A field declares its option as a parameter of a command does.
     """

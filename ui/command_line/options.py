@@ -16,27 +16,28 @@ from ui.command_line.terminal import BAD_INPUT, fail
 StudyFile = Annotated[
     Path | None,
     typer.Argument(
-        help="Study file (YAML), see `thbridge study init`; or `standard` or `original-2016`, the built-in studies. "
-        "Options below win over it."
+        help="Study file (YAML; see `thbridge study init`), or a built-in study: `standard` or `original-2016`. "
+        "Options of the command override it."
     ),
 ]
-StudyOption = Annotated[Path | None, typer.Option("--study", help="The same as `study_file` by position.", hidden=True)]
-# The bounds are those of the study file, so that the study in a bag can be read again.
-Robots = Annotated[int | None, typer.Option(help="Size of the team.", min=1, max=64)]
+StudyOption = Annotated[Path | None, typer.Option("--study", help="Same as the argument `study_file`.", hidden=True)]
+# The bounds are those of the study file, so that the study stored in a bag can be read again.
+Robots = Annotated[int | None, typer.Option(help="Number of robots.", min=1, max=64)]
 MapName = Annotated[str | None, typer.Option("--map", help="Name of a map, or path of its folder (with a slash).")]
 Seed = Annotated[
-    int | None, typer.Option(help="Same seed, same study, same inputs: the same run.", min=0, max=2**31 - 1)
+    int | None,
+    typer.Option(help="Random seed. The same seed, study and inputs give the same run.", min=0, max=2**31 - 1),
 ]
 LanguageOption = Annotated[
     str | None,
-    typer.Option("--language", metavar="NAME", help="Language of the participant: en, de, or one that you installed."),
+    typer.Option("--language", metavar="NAME", help="Language of the participant: en, de, or one you installed."),
 ]
-Port = Annotated[int | None, typer.Option(help="TCP port for other programs; 0 takes a free one.", min=0, max=65535)]
-BagFile = Annotated[Path | None, typer.Option(help="Where to record. An older file is kept under a new name.")]
+Port = Annotated[int | None, typer.Option(help="TCP port for other programs; 0 means any free port.", min=0, max=65535)]
+BagFile = Annotated[Path | None, typer.Option(help="Bag to record. An existing file is kept under a new name.")]
 
 
 class ProgressKind(StrEnum):
-    """Forms of the progress of a long command."""
+    """Formats of the progress of a long command."""
 
     AUTO = "auto"
     JSON = "json"
@@ -46,20 +47,20 @@ ProgressOption = Annotated[
     ProgressKind,
     typer.Option(
         "--progress",
-        help="Progress on standard error. `auto`: a bar on a terminal, or else a line a minute. `json`: an object a "
-        "line.",
+        help="Progress on standard error. `auto`: a bar on a terminal, otherwise a line per minute. `json`: one object "
+        "per line.",
     ),
 ]
-AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object on standard output, nothing else.")]
-Templates = Annotated[str | None, typer.Option(help="Name of a set of templates, or path of its folder.")]
+AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object on standard output, and nothing else.")]
+Templates = Annotated[str | None, typer.Option(help="Name of a template set, or path of its folder.")]
 ADDRESS = f"{LOCALHOST}:{TEXT_SERVER_PORT}"
 OpenTo = Annotated[
     list[str] | None,
     typer.Option(
         "--open-to",
         metavar="NETWORK",
-        help="Network, such as 10.0.0.0/24, whose machines may connect where an address is not this machine's alone; "
-        "see `thbridge docs security`. May be given several times.",
+        help="Network whose machines may connect, such as 10.0.0.0/24, if a server listens for other machines; "
+        "see `thbridge docs security`. Can be repeated.",
     ),
 ]
 
@@ -67,13 +68,13 @@ Keys = Annotated[
     Path | None,
     typer.Option(
         "--keys",
-        help="Folder of keys (`thbridge keys new`), by which programs and windows take part from other machines, "
+        help="Folder of keys (`thbridge keys new`) for programs and windows on other machines, which connect "
         "encrypted; see `thbridge docs security`.",
     ),
 ]
 KeyFile = Annotated[
     Path | None,
-    typer.Option("--signing-key", metavar="FILE", help="MAVLink frames are signed and verified with this file's key."),
+    typer.Option("--signing-key", metavar="FILE", help="Sign and verify MAVLink frames with the key in this file."),
 ]
 
 
@@ -87,24 +88,22 @@ class ColourScheme(StrEnum):
 
 LookOption = Annotated[
     ColourScheme,
-    typer.Option(
-        "--look", help="Light or dark windows. `system`: as in the window's settings, or else as the desktop."
-    ),
+    typer.Option("--look", help="Light or dark windows. `system`: as set in the window, otherwise as the desktop."),
 ]
 
 
 PERSON = "person"
-"""Participant who types."""
+"""Participant who types in the terminal."""
 _SIMULATED = tuple(each.value for each in BotStrategy)
 
 
 def one_of(built_in: tuple[str, ...], group: str) -> Callable[[str | None], str | None]:
-    """Return the callback of an option that takes a built-in name, or one that is installed in a group."""
+    """Return the callback of an option that accepts a built-in name, or a name installed in a group of entry points."""
 
     def check(name: str | None) -> str | None:
         if name is None or name in built_in:
             return name
-        from thbridge.files.plugins import names_in  # noqa: PLC0415 - help and completion load nothing of it
+        from thbridge.files.plugins import names_in  # noqa: PLC0415 - not needed by help and completion
 
         if name not in (installed := names_in(group)):
             raise typer.BadParameter(f"{name!r} is not one of {', '.join(map(repr, (*built_in, *installed)))}.")
@@ -120,8 +119,8 @@ ParticipantName = Annotated[
         metavar="|".join((PERSON, *_SIMULATED, "NAME")),
         callback=one_of((PERSON, *_SIMULATED), "thbridge.participants"),
         autocompletion=lambda: [PERSON, *_SIMULATED],
-        help="You in the terminal (`person`), or how a simulated participant chooses rooms, or the NAME of one that is "
-        "installed; without a window.",
+        help="Play without a window: you in the terminal (`person`), a built-in simulated participant, or the NAME of "
+        "an installed one.",
     ),
 ]
 SimulatedParticipant = Annotated[
@@ -131,38 +130,38 @@ SimulatedParticipant = Annotated[
         metavar="|".join((*_SIMULATED, "NAME")),
         callback=one_of(_SIMULATED, "thbridge.participants"),
         autocompletion=lambda: [*_SIMULATED],
-        help="Let a simulated participant play anew, instead of saying again what was said.",
+        help="Replace the recorded participant with a simulated one.",
     ),
 ]
 
 
 @dataclass(frozen=True, slots=True)
 class ClientOptions:
-    """A study, and the text server at which a program takes part."""
+    """A study, and the text server that a program connects to."""
 
     study_file: StudyFile = None
     study_option: StudyOption = None
     server: Annotated[
         str | None,
         typer.Option(
-            help=f"Where the text server is, by default where the study has it, or else {ADDRESS}.", metavar="HOST:PORT"
+            help=f"Address of the text server; default: the study's, otherwise {ADDRESS}.", metavar="HOST:PORT"
         ),
     ] = None
     key: Annotated[
         Path | None,
-        typer.Option(help="File with the key that the server wants; what is said is encrypted.", metavar="FILE"),
+        typer.Option(help="File with the key that the server requires. The connection is encrypted.", metavar="FILE"),
     ] = None
 
 
 def the_study(by_position: Path | None, by_option: Path | None) -> Path | None:
-    """The study file, which may be named by position or, as earlier, by --study."""
+    """Return the study file, given as an argument or, as in older versions, by --study."""
     if by_position is not None and by_option is not None:
-        fail(BAD_INPUT, f"--study: {by_position} is named already. Leave one of the two out.")
+        fail(BAD_INPUT, f"--study: {by_position} is already given as an argument. Omit one of the two.")
     return by_position or by_option
 
 
 class EngineKind(StrEnum):
-    """Kinds of engines, which carry out the games."""
+    """Kinds of engines, which play the games of a batch."""
 
     PROCESSES = "processes"
     DASK = "dask"
@@ -171,25 +170,24 @@ class EngineKind(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class RosOptions:
-    """The graph of ROS 1 nodes to take part in."""
+    """ROS 1 graph to join."""
 
-    join: Annotated[bool, typer.Option("--ros", help="Take part in a ROS 1 graph; see `thbridge docs live-graph`.")] = (
-        False
-    )
+    join: Annotated[bool, typer.Option("--ros", help="Join a ROS 1 graph; see `thbridge docs live-graph`.")] = False
     ros_master: Annotated[
         str | None,
         typer.Option(
             envvar="ROS_MASTER_URI",
             metavar="URI",
-            help=f"The ROS master, by default {ROS_MASTER_URI}. Where none answers on this machine, this program is "
-            "it.",
+            help=f"Address of the ROS master (default {ROS_MASTER_URI}). If none runs there on this machine, this "
+            "program starts one.",
         ),
     ] = None
     ros_host: Annotated[
         str | None,
         typer.Option(
             envvar=["ROS_HOSTNAME", "ROS_IP"],
-            help="Address for ROS nodes to reach this program, by default 127.0.0.1: who reaches it can drive robots.",
+            help="Address at which ROS nodes reach this program (default 127.0.0.1). Any node that reaches it can "
+            "drive robots.",
         ),
     ] = None
 
@@ -202,19 +200,20 @@ class WatchOptions:
         str | None,
         typer.Option(
             metavar="[HOST:]PORT",
-            help=f"Let researchers' windows connect, for example at {WATCH_PORT}; see `thbridge docs watching`.",
+            help=f"Accept researchers' windows at this port, such as {WATCH_PORT}; see `thbridge docs watching`.",
         ),
     ] = None
     watch_key: Annotated[
         Path | None,
         typer.Option(
-            help="Folder of keys (`thbridge keys new`), or file with one: whoever watches has one. They see the truth.",
+            help="Folder of keys (`thbridge keys new`), or file with one key. Windows that watch need a key; they show "
+            "the truth.",
         ),
     ] = None
     foxglove: Annotated[
         int | None,
         typer.Option(
-            help="Show the session in Foxglove, at this port of this machine; see `thbridge docs watching`.",
+            help="Serve the session to Foxglove at this port of this machine; see `thbridge docs watching`.",
             min=0,
             max=65535,
         ),
@@ -223,57 +222,57 @@ class WatchOptions:
 
 @dataclass(frozen=True, slots=True)
 class MavlinkOptions:
-    """Robots as MAVLink vehicles."""
+    """Options of robots as MAVLink vehicles."""
 
     on: Annotated[
         bool | None,
-        typer.Option("--mavlink/--no-mavlink", help="Make every robot a MAVLink rover; see `thbridge docs mavlink`."),
+        typer.Option("--mavlink/--no-mavlink", help="Run each robot as a MAVLink rover; see `thbridge docs mavlink`."),
     ] = None
     identity: Annotated[
         AutopilotIdentity | None,
-        typer.Option(help="Whose autopilot robots say they have; QGroundControl commands only ardupilot's."),
+        typer.Option(help="Autopilot that robots report; QGroundControl commands only `ardupilot`."),
     ] = None
     udp: Annotated[
         list[str] | None,
         typer.Option(
             metavar="HOST:PORT",
-            help="Where a ground station listens, HOST:PORT/ROBOT for one robot alone; may be given several times.",
+            help="Address of a ground station; HOST:PORT/ROBOT sends it only this robot. Can be repeated.",
         ),
     ] = None
     udp_listen: Annotated[
         str | None,
-        typer.Option(metavar="HOST:PORT", help="Where ground stations that speak first find robots by UDP."),
+        typer.Option(metavar="HOST:PORT", help="UDP address for ground stations that send the first message."),
     ] = None
-    tcp: Annotated[str | None, typer.Option(metavar="HOST:PORT", help="Where ground stations may connect by TCP.")] = (
-        None
-    )
+    tcp: Annotated[str | None, typer.Option(metavar="HOST:PORT", help="TCP address for ground stations.")] = None
     signing_key: KeyFile = None
     tlog: Annotated[
-        bool | None, typer.Option("--tlog/--no-tlog", help="Also write all MAVLink frames into a .tlog beside the bag.")
+        bool | None, typer.Option("--tlog/--no-tlog", help="Also write all MAVLink frames to a .tlog next to the bag.")
     ] = None
 
 
 @dataclass(frozen=True, slots=True)
 class EngineOptions:
-    """Engine that carries out a batch."""
+    """Engine that plays the games of a batch."""
 
     engine: Annotated[
         EngineKind,
-        typer.Option(help="Who plays: processes of this machine, a Dask cluster, or jobs of Slurm."),
+        typer.Option(help="Where games run: processes of this machine, a Dask cluster, or Slurm jobs."),
     ] = EngineKind.PROCESSES
     processes: Annotated[
-        int | None, typer.Option(help="Processes of this machine; by default one on every core.", min=1, max=1024)
+        int | None, typer.Option(help="Number of processes on this machine; default: one per core.", min=1, max=1024)
     ] = None
     scheduler: Annotated[
         str | None,
-        typer.Option(help="Scheduler of a Dask cluster, such as tls://10.0.0.1:8786.", metavar="ADDRESS"),
+        typer.Option(
+            help="Address of the scheduler of a Dask cluster, such as tls://10.0.0.1:8786.", metavar="ADDRESS"
+        ),
     ] = None
-    jobs: Annotated[int, typer.Option(help="Jobs of Slurm to submit at a time.", min=1, max=10_000)] = 10
+    jobs: Annotated[int, typer.Option(help="Number of Slurm jobs to submit at a time.", min=1, max=10_000)] = 10
     job_options: Annotated[
         list[str] | None,
         typer.Option(
             "--slurm",
             metavar="KEY=VALUE",
-            help="Option of Slurm's jobs, as `sbatch` has it: `--slurm partition=short`. May be given several times.",
+            help="Option of Slurm jobs, as for `sbatch`: `--slurm partition=short`. Can be repeated.",
         ),
     ] = None

@@ -1,4 +1,4 @@
-"""Outcome of a hunt, and the place of its recording."""
+"""Outcome of a hunt, and the default path of its recording."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -15,26 +15,25 @@ from ui.command_line.terminal import bad_input, out
 
 
 def usual_bag(setting: StudySetting) -> Path:
-    """Return the default path of a hunt's recording; the program ends if the map's name cannot be part of it."""
+    """Return the default path of a hunt's recording; end the program if the map's name cannot be part of a path."""
     study = setting.study
     with bad_input():
         return path_inside(Path("bags"), f"{setting.map.name}-{study.robots}robots-seed{study.seed}.bag")
 
 
 def _robot_rows(robot: RobotStatistics) -> Iterator[tuple[str, str]]:
-    """Yield the figures of a robot, each with its words."""
+    """Yield the figures of a robot, each with its label."""
     if robot.position_rmse is not None and robot.position_max is not None:
         usual = f"{100 * robot.position_rmse:.1f} cm, {robot.heading_rmse:.1f}°"
-        yield "error of", f"{usual} rms; at most {100 * robot.position_max:.1f} cm, {robot.heading_max:.1f}°"
+        yield "position error", f"{usual} rms; at most {100 * robot.position_max:.1f} cm, {robot.heading_max:.1f}°"
     waited = f", waited {robot.seconds_waiting:.1f} s for others" if robot.seconds_waiting else ""
-    yield "way of", f"{robot.distance:.1f} m{waited}"
+    yield "distance driven", f"{robot.distance:.1f} m{waited}"
     if robot.times_lost:
-        times = "once" if robot.times_lost == 1 else f"{robot.times_lost} times"
-        yield "lost was", f"{times}, for {robot.seconds_lost:.1f} s in all"
+        yield "times lost", f"{robot.times_lost}, for {robot.seconds_lost:.1f} s in total"
 
 
 def show_outcome(outcome: HuntOutcome) -> None:
-    """Print how a hunt ended, game by game where there were several."""
+    """Print how a hunt ended, with a column for each game if there were several."""
     several = len(outcome.games) > 1
     table = Table(title="The hunt", show_header=several)
     for heading in ("", *(f"game {game.game}" for game in outcome.games)) if several else ("", ""):
@@ -42,13 +41,13 @@ def show_outcome(outcome: HuntOutcome) -> None:
     games = outcome.games or (outcome,)
     table.add_row("score", *(str(game.score) for game in games))
     table.add_row("rooms visited", *(str(game.rooms_visited) for game in games))
-    table.add_row("treasures named", *(str(game.identified) for game in games))
+    table.add_row("treasures identified", *(str(game.identified) for game in games))
     for robot in range(len(outcome.energy)):
-        table.add_row(f"energy of {robot_name(robot)}", *(f"{game.energy[robot]:g}" for game in games))
+        table.add_row(f"{robot_name(robot)}: energy left", *(f"{game.energy[robot]:g}" for game in games))
     for each in outcome.robots:
         for what, words in _robot_rows(each):
-            table.add_row(f"{what} {robot_name(index_of(each.robot))}", words)
-    table.add_row("simulated time", f"{outcome.sim_seconds:.1f} s in {outcome.wall_seconds:.1f} s")
+            table.add_row(f"{robot_name(index_of(each.robot))}: {what}", words)
+    table.add_row("simulated time", f"{outcome.sim_seconds:.1f} s in {outcome.wall_seconds:.1f} s of real time")
     table.add_row("collisions", str(outcome.collisions))
     if outcome.bag is not None:
         first, *others = parts_of(outcome.bag)

@@ -1,4 +1,4 @@
-"""Files of pictures: the same picture gives the same bytes."""
+"""Picture files; the same picture gives the same bytes."""
 
 import io
 from collections.abc import Callable
@@ -11,19 +11,19 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 PICTURES = (".png", ".svg", ".pdf")
-"""Suffixes of the formats that can be written."""
+"""Suffixes of the supported formats."""
 
 
 def write_picture(draw: Callable[[], "Figure"], to: Path, option: str) -> None:
-    """Draw a picture into a file; its suffix, one of `PICTURES`, says the format.
+    """Draw a picture into a file, in the format of its suffix (one of `PICTURES`).
 
     Args:
-        draw: draws it.
-        to: the file.
-        option: the one that named the file, for the remedy.
+        draw: function that draws it.
+        to: file to write.
+        option: option that named the file, for the error message.
 
     Raises:
-        BadFile: it cannot be written.
+        BadFile: the file cannot be written.
     """
     from matplotlib import rc_context  # noqa: PLC0415 - it takes half a second to load
 
@@ -32,4 +32,4 @@ def write_picture(draw: Callable[[], "Figure"], to: Path, option: str) -> None:
     drawn = io.BytesIO()
     with rc_context({"svg.hashsalt": "thbridge"}):
         draw().savefig(drawn, format=to.suffix.lower().removeprefix("."), metadata=undated)
-    write_whole(to, drawn.getvalue(), f"choose another place by {option}")
+    write_whole(to, drawn.getvalue(), f"choose another place with  {option}")

@@ -1,4 +1,4 @@
-"""Progress of long commands: a bar on a terminal; elsewhere a line a minute, or JSON lines, on standard error."""
+"""Progress of long commands: a bar on a terminal; otherwise a line per minute, or JSON lines, on standard error."""
 
 import json
 import time
@@ -30,7 +30,7 @@ _A_MINUTE, _AN_HOUR = 60.0, 3600.0
 
 @dataclass(slots=True)
 class _CountedTask:
-    """A task with its number of things done; `first` were done at `began`, seconds. A total of 0 is unknown."""
+    """Task with the number of things done; `first` were done at time `began` (seconds). A total of 0 means unknown."""
 
     began: float
     first: int
@@ -38,7 +38,7 @@ class _CountedTask:
     total: int
 
     def seconds_left(self, now: float) -> float | None:
-        """Return the time left at the mean rate so far; None as long as nothing was done."""
+        """Return the time left at the mean rate so far; None if nothing was done yet."""
         here = self.done - self.first
         return (now - self.began) * (self.total - self.done) / here if here > 0 and self.total else None
 
@@ -47,8 +47,8 @@ class ProgressLines:
     """Lines about the latest task of a command.
 
     Args:
-        doing: name of the work as long as nothing was counted.
-        now: monotonic time at which it began, seconds.
+        doing: name of the work until something is counted.
+        now: monotonic start time, seconds.
     """
 
     def __init__(self, doing: str, now: float) -> None:
@@ -58,16 +58,16 @@ class ProgressLines:
         self._lock = Lock()
 
     def take(self, what: str, done: int, total: int, now: float) -> None:
-        """Note how many things of a task are done; a total of 0 is unknown."""
+        """Record how many things of a task are done; a total of 0 means unknown."""
         with self._lock:
             self._latest = what
             task = self._tasks.setdefault(what, _CountedTask(now, done, done, total))
             task.done, task.total = done, total
 
     def sentence(self, now: float) -> str:
-        """Return the line for people."""
+        """Return the progress as a line for people."""
         with self._lock:
-            elapsed, task = f"{_span(now - self._began)} so far", self._tasks.get(self._latest)
+            elapsed, task = f"{_span(now - self._began)} elapsed", self._tasks.get(self._latest)
             if task is None:
                 return f"{self._doing}: {elapsed}"
             left = task.seconds_left(now)
@@ -76,7 +76,7 @@ class ProgressLines:
             return f"{self._latest}: {task.done}{of_all}, {elapsed}{more}"
 
     def as_json(self, now: float) -> str:
-        """Return the line for programs: task, done, total, seconds elapsed and seconds left, null where unknown."""
+        """Return the progress as a line of JSON: task, done, total, seconds elapsed and left; null where unknown."""
         with self._lock:
             task = self._tasks.get(self._latest)
             left = None if task is None else task.seconds_left(now)
@@ -94,13 +94,13 @@ class ProgressLines:
 def shown_progress(
     kind: ProgressKind, doing: str, every: float = EVERY, *, beside_text: bool = False
 ) -> Iterator[Tell]:
-    """Show how far the work of a command is.
+    """Show the progress of a command.
 
     Args:
         kind: bar or lines, as --progress says.
-        doing: name of the work as long as nothing is counted.
+        doing: name of the work until something is counted.
         every: seconds from one line to the next.
-        beside_text: the command prints what happens meanwhile, so that a terminal needs no bar.
+        beside_text: True for a command that prints events meanwhile, so that a terminal needs no bar.
     """
     if kind is ProgressKind.AUTO and err.is_terminal:
         if beside_text:
@@ -136,7 +136,7 @@ def _bar() -> Iterator[Tell]:
         _RateColumn(),
         TimeRemainingColumn(),
     )
-    # Games of a sweep, and trips, may be minutes apart.
+    # Two games of a sweep, or two trips, may end minutes apart.
     with Progress(*columns, console=err, transient=True, speed_estimate_period=600.0) as bar:
         tasks: dict[str, TaskID] = {}
 
@@ -149,7 +149,7 @@ def _bar() -> Iterator[Tell]:
 
 
 class _RateColumn(ProgressColumn):
-    """Things a second."""
+    """Rate, in things per second."""
 
     def render(self, task: Task) -> Text:
         speed = task.finished_speed or task.speed
@@ -157,7 +157,7 @@ class _RateColumn(ProgressColumn):
 
 
 def _span(seconds: float) -> str:
-    """Return a time as people say it."""
+    """Return a duration as people say it."""
     if seconds < _A_MINUTE:
         return f"{seconds:.0f} s"
     if seconds < _AN_HOUR:

@@ -1,5 +1,7 @@
-"""The argument that names a recording: a bag of ROS 1, or one of ROS 2, which is read as the bag that it becomes; and
-options that name topics in it."""
+"""Argument that names a recording, and options that name topics in it.
+
+A recording of ROS 2 is converted to a ROS 1 bag before it is read.
+"""
 
 from pathlib import Path
 from typing import Annotated
@@ -11,32 +13,34 @@ from ui.command_line.terminal import bad_input, note
 
 
 def _converted(path: Path) -> Path:
-    """Convert a recording of ROS 2, and tell what that leaves out."""
+    """Convert a recording of ROS 2, and print what the conversion leaves out."""
     from thbridge.recording.bag.ros2 import converted, is_other_recording  # noqa: PLC0415 - loads parsers of ROS 2
 
     if is_other_recording(path):
         with bad_input():
             found = converted(path)
-        note(f"{path} is {found.kind}; it is read as the ROS 1 bag that it becomes.")
+        note(f"{path} is {found.kind}; reading it as a converted ROS 1 bag.")
         for topic, reason in found.left_out.items():
-            note(visible(f"{topic} is left out: {reason}."))
+            note(visible(f"{topic} is omitted: {reason}."))
     return path
 
 
 Recording = Annotated[
     Path,
     typer.Argument(
-        help="A ROS 1 bag, or the name of a split one; a folder of rosbag2, or an MCAP file.", callback=_converted
+        help="A ROS 1 bag or the first name of a split one, a rosbag2 folder, or an MCAP file.", callback=_converted
     ),
 ]
 
 Truth = Annotated[
     str | None,
     typer.Option(
-        "--truth", metavar="TOPIC", help="Topic of a robot's true poses (PoseStamped and others); by default by name."
+        "--truth",
+        metavar="TOPIC",
+        help="Topic of a robot's true poses (PoseStamped and others); by default found by name.",
     ),
 ]
 Estimated = Annotated[
     str | None,
-    typer.Option("--estimate", metavar="TOPIC", help="Topic of its estimated poses; by default by name."),
+    typer.Option("--estimate", metavar="TOPIC", help="Topic of its estimated poses; by default found by name."),
 ]

@@ -1,4 +1,4 @@
-"""The report of a recording."""
+"""The HTML report of a recording."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -16,24 +16,24 @@ if TYPE_CHECKING:
 def write_report(
     bag: Path, page: Path, map_yaml: Path | None = None, tell: Tell = untold, named: "TrajectoryTopics | None" = None
 ) -> None:
-    """Make the report of a bag.
+    """Write the report of a bag.
 
     Args:
-        bag: the recording.
-        page: the file to write.
-        map_yaml: the map, in place of the bag's own.
-        tell: takes how far it is.
-        named: the topics of a robot's trajectories, where somebody has named them.
+        bag: recording.
+        page: file to write.
+        map_yaml: map to draw, instead of the bag's own.
+        tell: receives the progress.
+        named: topics of a robot's trajectories, if the user named them.
 
     Raises:
-        BadFile: the bag or the map cannot be read, or the page not be written.
+        BadFile: the bag or the map cannot be read, or the page cannot be written.
     """
-    # Half a second of imports that nobody needs who makes no report.
+    # Half a second of imports, needed only for reports.
     from thbridge.analysis.report.tracks import FOUND_BY_NAME  # noqa: PLC0415
     from thbridge.analysis.report_page.page import build_report  # noqa: PLC0415
 
     if page.exists() and bag.exists() and page.samefile(bag):
-        raise BadFile(page, "this is the bag itself", "choose another file by --to")
+        raise BadFile(page, "this is the bag itself", "choose another file with --to")
     grid = None
     if map_yaml is not None:
         from ui.command_line.grids import grid_at  # noqa: PLC0415 - 20 MB
@@ -41,6 +41,6 @@ def write_report(
         grid = grid_at(map_yaml)
     html = build_report(bag, grid, tell, named or FOUND_BY_NAME)
     with destination(page) as file:
-        write_whole(file, html.encode(errors="replace"), "choose another file by --to")
+        write_whole(file, html.encode(errors="replace"), "choose another file with --to")
     if page != STANDARD_OUTPUT:
         note(f"Report: {page}")

@@ -1,4 +1,4 @@
-"""Settings of a session: the study, what options change in it, and all that it names."""
+"""Settings of a session: the study, the options that change it, and everything that it names."""
 
 import dataclasses
 import os
@@ -19,9 +19,9 @@ from ui.command_line.terminal import BAD_INPUT, bad_input, fail, note
 
 
 def study_of(file: Path | None, changes: Mapping[str, object]) -> Study:
-    """The study of a file, or a built-in one by its name, with what options change; None changes nothing.
+    """Return the study of a file, or a built-in study, as changed by options; None changes nothing.
 
-    Without a file every key has its default, those of the game of 2016, which programs of others expect.
+    Without a file, each key has its default. These are the values of the 2016 game, which other programs expect.
     """
     with bad_input():
         study, loaded = study_at(file)
@@ -31,17 +31,17 @@ def study_of(file: Path | None, changes: Mapping[str, object]) -> Study:
 
 
 def with_options(study: Study, changes: Mapping[str, object]) -> Study:
-    """The study with what options change; None changes nothing."""
+    """Return a study as changed by options; None changes nothing."""
     given = {key: value for key, value in changes.items() if value is not None}
     changed = dataclasses.replace(study, **given)  # type: ignore[arg-type]  # the options have their types from typer
     if any(number > changed.robots for number in changed.each):
-        problem = f"--robots {changed.robots}: the study has software for robot {max(changed.each)} (`each`)"
-        fail(BAD_INPUT, f"{problem}. Give more robots, or delete it from the study.")
+        problem = f"--robots {changed.robots}: the study configures robot {max(changed.each)} under `each`"
+        fail(BAD_INPUT, f"{problem}. Use more robots, or delete that entry from the study.")
     return changed
 
 
 def with_language(study: Study, language: str | None, file: Path | None) -> Study:
-    """The study in another language, perhaps one of its own folder; None changes nothing."""
+    """Return the study in another language, shipped or from the study's folder; None changes nothing."""
     if language is None:
         return study
     folders = [SHIPPED_LANGUAGES]
@@ -49,19 +49,19 @@ def with_language(study: Study, language: str | None, file: Path | None) -> Stud
         folders.append((Path() if file is None else file.parent) / study.dialogue.words)
     known = sorted({name for folder in folders for name in languages_in(folder)})
     if language not in known:
-        fail(BAD_INPUT, f"--language: there is no language {language!r}. Choose one of these: {', '.join(known)}.")
+        fail(BAD_INPUT, f"--language: there is no language {language!r}. Choose one of {', '.join(known)}.")
     return dataclasses.replace(study, dialogue=dataclasses.replace(study.dialogue, language=language))
 
 
 def with_strategy(study: Study, strategy: str | None) -> Study:
-    """The study with the strategy of the simulated participant who plays; None changes nothing."""
+    """Return the study with this strategy of the simulated participant; None changes nothing."""
     if strategy is None:
         return study
     return dataclasses.replace(study, participant=dataclasses.replace(study.participant, strategy=strategy))
 
 
 def changes_of(given: list[str]) -> tuple[list[Path], list[StudyChange]]:
-    """Study files and single changes given by --with."""
+    """Return the study files and single changes given by --with."""
     files, changes = [], []
     for text in given:
         key, equals, value = text.partition("=")
@@ -71,12 +71,12 @@ def changes_of(given: list[str]) -> tuple[list[Path], list[StudyChange]]:
             files.append(Path(text))
         else:
             problem = f"--with: {text!r} is neither KEY=VALUE nor a study file"
-            fail(BAD_INPUT, f"{problem}. Write for example --with robot.amcl.max_particles=500.")
+            fail(BAD_INPUT, f"{problem}. Write, for example, --with robot.amcl.max_particles=500.")
     return files, changes
 
 
 def with_server(study: Study, host: str | None, port: int | None) -> Study:
-    """The study with another address to listen on; None changes nothing."""
+    """Return the study with another address to listen on; None changes nothing."""
     given = study.server
     changed = dataclasses.replace(
         given, host=given.host if host is None else host, port=given.port if port is None else port
@@ -85,8 +85,8 @@ def with_server(study: Study, host: str | None, port: int | None) -> Study:
 
 
 def setting_of(study: Study, file: Path | None) -> StudySetting:
-    """Everything the study names; paths start from the folder of its file."""
-    # From now on whatever is written is for the study's readers.
+    """Return everything that the study names; relative paths start from the folder of its file."""
+    # From now on, files are written for the readers that the study names.
     os.umask(study.recording.readers.umask)
     with bad_input():
         return read_setting(study, Path() if file is None else file.parent, written=_written(file))
@@ -99,29 +99,29 @@ def note_doubts(setting: StudySetting) -> None:
 
 
 def map_of(study: Study, file: Path | None) -> Map:
-    """The study's map without travel costs, for what plays no game; paths start from the folder of its file."""
+    """Return the study's map without travel costs, for commands that play no game; paths start at its file's folder."""
     with bad_input():
         beside = Path() if file is None else file.parent
         return read_map_of(study, beside, with_costs=False, written=_written(file))
 
 
 def _written(file: Path | None) -> Loaded[Study] | None:
-    """The study as its file has it, so that faults name lines of it; None without a file."""
+    """Return the study as written in its file, so that faults name lines of the file; None without a file."""
     return study_at(file)[1]
 
 
 def map_folder(name: str) -> Path:
-    """The folder of a map, by its name or by a path, also one without a slash."""
+    """Return the folder of a map, given its name, or a path with or without a slash."""
     wanted = f"./{name}" if "/" not in name and Path(name).is_dir() else name
     with bad_input():
         return shipped().find("maps", wanted, Path())
 
 
 def with_mavlink(study: Study, options: MavlinkOptions) -> Study:
-    """The study with what options say of MAVLink; None changes nothing."""
+    """Return the study as changed by the MAVLink options; None changes nothing."""
     for option, text in (("--udp-listen", options.udp_listen), ("--tcp", options.tcp)):
         if text is not None and parse_address(text) is None:
-            fail(BAD_INPUT, f"{option}: {text!r} is no address. Write HOST:PORT, such as 127.0.0.1:14550.")
+            fail(BAD_INPUT, f"{option}: {text!r} is not an address. Write HOST:PORT, such as 127.0.0.1:14550.")
     targets = None if options.udp is None else tuple(dict.fromkeys(options.udp))
     taken: set[Address] = set()
     for text in targets or ():
@@ -129,12 +129,12 @@ def with_mavlink(study: Study, options: MavlinkOptions) -> Study:
         if target is None:
             fail(
                 BAD_INPUT,
-                f"--udp: {text!r} is no address. Write HOST:PORT, such as 127.0.0.1:14550, or HOST:PORT/ROBOT.",
+                f"--udp: {text!r} is not an address. Write HOST:PORT, such as 127.0.0.1:14550, or HOST:PORT/ROBOT.",
             )
         if target.number is not None and target.number > study.robots:
             fail(BAD_INPUT, f"--udp: {text!r}: there is no robot {target.number}. There are {study.robots}.")
         if target.address in taken:
-            fail(BAD_INPUT, f"--udp: {target.address} is there for other robots already. Give {text!r} another port.")
+            fail(BAD_INPUT, f"--udp: {target.address} is already used for other robots. Use another port for {text!r}.")
         taken.add(target.address)
     given = {"on": options.on, "udp": targets}
     given |= {key: getattr(options, key) for key in ("identity", "udp_listen", "tcp", "tlog")}
@@ -143,5 +143,5 @@ def with_mavlink(study: Study, options: MavlinkOptions) -> Study:
     unused = next((key for key in changes if key != "on"), None)
     if unused is not None and not section.on:
         option = unused.replace("_", "-")
-        fail(BAD_INPUT, f"--{option}: the robots do not speak MAVLink. Add --mavlink, or leave the option out.")
+        fail(BAD_INPUT, f"--{option}: the robots do not speak MAVLink. Add --mavlink, or omit this option.")
     return dataclasses.replace(study, mavlink=section)

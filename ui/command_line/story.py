@@ -1,4 +1,4 @@
-"""Sentences on the events of a hunt, for the terminal."""
+"""Sentences about the events of a hunt, for the terminal."""
 
 from collections.abc import Iterator
 
@@ -46,7 +46,7 @@ def print_story(tick: TickRecord, rooms: RoomNames) -> None:
 
 
 def tell(tick: TickRecord, rooms: RoomNames) -> Iterator[str]:
-    """The sentences for one tick, each with its time."""
+    """Yield the sentences for one tick, each with its time."""
     for utterance in tick.utterances:
         yield _timed(tick, _sentence(utterance))
     for event in tick.events:
@@ -56,11 +56,11 @@ def tell(tick: TickRecord, rooms: RoomNames) -> Iterator[str]:
 
 
 CONDITIONS = {
-    Condition.WELL: "is well again: it answers, and knows where it is.",
+    Condition.WELL: "responds again and knows where it is.",
     Condition.LOST: "does not know where it is.",
-    Condition.SILENT: "does not answer any more.",
+    Condition.SILENT: "no longer responds.",
 }
-"""Sentences on a robot that comes into another condition."""
+"""Sentences about a robot's new condition."""
 
 
 def _timed(tick: TickRecord, sentence: str) -> str:
@@ -70,19 +70,19 @@ def _timed(tick: TickRecord, sentence: str) -> str:
 def _sentence(utterance: DialogueUtterance) -> str:
     robot = utterance.topic.robot
     speaker = robot_name(robot).capitalize() if utterance.speaker is Speaker.ROBOT else f"You to {robot_name(robot)}"
-    wizard = " (spoken for)" if utterance.author is Author.WIZARD else ""
+    wizard = " (said by the researcher)" if utterance.author is Author.WIZARD else ""
     return f"{speaker}{wizard}: {utterance.text}"
 
 
 def _happened(event: Event, rooms: RoomNames) -> str:
-    """Return a sentence on an event; empty for advice, which the robot's own sentence tells, and no more than that."""
+    """Return a sentence about an event; empty for advice, because the robot's own sentence already gives it."""
 
     def titled(room: Room) -> str:
         return rooms.titled(room.people)
 
     match event:
         case GameStarted(game=game, robots=robots):
-            return f"Game {game} begins, with {robots} robot{'s' if robots > 1 else ''}."
+            return f"Game {game} begins with {robots} robot{'s' if robots > 1 else ''}."
         case TreasuresHidden(treasures):
             return f"{len(treasures)} treasures are hidden."
         case ConsentGiven():
@@ -90,28 +90,28 @@ def _happened(event: Event, rooms: RoomNames) -> str:
         case RoomAdvised():
             return ""
         case RobotDeparted(robot, room, cost):
-            return f"{robot_name(robot).capitalize()} sets out for {titled(room)} and pays {energy_text(cost)} energy."
+            return f"{robot_name(robot).capitalize()} leaves for {titled(room)}, for {energy_text(cost)} energy."
         case RobotArrived(robot, room):
-            return f"{robot_name(robot).capitalize()} is in {titled(room)}."
+            return f"{robot_name(robot).capitalize()} has reached {titled(room)}."
         case MoveFailed(robot, room, reason, refund):
-            back = f" {energy_text(refund)} energy comes back." if refund > 0.0 else ""
-            return f"{robot_name(robot).capitalize()} does not get to {titled(room)}: {reason}{back}"
+            back = f" It gets {energy_text(refund)} energy back." if refund > 0.0 else ""
+            return f"{robot_name(robot).capitalize()} does not reach {titled(room)}: {reason}{back}"
         case ConditionChanged(robot, condition):
             return f"{robot_name(robot).capitalize()} {CONDITIONS[condition]}"
         case CostsEstimated(robot):
-            return f"{robot_name(robot).capitalize()} has reckoned what its moves cost from where it stands."
+            return f"{robot_name(robot).capitalize()} has estimated the costs of its moves from its position."
         case CommanderChanged(robot, by, name):
             who = name if by is Commander.RESEARCHER and name else commander_name(by, name)
-            return f"{robot_name(robot).capitalize()} is commanded by {who} from now on."
+            return f"{robot_name(robot).capitalize()} is now commanded by {who}."
         case HandbackRequested(robot):
-            return f"The participant asks for {robot_name(robot)} back."
+            return f"The participant asks to get {robot_name(robot)} back."
         case TreasureSensed(room, properties):
             what = f"Something {', '.join(map(value_in_words, properties.values()))}".strip()
             return f"{what} is in {titled(room)}."
         case PropertyMeasured(room, robot, name, value):
             return f"{robot_name(robot).capitalize()} senses in {titled(room)}: {_property_in_words(name, value)}."
         case PropertyTold(room, name, value):
-            return f"The participant tells of {titled(room)}: {_property_in_words(name, value)}."
+            return f"The participant reports from {titled(room)}: {_property_in_words(name, value)}."
         case TreasurePictured(room, robot):
             return f"{robot_name(robot).capitalize()} takes a picture in {titled(room)}."
         case TreasureIdentified(room, _, name, points):
@@ -121,7 +121,7 @@ def _happened(event: Event, rooms: RoomNames) -> str:
         case TreasureLeft(room):
             return f"The treasure in {titled(room)} is left alone."
         case TreasureTakenUp(room):
-            return f"The treasure in {titled(room)} is taken up again."
+            return f"The treasure in {titled(room)} is under consideration again."
         case GameEnded(reason, score):
             return f"The game is over: {ENDS[reason]}. Score {score}."
 

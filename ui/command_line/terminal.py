@@ -21,26 +21,26 @@ if TYPE_CHECKING:
     from _typeshed import ReadableBuffer as Buffer
 
 THBRIDGE = (sys.executable, "-c", "from ui.cli import main; main()")
-"""The command of this very program."""
+"""Command that runs this program."""
 
 FAILED = 1
 BAD_INPUT = 2
 DECLINED = 3
 """The participant did not agree to take part."""
-"""Exit codes; 0 is done."""
+"""Exit codes; 0 means success."""
 
 NOT_TAKING_PART = "The participant did not agree to take part. Nothing was recorded."
-"""The message that goes with `DECLINED`."""
+"""Message of the exit code `DECLINED`."""
 
 
 class VisibleConsole(Console):
-    """A console that prints names of others as they are, without markup, and their control characters as escapes."""
+    """Console that prints untrusted text unchanged: no markup, and control characters as escapes."""
 
     def __init__(self, stderr: bool = False) -> None:
         super().__init__(stderr=stderr, markup=False, emoji=False)
 
     def render(self, renderable: RenderableType, options: ConsoleOptions | None = None) -> Iterable[Segment]:
-        """Render an object; colors and cursor are set by segments of their own, or not in the text."""
+        """Render an object. Colors and cursor movements are segments of their own, so only text is escaped."""
         for text, style, control in super().render(renderable, options):
             yield Segment(text if control else visible(text, _KEPT), style, control)
 
@@ -50,40 +50,40 @@ _DISK_FAULTS = frozenset({errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EIO, er
 _STANDARD_ERROR = 2
 """Descriptor of the last standard stream."""
 _LONGEST_NAME = 200
-"""Letters that are shown of the name of a file at fault."""
+"""Number of characters shown of the name of a bad file."""
 out = VisibleConsole()
 err = VisibleConsole(stderr=True)
 
 
 def command(*words: object) -> str:
-    """A command of ours that a shell takes as it stands, whatever blanks are in a file's name."""
+    """Return a `thbridge` command that can be pasted into a shell, even if a file name has blanks."""
     return shlex.join(["thbridge", *map(str, words)])
 
 
 def say(text: str) -> None:
-    """Print a line as it is, for people and for grep."""
+    """Print a line unchanged, for people and for grep."""
     out.print(visible(text, _KEPT), highlight=False, markup=False, soft_wrap=True)
 
 
 def show(text: str) -> None:
-    """Print a sentence: broken between words on a terminal, in one line for files and other programs."""
+    """Print a sentence: wrapped between words on a terminal, on one line for files and other programs."""
     out.print(visible(text, _KEPT), highlight=False, markup=False, soft_wrap=not out.is_terminal)
 
 
 def note(text: str) -> None:
-    """Print a line beside the result, on standard error."""
+    """Print a line on standard error, so that it is not part of the result."""
     err.print(visible(text, _KEPT), highlight=False, markup=False, soft_wrap=True)
 
 
 def fail(code: int, message: str) -> NoReturn:
-    """End the command with the one message that says what to change."""
+    """Print an error message and end the command."""
     err.print(visible(message, _KEPT), style="red", highlight=False, markup=False, soft_wrap=True)
     raise typer.Exit(code)
 
 
 @contextmanager
 def bad_input(code: int = BAD_INPUT) -> Iterator[None]:
-    """Report a faulty file in its own words, and end the command."""
+    """Report a bad file with its own message, and end the command."""
     try:
         yield
     except BadFile as fault:
@@ -92,14 +92,14 @@ def bad_input(code: int = BAD_INPUT) -> Iterator[None]:
 
 @contextmanager
 def faults_of_files() -> Iterator[None]:
-    """Report what the system says of a file or a disk, where nobody who knows more about it did, and end the command.
+    """Report errors of files and disks that no other code has reported, and end the command.
 
-    Errors of sockets name no file, and are not reported.
+    Errors of sockets name no file, and are raised again.
     """
     try:
         yield
     except MemoryError:
-        fail(BAD_INPUT, "There is not enough memory for it. Name a smaller file, or end other programs.")
+        fail(BAD_INPUT, "Not enough memory. Use a smaller file, or close other programs.")
     except OSError as error:
         if error.filename is None and error.errno not in _DISK_FAULTS and not isinstance(error, shutil.Error):
             raise
@@ -109,10 +109,10 @@ def faults_of_files() -> Iterator[None]:
 
 
 class _ForgivingFile(io.FileIO):
-    """An open file on a disk that may be full, or a pipe that nobody reads: what cannot be written is dropped."""
+    """File that may be on a full disk, or a pipe without a reader. It drops what cannot be written."""
 
     def write(self, data: "Buffer", /) -> int:
-        """Write bytes, or drop them."""
+        """Write bytes; drop them if they cannot be written."""
         try:
             return super().write(data) or 0
         except OSError:
@@ -120,7 +120,7 @@ class _ForgivingFile(io.FileIO):
 
 
 def forgive_standard_error() -> None:
-    """Go on where messages cannot be written: no hunt ends, and no exit code changes, because its log has no room."""
+    """Ignore failed writes of messages, so that a full disk neither ends a hunt nor changes an exit code."""
     usual = sys.stderr
     if usual is not sys.__stderr__ or usual is None:
         return
@@ -130,10 +130,10 @@ def forgive_standard_error() -> None:
 
 
 class _ClosedOutput(io.RawIOBase):
-    """Standard output that is closed. What is written to it is lost.
+    """Standard output that is closed. It drops what is written to it.
 
     Attributes:
-        lost: True once something was written.
+        lost: True after something was written.
     """
 
     lost = False
@@ -149,7 +149,7 @@ class _ClosedOutput(io.RawIOBase):
 
 
 def replace_closed_streams() -> None:
-    """Open the standard streams that are closed: no file of ours takes their place, and lost output is noticed."""
+    """Open the closed standard streams, so that no file of ours takes their place and lost output is noticed."""
     while (free := os.open(os.devnull, os.O_RDWR)) <= _STANDARD_ERROR:
         os.set_inheritable(free, True)
     os.close(free)
@@ -158,24 +158,24 @@ def replace_closed_streams() -> None:
 
 
 def escape_for_standard_output() -> None:
-    """Write letters that the locale's encoding does not have as escapes, such as \\xb0, instead of an exception."""
+    """Write characters that the locale's encoding lacks as escapes, such as \\xb0, instead of raising an exception."""
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="backslashreplace")
 
 
 @contextmanager
 def whole_standard_output() -> Iterator[None]:
-    """See that all of the result is written before the program ends, or say why not; a pipe may end before.
+    """Ensure that the complete result is written before the program ends, or report why not; a pipe may close earlier.
 
     Raises:
-        SystemExit: it cannot be written.
+        SystemExit: the result cannot be written.
     """
     try:
         with faults_of_files():
             try:
                 yield
             except (typer.Exit, SystemExit) as left:
-                # What has failed is told already, and it may be that there was no room.
+                # The failure has already been reported, and its cause may have been a full disk.
                 with suppress(OSError, typer.Exit) if _code_of(left) else nullcontext():
                     _flush()
                 raise
@@ -186,7 +186,7 @@ def whole_standard_output() -> Iterator[None]:
         code = _code_of(failed)
     else:
         return
-    # What is left would be tried again by Python, and told as a fault.
+    # Python would try to write the rest again at exit, and report a fault.
     with suppress(OSError, ValueError):
         nowhere = os.open(os.devnull, os.O_WRONLY)
         os.dup2(nowhere, sys.stdout.fileno())
@@ -203,9 +203,9 @@ def _flush() -> None:
     sys.stdout.flush()
     raw = getattr(getattr(sys.stdout, "buffer", None), "raw", None)
     if isinstance(raw, _ClosedOutput) and raw.lost:
-        fail(FAILED, "Standard output is closed, and what the command printed is lost. Direct it to a file.")
+        fail(FAILED, "Standard output is closed, and what the command printed is lost. Redirect it to a file.")
 
 
 def print_json(value: Mapping[str, object]) -> None:
-    """Print the one object that --json promises, all of standard output."""
-    print(json.dumps(value))  # noqa: T201 - no colours, no wrapping
+    """Print the one JSON object of --json, which is all of standard output."""
+    print(json.dumps(value))  # noqa: T201 - no colors, no wrapping

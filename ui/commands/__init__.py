@@ -1,1 +1,1 @@
-"""The commands of `thbridge`, one function each; what they need is imported when they are called."""
+"""Commands of `thbridge`, one function each; their imports run when a command is called."""

@@ -1,4 +1,4 @@
-"""`thbridge keys`: keys by which programs and windows are admitted from other machines, each with its rights."""
+"""`thbridge keys`: keys, each with its rights, for programs and windows on other machines."""
 
 from pathlib import Path
 from typing import Annotated
@@ -8,8 +8,10 @@ import typer
 from thbridge.credentials import Right
 from ui.command_line.terminal import BAD_INPUT, bad_input, command, fail, note, out, say
 
-KeyFolder = Annotated[Path, typer.Option("--keys", help="Folder of the keys, which --keys and --watch-key name.")]
-KeyName = Annotated[str, typer.Argument(help="Name of whoever has it; it is recorded with what they do.")]
+KeyFolder = Annotated[
+    Path, typer.Option("--keys", help="Folder of the keys; use the same with --keys and --watch-key.")
+]
+KeyName = Annotated[str, typer.Argument(help="Name of the key's owner; it is recorded with their actions.")]
 FOLDER = Path("keys")
 
 
@@ -18,11 +20,13 @@ def keys_new(
     folder: KeyFolder = FOLDER,
     rights: Annotated[
         list[Right] | None,
-        typer.Option("--right", help="What it is good for, `watch` by default. May be given several times."),
+        typer.Option("--right", help="Right of the key; default: `watch`. Can be repeated."),
     ] = None,
-    days: Annotated[int | None, typer.Option(help="Days after which it is good for nothing.", min=1, max=3650)] = None,
+    days: Annotated[
+        int | None, typer.Option(help="Number of days after which the key expires.", min=1, max=3650)
+    ] = None,
 ) -> None:
-    """Make a key; its file is to be handed over."""
+    """Create a key in a file, which you give to the person who needs it."""
     import secrets
     from datetime import UTC, datetime, timedelta
 
@@ -35,11 +39,11 @@ def keys_new(
     say(str(path))
     watches = Right.WATCH in (rights or [Right.WATCH]) or Right.INTERVENE in (rights or ())
     uses = command("watch", "HOST:PORT", "--key", path) if watches else f"--key {path}"
-    note(f"Hand this file over, and delete it here. It is used by `{uses}`.")
+    note(f"Give this file to the owner of the key, then delete it here. Use it with `{uses}`.")
 
 
 def keys_list(folder: KeyFolder = FOLDER) -> None:
-    """List the keys, those that are good for nothing any more among them."""
+    """List the keys, including expired, revoked and used ones."""
     from rich.table import Table
 
     from thbridge.files.keys.certificate import certificate_of
@@ -61,12 +65,12 @@ def keys_list(folder: KeyFolder = FOLDER) -> None:
 
 
 def keys_revoke(name: KeyName, folder: KeyFolder = FOLDER) -> None:
-    """Take a key back; whoever is connected by it is disconnected within a second."""
+    """Revoke a key; clients connected with it are disconnected within a second."""
     from thbridge.files.keys.key_ring import KeyRing
     from thbridge.timing.wall_clock import utc_now
 
     if not folder.is_dir():
-        fail(BAD_INPUT, f"--keys: there is no folder {folder}. Name the one in which the key was made.")
+        fail(BAD_INPUT, f"--keys: there is no folder {folder}. Name the folder in which the key was created.")
     with bad_input():
         KeyRing(folder, utc_now).revoke(name)
     note(f"{name} is revoked.")

@@ -1,4 +1,4 @@
-"""`thbridge argue`: which arguments of a framework stand together, and why one does or does not."""
+"""`thbridge argue`: arguments that can be accepted together, and the reasons."""
 
 from enum import StrEnum
 from importlib.util import find_spec
@@ -13,38 +13,42 @@ from ui.command_line.terminal import BAD_INPUT, bad_input, fail, print_json, say
 
 
 class ArgumentationEngine(StrEnum):
-    """Program that finds extensions."""
+    """Program that computes extensions."""
 
     PYTHON = "python"
     CLINGO = "clingo"
 
 
 def argue(
-    file: Annotated[Path, typer.Argument(help="An argumentation framework: .apx, .tgf or .af.")],
+    file: Annotated[Path, typer.Argument(help="Argumentation framework: a .apx, .tgf or .af file.")],
     semantics: Annotated[
         Semantics, typer.Option(help="GR: grounded, CO: complete, PR: preferred, ST: stable.", case_sensitive=False)
     ] = Semantics.GROUNDED,
     engine: Annotated[
         ArgumentationEngine,
-        typer.Option(help="Who finds them; clingo, an extra package, is faster on large frameworks."),
+        typer.Option(help="Program that computes extensions. clingo, an extra package, is faster on large frameworks."),
     ] = ArgumentationEngine.PYTHON,
-    query: Annotated[str | None, typer.Option(help="An argument: is it in an extension, in all of them?")] = None,
+    query: Annotated[
+        str | None, typer.Option(help="Argument to look up: is it in some extension, or in all of them?")
+    ] = None,
     explain: Annotated[
         bool,
-        typer.Option("--explain", help="Why the argument of --query is in an extension, or not, with a discussion."),
+        typer.Option(
+            "--explain", help="Explain why the argument of --query is in an extension or not, with a discussion."
+        ),
     ] = False,
     as_json: AsJson = False,
 ) -> None:
-    """Tell which arguments stand together: the extensions of an argumentation framework."""
+    """Compute the extensions of an argumentation framework: sets of arguments that can be accepted together."""
     from thbridge.dialogue.argumentation.discussion import discuss, is_won
     from thbridge.files.argument_files import read_framework
     from ui.commands.argue.words import discussion_in_words, grounded_label, membership_in_words, name_order
 
     if explain and query is None:
-        fail(BAD_INPUT, "--explain: it needs to know of what. Name the argument by --query.")
+        fail(BAD_INPUT, "--explain requires an argument to explain. Add --query ARGUMENT.")
     if engine is ArgumentationEngine.CLINGO:
         if find_spec("clingo") is None:
-            remedy = "Run: pip install 'thbridge[argumentation]', or leave --engine away"
+            remedy = "Run: pip install 'thbridge[argumentation]', or omit --engine"
             fail(BAD_INPUT, f"--engine: the package clingo is not installed. {remedy}.")
         from thbridge.dialogue.argumentation.clingo_engine import extensions_by_clingo as extensions
     else:
@@ -53,12 +57,12 @@ def argue(
         framework = read_framework(file)
     if query is not None and query not in framework.index:
         near = [name for name in framework.arguments if name.lower() == query.lower()]
-        of = ", ".join(near or framework.arguments[:12]) or "none at all"
+        of = ", ".join(near or framework.arguments[:12]) or "none"
         fail(BAD_INPUT, f"--query: there is no argument {query} in {file}. Its arguments are, for example: {of}.")
     found = extensions(framework, semantics)
     names = sorted((sorted(each, key=name_order) for each in found), key=lambda each: [*map(name_order, each)])
     told: dict[str, object] = {"semantics": semantics.value, "extensions": names}
-    lines = [f"{{{', '.join(each)}}}" for each in names] or ["There is no extension."]
+    lines = [f"{{{', '.join(each)}}}" for each in names] or ["No extension exists."]
     if query is not None:
         credulous, sceptical = any(query in each for each in found), all(query in each for each in found)
         told |= {"query": query, "credulous": credulous, "sceptical": sceptical}
@@ -70,7 +74,7 @@ def argue(
         told["grounded"] = is_won(discussion)
         told["label"] = grounded_label(framework, query)
         lines += membership_in_words(framework, semantics, found, query)
-        lines += ["", f"A discussion of whether {query} is in the grounded extension:"]
+        lines += ["", f"Discussion: whether {query} is in the grounded extension:"]
         lines += discussion_in_words(framework, discussion)
     if as_json:
         print_json(told)

@@ -1,4 +1,4 @@
-"""Words of `thbridge argue`: why an argument is in an extension, or is not, and its discussion."""
+"""Sentences of `thbridge argue`: why an argument is in an extension or not, and the discussion of an argument."""
 
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
@@ -23,24 +23,24 @@ _KINDS = {
 }
 _LABELS = {IN: "in", OUT: "out", UNDECIDED: "undecided"}
 _MANY = 8
-"""No sentence names more arguments of one kind."""
+"""Greatest number of arguments of one kind in a sentence."""
 
 
 def name_order(name: str) -> tuple[bool, int, str]:
-    """Return what names are sorted by: numbers by their size, then all others by their letters."""
+    """Return a sort key for names: numbers by their value, then all other names by their letters."""
     is_number = name.isdecimal()
     return not is_number, len(name) if is_number else 0, name
 
 
 def grounded_label(framework: ArgumentationFramework, name: str) -> str:
-    """Return the label of an argument in the grounded labelling: in, out or undecided."""
+    """Return the label of an argument in the grounded labeling: in, out or undecided."""
     return _LABELS[grounded_labels(framework)[framework.index[name]]]
 
 
 def membership_in_words(
     framework: ArgumentationFramework, semantics: Semantics, found: Sequence[Extension], name: str
 ) -> Iterator[str]:
-    """Yield why an argument is in one of the extensions that were found, and why it is not in another one."""
+    """Yield why an argument is in one of the given extensions, and why it is not in another one."""
     for is_in in (True, False):
         extension = next((each for each in found if (name in each) == is_in), None)
         if extension is not None:
@@ -53,7 +53,7 @@ def _reason_in_words(framework: ArgumentationFramework, extension: Extension, na
     steps, attackers = grounded_steps(framework), _attackers(framework, name)
 
     def answer_to(target: str) -> str | None:
-        # What became grounded first does not rest on the argument that it defends.
+        # An argument that became grounded first does not depend on the argument that it defends.
         those = [each for each in _attackers(framework, target) if each in extension]
         ranks = [(steps[framework.index[each]] is None, steps[framework.index[each]] or 0) for each in those]
         return those[ranks.index(min(ranks))] if those else None
@@ -67,18 +67,18 @@ def _reason_in_words(framework: ArgumentationFramework, extension: Extension, na
                 return f"{attacker} attacks it, but {answer} attacks {attacker}"
             case several:
                 told = ", ".join(_few([f"{attacker} by {answer}" for attacker, answer in several]))
-                return f"what attacks it is attacked in turn, {told}"
+                return f"its attackers are attacked in turn, {told}"
     against = answer_to(name)
     if against is not None:
         return f"{against} attacks it, and is in the extension"
     if name in attackers:
-        return "it attacks itself. Nothing in the extension attacks it, so that it is undecided"
+        return "it attacks itself. Nothing in the extension attacks it, so it is undecided"
     undecided = next(each for each, answer in answers.items() if answer is None)
-    return f"{undecided} attacks it. Nothing in the extension attacks {undecided} or {name}, so that both are undecided"
+    return f"{undecided} attacks it. Nothing in the extension attacks {undecided} or {name}, so both are undecided"
 
 
 def discussion_in_words(framework: ArgumentationFramework, discussion: Discussion) -> Iterator[str]:
-    """Yield the lines of a discussion as `discuss` plays it, and who wins."""
+    """Yield the lines of a discussion as `discuss` returns it, and who wins."""
     name = discussion[0].argument
     brought_in: list[str] = []
     claims: list[str] = []
@@ -88,7 +88,7 @@ def discussion_in_words(framework: ArgumentationFramework, discussion: Discussio
         match move.locution:
             case DiscussionLocution.HAS_TO_BE:
                 against = f"attacks {_target(about, brought_in[-1])}, and " if claims else ""
-                yield f"Proponent: {about} {against}has to be accepted."
+                yield f"Proponent: {about} {against}must be accepted."
                 brought_in.append(about)
                 claims.append(about)
             case DiscussionLocution.CAN_BE:
@@ -97,27 +97,27 @@ def discussion_in_words(framework: ArgumentationFramework, discussion: Discussio
                 yield f"Opponent:  But {about} attacks {_target(about, claims[-1])}."
                 brought_in.append(about)
             case DiscussionLocution.CONCEDE:
-                why = "I have taken back all that attacks" if _attackers(framework, about) else "Nothing attacks"
+                why = "I have taken back every attacker of" if _attackers(framework, about) else "Nothing attacks"
                 yield f"Opponent:  {why} {about}. I concede {about}."
                 conceded.add(about)
             case DiscussionLocution.RETRACT:
                 answer = next(each for each in _attackers(framework, about) if each in conceded)
                 yield f"Opponent:  {answer} attacks {about}. I take {about} back."
     if is_won(discussion):
-        yield f"The proponent wins: {name} has to be accepted."
+        yield f"The proponent wins: {name} must be accepted."
         return
     last = brought_in.pop()
     if last not in brought_in:
         yield f"Proponent: Nothing attacks {last}. I have no answer."
-        yield f"The opponent wins: {name} has to be rejected."
+        yield f"The opponent wins: {name} must be rejected."
         return
     circle = [last, *reversed(brought_in[brought_in.index(last) :])]
     attacks = [f"{attacker} attacks {target}" for attacker, target in pairwise(circle)]
     if len(attacks) == 1:
-        yield "What attacks itself cannot be accepted."
+        yield "An argument that attacks itself cannot be accepted."
     else:
-        yield f"This goes round in a circle, which decides nothing: {', '.join(_few(attacks))}."
-    yield f"The opponent wins: {name} does not have to be accepted. It does not have to be rejected either."
+        yield f"These attacks form a cycle, which decides nothing: {', '.join(_few(attacks))}."
+    yield f"The opponent wins: {name} need not be accepted, and need not be rejected."
 
 
 def _target(attacker: str, target: str) -> str:

@@ -1,1 +1,1 @@
-"""The commands of `thbridge bag`."""
+"""Commands of `thbridge bag`."""

@@ -1,4 +1,4 @@
-"""`thbridge bag`: look into recordings and mend them."""
+"""`thbridge bag`: inspect, check, repair, cut and convert recordings."""
 
 import math
 from enum import StrEnum
@@ -16,14 +16,14 @@ from ui.command_line.recordings import Recording
 from ui.command_line.terminal import BAD_INPUT, FAILED, bad_input, fail, note, print_json, say
 
 MOST_LOSSES = 20
-"""Losses of a repair that are listed one by one."""
+"""Greatest number of lost parts that a repair lists."""
 
 Out = Annotated[
-    Path | None, typer.Option("--to", help="The new file; by default beside the bag. `-` is standard output.")
+    Path | None, typer.Option("--to", help="File to write; default: next to the bag. `-` is standard output.")
 ]
 
 
-Overwrite = Annotated[bool, typer.Option("--overwrite", help="Replace a file of that name.")]
+Overwrite = Annotated[bool, typer.Option("--overwrite", help="Replace an existing file of that name.")]
 
 
 class Packing(StrEnum):
@@ -35,7 +35,7 @@ class Packing(StrEnum):
 
 
 class Profile(StrEnum):
-    """Generation of ROS that an MCAP file is for."""
+    """Version of ROS for which an MCAP file is written."""
 
     ROS1 = "ros1"
     ROS2 = "ros2"
@@ -44,12 +44,12 @@ class Profile(StrEnum):
 def bag_info(
     bag: Recording,
     hashed: Annotated[
-        bool, typer.Option("--hash", help="Also the digest of all messages but the session's own record.")
+        bool, typer.Option("--hash", help="Also print the digest of all messages, except the session's own record.")
     ] = False,
     progress: ProgressOption = ProgressKind.AUTO,
     as_json: AsJson = False,
 ) -> None:
-    """Say what is in a bag: topics, types, rates, gaps, and the session if it is ours."""
+    """Print what a bag contains: topics, types, rates, gaps, and the session if thbridge recorded it."""
     import msgspec
 
     from thbridge.analysis.bag_summary import summarise
@@ -65,11 +65,11 @@ def bag_info(
         return
     show_summary(found)
     for name, value in digest.items():
-        say(f"{name} of the messages: {value}")
+        say(f"{name} of all messages: {value}")
 
 
 def bag_check(bag: Recording, progress: ProgressOption = ProgressKind.AUTO, as_json: AsJson = False) -> None:
-    """Judge a bag: will rosbag, rviz, Foxglove, PlotJuggler and evo take it, and why not."""
+    """Check whether rosbag, rviz, Foxglove, PlotJuggler and evo can read a bag, and why not."""
     from thbridge.analysis.check import judge
     from thbridge.recording.bag.reading.scan import scan
     from ui.command_line.progress import shown_progress
@@ -86,11 +86,11 @@ def bag_check(bag: Recording, progress: ProgressOption = ProgressKind.AUTO, as_j
 
 
 def bag_reindex(
-    bag: Annotated[Path, typer.Argument(help="A bag whose writer was killed.")],
+    bag: Annotated[Path, typer.Argument(help="Bag with an incomplete end, because its writer was killed.")],
     progress: ProgressOption = ProgressKind.AUTO,
     as_json: AsJson = False,
 ) -> None:
-    """Recover a bag that was cut off; the original is kept beside it."""
+    """Recover a bag that ends abruptly. The original file is kept next to it."""
     import msgspec
 
     from thbridge.recording.bag.repair import reindex as reindex_bag
@@ -108,25 +108,29 @@ def bag_reindex(
         for loss in done.losses[:MOST_LOSSES]:
             say(f"  {visible(loss)}")
         if len(done.losses) > MOST_LOSSES:
-            say(f"  and {len(done.losses) - MOST_LOSSES} more, which --json lists.")
+            say(f"  and {len(done.losses) - MOST_LOSSES} more (list them with --json).")
     if lost:
         raise typer.Exit(FAILED)
 
 
 def bag_cut(
     bag: Recording,
-    start: Annotated[float, typer.Option("--from", help="Seconds from its beginning.", min=0.0)] = 0.0,
-    end: Annotated[float | None, typer.Option("--until", help="Seconds from its beginning; by default all.")] = None,
-    topics: Annotated[str | None, typer.Option(help="Names with commas between; by default all.")] = None,
+    start: Annotated[
+        float, typer.Option("--from", help="Start, in seconds from the beginning of the bag.", min=0.0)
+    ] = 0.0,
+    end: Annotated[
+        float | None, typer.Option("--until", help="End, in seconds from the beginning of the bag; default: its end.")
+    ] = None,
+    topics: Annotated[str | None, typer.Option(help="Names of topics, separated by commas; default: all.")] = None,
     compression: Annotated[
-        Compression | None, typer.Option(help="Of the new bag; by default as the bag is packed.")
+        Compression | None, typer.Option(help="Compression of the output bag; default: as the input bag.")
     ] = None,
     new: Out = None,
     overwrite: Overwrite = False,
     progress: ProgressOption = ProgressKind.AUTO,
     as_json: AsJson = False,
 ) -> None:
-    """Cut a piece out of a bag; it begins with what was latched before. Parts become one bag."""
+    """Copy a part of a bag into a new bag, with the messages latched before it. A split bag becomes one file."""
     import msgspec
 
     from thbridge.analysis.cut import CutRange, cut
@@ -144,15 +148,15 @@ def bag_cut(
     if as_json:
         print_json(msgspec.to_builtins(done, enc_hook=str))
     elif new != STANDARD_OUTPUT:
-        latched = f", {done.latched} of them latched before" if done.latched else ""
-        say(f"Cut {done.messages} messages into {done.path}{latched}.")
+        latched = f", {done.latched} of them latched before the start" if done.latched else ""
+        say(f"Copied {done.messages} messages to {done.path}{latched}.")
 
 
 def bag_to_mcap(
     bag: Recording,
-    compression: Annotated[Packing, typer.Option(help="Of the new file.")] = Packing.ZSTD,
+    compression: Annotated[Packing, typer.Option(help="Compression of the output file.")] = Packing.ZSTD,
     profile: Annotated[
-        Profile, typer.Option(help="ros1: a file, for Foxglove; ros2: a folder of rosbag2, for ROS 2.")
+        Profile, typer.Option(help="`ros1`: a file for Foxglove; `ros2`: a rosbag2 folder for ROS 2.")
     ] = Profile.ROS1,
     new: Out = None,
     overwrite: Overwrite = False,
@@ -169,17 +173,17 @@ def bag_to_mcap(
     share_no_output(new, as_json)
     if profile is Profile.ROS2:
         if new == STANDARD_OUTPUT or overwrite or compression is Packing.LZ4:
-            problem = "a folder of rosbag2 goes to a new place on the disk, packed by zstd or not at all"
-            fail(BAD_INPUT, f"--profile ros2: {problem}. Leave `-`, --overwrite and lz4 out.")
+            problem = "a rosbag2 folder must be new, on the disk, and compressed with zstd or not at all"
+            fail(BAD_INPUT, f"--profile ros2: {problem}. Omit `-`, --overwrite and lz4.")
         with bad_input(), shown_progress(progress, "bag to-mcap"):
             folder = to_ros2(bag, new or bag.with_name(f"{bag.stem}-ros2"), compression is Packing.ZSTD)
         if as_json:
             print_json(msgspec.to_builtins(folder, enc_hook=str))
             return
         for topic in folder.left_out:
-            note(f"{visible(topic)} is left out: its type cannot be converted.")
+            note(f"{visible(topic)} is omitted: its type cannot be converted.")
         if folder.broken:
-            note(f"{folder.broken} messages are left out: they do not fit their definitions.")
+            note(f"{folder.broken} messages are omitted: they do not match their definitions.")
         say(f"Wrote {folder.messages} messages to {folder.path}.")
         return
     with (
@@ -189,7 +193,7 @@ def bag_to_mcap(
     ):
         done = to_mcap(bag, file, compression, overwrite, tell)
     for topic in done.undefined:
-        note(f"{visible(topic)}: the bag has no definition of its type, and no reader can decode it.")
+        note(f"{visible(topic)}: the bag has no definition of its type, so no reader can decode it.")
     if as_json:
         print_json(msgspec.to_builtins(done, enc_hook=str))
     elif new != STANDARD_OUTPUT:

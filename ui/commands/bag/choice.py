@@ -1,4 +1,4 @@
-"""Topics and tables for `thbridge bag export`."""
+"""Topics and tables that `thbridge bag export` writes."""
 
 import difflib
 from collections.abc import Collection
@@ -13,7 +13,7 @@ from ui.command_line.terminal import BAD_INPUT, command, fail
 
 
 def chosen_topics(bag: Path, patterns: Collection[str]) -> frozenset[str]:
-    """The topics of a bag that match any of the patterns."""
+    """Return the topics of a bag that match any of the patterns."""
     names = {topic.name for topic in info(bag).topics}
     chosen: set[str] = set()
     for pattern in patterns:
@@ -25,7 +25,7 @@ def chosen_topics(bag: Path, patterns: Collection[str]) -> frozenset[str]:
 
 
 def chosen_tables(bag: Path, patterns: Collection[str]) -> frozenset[str]:
-    """The tables of a bag that match any of the patterns; `events` is `hunt_events`, too."""
+    """Return the tables of a bag that match any of the patterns; `events` also means `hunt_events`."""
     topics = info(bag).topics
     names = {poses.NAME, *(table_name(topic.name) for topic in topics)}
     if any(topic.msgtype == DIALOGUE_MOVE for topic in topics):
@@ -44,12 +44,12 @@ def _fail_without(bag: Path, what: str, pattern: str, names: Collection[str]) ->
     word = pattern.strip("/*")
     near = difflib.get_close_matches(pattern, sorted(names), n=3, cutoff=0.6)
     near += [name for name in sorted(names) if word and word in name and name not in near][:3]
-    hint = f"The nearest right ones are {', '.join(near)}" if near else f"No {what} is like it"
+    hint = f"Similar names are {', '.join(near)}" if near else f"No {what} has a similar name"
     fail(
         BAD_INPUT, f"--{what}s: there is no {what} {pattern}. {hint}; `{command('bag', 'info', bag)}` lists all topics."
     )
 
 
 def names_in(given: Collection[str]) -> list[str]:
-    """The names in an option that may be given several times, and with commas between."""
+    """Return the names in an option that can be repeated and can have commas between names."""
     return [name.strip() for text in given for name in text.split(",") if name.strip()]

@@ -1,4 +1,4 @@
-"""`thbridge bag export`: recordings as tables for pandas, R and their like."""
+"""`thbridge bag export`: recordings as tables for pandas, R and similar programs."""
 
 from enum import StrEnum
 from pathlib import Path
@@ -14,7 +14,7 @@ from ui.command_line.terminal import FAILED, bad_input, fail, note, print_json, 
 
 
 class ExportFormat(StrEnum):
-    """Kinds of files to write."""
+    """Formats of the tables."""
 
     CSV = "csv"
     PARQUET = "parquet"
@@ -23,25 +23,25 @@ class ExportFormat(StrEnum):
 
 def bag_export(
     bag: Recording,
-    to: Annotated[Path, typer.Option(help="Folder for the files, new or empty.", metavar="FOLDER")],
+    to: Annotated[Path, typer.Option(help="Folder to write to; must be new or empty.", metavar="FOLDER")],
     topics: Annotated[
         list[str] | None,
-        typer.Option(help="Names or patterns such as `*/scan`, with commas between; by default all."),
+        typer.Option(help="Topics: names or patterns such as `*/scan`, separated by commas; default: all."),
     ] = None,
     tables: Annotated[
         list[str] | None,
-        typer.Option(help="Names of tables, such as `poses,events`, with commas between; by default all."),
+        typer.Option(help="Tables, such as `poses,events`, separated by commas; default: all."),
     ] = None,
-    form: Annotated[ExportFormat, typer.Option("--format", help="Kind of files.")] = ExportFormat.PARQUET,
-    start: Annotated[float, typer.Option("--from", help="Seconds after the beginning.", min=0.0)] = 0.0,
+    form: Annotated[ExportFormat, typer.Option("--format", help="Format of the tables.")] = ExportFormat.PARQUET,
+    start: Annotated[float, typer.Option("--from", help="Start, in seconds from the beginning.", min=0.0)] = 0.0,
     until: Annotated[
-        float | None, typer.Option(help="Seconds after the beginning; by default to the end.", min=0.0)
+        float | None, typer.Option(help="End, in seconds from the beginning; default: the end of the bag.", min=0.0)
     ] = None,
     progress: ProgressOption = ProgressKind.AUTO,
     as_json: AsJson = False,
 ) -> None:
-    """Export a bag as tables, one for each topic, with a data dictionary; any ROS 1 bag will do."""
-    # pyarrow's import would slow every command.
+    """Export any ROS 1 bag as tables, one for each topic, with a data dictionary."""
+    # Importing pyarrow here would slow down all commands.
     from thbridge.analysis.export.folder import export_bag
     from thbridge.files.tables.table_files import TableFormat
     from ui.command_line.progress import shown_progress
@@ -63,4 +63,4 @@ def bag_export(
         total = sum(rows.values())
         say(f"{to}: {len(rows)} {'table' if len(rows) == 1 else 'tables'}, {total} rows, and README.md.")
     if not rows and exported.notices:
-        fail(FAILED, f"{bag}: no topic of it could be exported.")
+        fail(FAILED, f"{bag}: none of its topics could be exported.")

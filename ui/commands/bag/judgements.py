@@ -1,4 +1,4 @@
-"""The judgements that `thbridge bag check` shows."""
+"""Output of `thbridge bag check`."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -8,15 +8,15 @@ from thbridge.files.errors import visible
 from ui.command_line.terminal import say
 
 _VERDICTS = {
-    FindingSeverity.ERROR: "stumbles: see its errors",
-    FindingSeverity.WARNING: "takes it, with losses",
-    FindingSeverity.NOTE: "takes it",
-    None: "takes it",
+    FindingSeverity.ERROR: "has problems, see its errors",
+    FindingSeverity.WARNING: "can read it, with losses",
+    FindingSeverity.NOTE: "can read it",
+    None: "can read it",
 }
 
 
 def _verdicts(judgements: Mapping[Path, Judgement]) -> dict[BagTool, FindingSeverity | None]:
-    """The worst finding for each tool in any part."""
+    """Return the most severe finding for each tool in any part."""
     worst = {tool: [judgement.worst(tool) for judgement in judgements.values()] for tool in BagTool}
     return {
         tool: next((severity for severity in FindingSeverity if severity in met), None) for tool, met in worst.items()
@@ -24,7 +24,7 @@ def _verdicts(judgements: Mapping[Path, Judgement]) -> dict[BagTool, FindingSeve
 
 
 def judgements_as_json(judgements: Mapping[Path, Judgement]) -> dict[str, object]:
-    """The judgements of a recording's parts as the JSON object has them."""
+    """Return the judgements of a recording's parts as a JSON object."""
     findings = [
         {
             "file": str(path),
@@ -73,7 +73,7 @@ def _messages(count: int) -> str:
 
 
 def _seconds_in(finding: Finding, judgement: Judgement) -> float | None:
-    """Seconds from the bag's beginning to the first message concerned."""
+    """Return the seconds from the beginning of the bag to the first message concerned."""
     if finding.first_ns is None or judgement.start_ns is None:
         return None
     return (finding.first_ns - judgement.start_ns) / 1e9

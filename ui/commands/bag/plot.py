@@ -15,7 +15,7 @@ from ui.command_line.terminal import BAD_INPUT, FAILED, bad_input, fail, note
 
 
 class FigureWidth(StrEnum):
-    """Columns of a page that a figure takes."""
+    """Width of a figure, in columns of a page."""
 
     ONE = "one"
     TWO = "two"
@@ -23,25 +23,25 @@ class FigureWidth(StrEnum):
 
 def bag_plot(
     bag: Recording,
-    what: Annotated[FigureKind, typer.Option(help="What to plot.")],
+    what: Annotated[FigureKind, typer.Option(help="Figure to plot.")],
     to: Annotated[
         Path,
-        typer.Option(help="The figure: a .png, .svg or .pdf. `-` is standard output, as SVG.", metavar="FILE"),
+        typer.Option(help="File to write: a .png, .svg or .pdf. `-` is standard output, as SVG.", metavar="FILE"),
     ],
     width: Annotated[
-        FigureWidth, typer.Option(help="Columns of a page: `one` is 88 mm, `two` are 183 mm.")
+        FigureWidth, typer.Option(help="Width in columns of a page: `one` is 88 mm, `two` is 183 mm.")
     ] = FigureWidth.TWO,
     map_yaml: Annotated[
-        Path | None, typer.Option("--map", help="The map, a map_server YAML file; by default the bag's own.")
+        Path | None, typer.Option("--map", help="Map (a map_server YAML file); default: the map in the bag.")
     ] = None,
     game: Annotated[
-        int | None, typer.Option(help="Number of the game to plot, where there are several; times count from it.")
+        int | None, typer.Option(help="Number of the game to plot, if the bag has several; times count from its start.")
     ] = None,
     truth: Truth = None,
     estimate: Estimated = None,
     progress: ProgressOption = ProgressKind.AUTO,
 ) -> None:
-    """Plot a bag for print: paths, errors, covariance, energy, speeds, or what happened when."""
+    """Plot a bag for print: paths, errors, covariance, energy, speeds, or a timeline of events."""
     from thbridge.analysis.plot.figures import draw
     from thbridge.analysis.plot.style import ONE_COLUMN, TWO_COLUMNS, FigureFormat
     from thbridge.analysis.report.builder import read_games, trajectory_topics
@@ -54,7 +54,7 @@ def bag_plot(
 
     kind = "svg" if to == STANDARD_OUTPUT else to.suffix.lower().removeprefix(".")
     if kind not in set(FigureFormat):
-        fail(BAD_INPUT, f"--to: {to} is no figure. Give a file name that ends in .png, .svg or .pdf.")
+        fail(BAD_INPUT, f"--to: {to} is not a figure. Write a file name that ends in .png, .svg or .pdf.")
     look = ONE_COLUMN if width is FigureWidth.ONE else TWO_COLUMNS
     share_outputs()
     with bad_input(), shown_progress(progress, "bag plot") as tell:
@@ -69,7 +69,7 @@ def bag_plot(
     if isinstance(drawn, RequestRefused):
         fail(FAILED, f"{bag}: {drawn.sentence}")
     with bad_input(), destination(to) as file:
-        write_whole(file, look.rendered(drawn, FigureFormat(kind)), "choose another by --to")
+        write_whole(file, look.rendered(drawn, FigureFormat(kind)), "choose another with --to")
     for sentence in report.left_out:
         note(visible(sentence))
     for track in report.tracks:

@@ -1,4 +1,4 @@
-"""The summary that `thbridge bag info` shows."""
+"""Output of `thbridge bag info`."""
 
 from thbridge.analysis.bag_summary import RecordingSummary
 from thbridge.files.errors import visible
@@ -6,21 +6,21 @@ from thbridge.ros.messages.session_records import MACHINE
 from ui.command_line.terminal import say
 
 WIDEST = 80
-"""Characters for which a column makes room; what is longer moves the rest of its own row."""
+"""Greatest width of a column, in characters; a longer cell shifts the rest of its row only."""
 
 
 def show_summary(found: RecordingSummary) -> None:
-    """Print what is in a bag."""
+    """Print what a bag contains."""
     files = f" in {len(found.parts)} files" if len(found.parts) > 1 else ""
     say(f"{found.path}: {found.duration:.1f} s, {found.messages} messages, {found.size / 1e6:.1f} MB{files}")
     say(f"compression: {found.compression}")
     if found.session is not None:
         told = found.session.versions
         versions = ", ".join(f"{name} {version}" for name, version in told.items() if name not in MACHINE)
-        say(f"a session of ours, seed {found.session.seed}: {visible(versions)}")
-        # Features are many words, for programs to compare.
+        say(f"recorded by thbridge, seed {found.session.seed}: {visible(versions)}")
+        # Processor features are many words that only programs compare.
         machine = ", ".join(f"{name} {told[name]}" for name in MACHINE if name in told and "features" not in name)
-        say(f"recorded on: {visible(machine) or 'a machine of which it does not tell'}")
+        say(f"recorded on: {visible(machine) or 'an unknown machine'}")
     rows = [("topic", "messages", "Hz", "from", "to", "", "type", "md5", "published by")]
     for topic in found.topics:
         rate = "" if topic.hertz is None else f"{topic.hertz:.1f}"
@@ -31,7 +31,7 @@ def show_summary(found: RecordingSummary) -> None:
         rows.append((visible(topic.name), str(topic.messages), rate, *times, latched, *names))
     widths = [min(WIDEST, max(len(row[column]) for row in rows)) for column in range(len(rows[0]))]
     for row in rows:
-        # Names to the left, figures to the right.
+        # Names are aligned left, numbers right.
         cells = (f"{cell:{'>' if 1 <= column <= 4 else '<'}{widths[column]}}" for column, cell in enumerate(row))
         say("  ".join(cells).rstrip())
     for topic in found.topics:
@@ -39,9 +39,9 @@ def show_summary(found: RecordingSummary) -> None:
             longest = topic.gaps[0]
             number = f"{len(topic.gaps)} gap{'s' if len(topic.gaps) > 1 else ''}"
             since = _seconds(longest.start_ns, found.start_ns)
-            say(f"{visible(topic.name)}: {number}, the longest {longest.seconds:.1f} s, from {since} s on")
+            say(f"{visible(topic.name)}: {number}, the longest {longest.seconds:.1f} s, starting at {since} s")
 
 
 def _seconds(stamp_ns: int | None, start_ns: int | None) -> str:
-    """Time of a stamp, in seconds from the recording's beginning."""
+    """Return the time of a stamp in seconds from the beginning of the recording."""
     return "" if stamp_ns is None or start_ns is None else f"{(stamp_ns - start_ns) / 1e9:.1f}"

@@ -10,10 +10,10 @@ from pathlib import Path
 from thbridge.files.disk.whole import whole_file
 
 NAME = "thbridge"
-"""Name of the desktop entry, of the icon and of the MIME package."""
+"""Name of the desktop entry, the icon and the MIME package."""
 ICON = Path(__file__).parents[2] / "windows" / f"{NAME}.svg"
 _UPDATES = (("update-mime-database", "mime"), ("update-desktop-database", "applications"))
-"""Programs that rebuild the desktop's caches, each with the folder that it takes."""
+"""Programs that rebuild the desktop's caches, each with the folder that it updates."""
 
 MIME_TYPES = """\
 <?xml version="1.0" encoding="UTF-8"?>

@@ -1,4 +1,4 @@
-"""`thbridge docs`: the pages of the documentation, in the terminal or in a browser."""
+"""`thbridge docs`: the documentation in the terminal or in a browser."""
 
 from typing import Annotated
 
@@ -7,10 +7,10 @@ import typer
 
 def docs(
     page: Annotated[
-        str | None, typer.Argument(help="Name of a page, such as `sweeps`. Without a page, all are listed.")
+        str | None, typer.Argument(help="Name of a page, such as `sweeps`. Without it, all pages are listed.")
     ] = None,
     in_browser: Annotated[
-        bool, typer.Option("--open", help="Open the page in a browser; without a page, the list.")
+        bool, typer.Option("--open", help="Open the page, or the list of pages, in a browser.")
     ] = False,
 ) -> None:
     """List the pages of the documentation, or show one of them."""

@@ -1,4 +1,4 @@
-"""Pages of the documentation: those of the wheel, or, in a checkout, those of its folder docs."""
+"""Pages of the documentation: from the wheel, or from the folder docs of a checkout."""
 
 import difflib
 import os
@@ -26,7 +26,7 @@ from thbridge.files.resources import shipped
 from ui.command_line.terminal import command, note, out, say
 
 WIDEST = 120
-"""Letters in a line of a page on a terminal."""
+"""Greatest number of characters in a line of a page on a terminal."""
 _STYLE = "body{max-width:60em;margin:2em auto;padding:0 1em;font:16px/1.5 sans-serif}table{border-collapse:collapse}\
 td,th{border:1px solid #ccc;padding:.2em .5em;vertical-align:top}pre{overflow-x:auto;background:#f4f4f4;padding:1em}\
 img{max-width:100%}"
@@ -44,11 +44,11 @@ def list_pages() -> None:
     width = max(map(len, titles))
     for name, title in titles.items():
         say(f"{name:{width}}  {title}")
-    note(f"Show a page by `{command('docs', 'PAGE')}`, or in a browser by `{command('docs', 'PAGE', '--open')}`.")
+    note(f"Show a page with `{command('docs', 'PAGE')}`, or in a browser with `{command('docs', 'PAGE', '--open')}`.")
 
 
 def find_page(wanted: str) -> Path:
-    """Return the file of a page, by its name or path: `sweeps`, `sweeps.md`, `docs/how-to/sweeps.md#plots`.
+    """Return the file of a page, given its name or path: `sweeps`, `sweeps.md`, `docs/how-to/sweeps.md#plots`.
 
     Raises:
         BadFile: there is no such page.
@@ -58,12 +58,12 @@ def find_page(wanted: str) -> Path:
     if name in known:
         return known[name]
     near = difflib.get_close_matches(name, known, n=1)
-    remedy = f"The nearest name is {near[0]}" if near else f"`{command('docs')}` lists all pages"
+    remedy = f"A similar name is {near[0]}" if near else f"`{command('docs')}` lists all pages"
     raise BadFile(Path(wanted), "there is no page of this name", remedy)
 
 
 def show_page(page: Path) -> None:
-    """Print a page: on a terminal laid out, through the pager if there is one; else as it is written."""
+    """Print a page: on a terminal with layout, in a pager if there is one; elsewhere as plain Markdown."""
     text = page.read_text(encoding="utf-8")
     if not out.is_terminal:
         print(text, end="")  # noqa: T201 - for other programs
@@ -78,7 +78,7 @@ def show_page(page: Path) -> None:
 
 
 def open_in_browser(page: Path | None) -> None:
-    """Open a page in a browser, or the list of all; print the file that it opens.
+    """Open a page, or the list of all pages, in a browser; print the path of the opened file.
 
     Raises:
         BadFile: the files for the browser cannot be written.
@@ -98,7 +98,7 @@ def open_in_browser(page: Path | None) -> None:
         opened = webbrowser.open(target.as_uri())
     say(str(target))
     if not opened:
-        note("No browser could be opened. Open this file in one, or leave --open out.")
+        note("No browser could be opened. Open this file in one, or omit --open.")
 
 
 class _ProgramPager(Pager):
@@ -109,18 +109,18 @@ class _ProgramPager(Pager):
 
     def show(self, content: str) -> None:
         """Show a text until the program ends."""
-        # For less: end at once where the text fits, show colors, and leave the text on the screen.
+        # Options for less: exit at once if the text fits, show colors, and leave the text on the screen.
         environment = {"LESS": "FRX", **os.environ}
         with subprocess.Popen(self._words, stdin=subprocess.PIPE, text=True, env=environment) as program:
             try:
                 program.communicate(content)
             except KeyboardInterrupt:
-                # Ctrl-C is for the pager, which goes on.
+                # Ctrl-C is for the pager, which keeps running.
                 program.communicate()
 
 
 def _pager() -> list[str] | None:
-    """Return the command of the pager; None if there is none."""
+    """Return the command of the pager; if None, there is none."""
     if not sys.stdin.isatty() or os.environ.get("TERM", "dumb") == "dumb":
         return None
     words = shlex.split(os.environ.get("PAGER") or "less")
@@ -136,7 +136,7 @@ def _title_in(text: str) -> str:
 
 
 def _html(text: str, folder: Path) -> str:
-    """Return a page of a folder for a browser; its links lead to other pages for a browser."""
+    """Return a page as HTML; its links lead to the HTML files of other pages."""
     parser = MarkdownIt("commonmark").enable("table")
     tokens = parser.parse(text)
     for heading, words in pairwise(tokens):
@@ -150,7 +150,7 @@ def _html(text: str, folder: Path) -> str:
 
 
 def _redirect(token: Token, folder: Path) -> None:
-    """Let a link to a page lead to that for a browser, and one to another file to where that is."""
+    """Change a link to a page into a link to its HTML file, and a link to another file into its path."""
     name = {"link_open": "href", "image": "src"}.get(token.type)
     target = str(token.attrGet(name)) if name else ""
     if name is None or target.startswith(("#", "http:", "https:")):
@@ -164,5 +164,5 @@ def _redirect(token: Token, folder: Path) -> None:
 
 
 def _anchor(heading: str) -> str:
-    """Return the name of a heading in links, as GitHub makes it."""
+    """Return the anchor of a heading, as GitHub makes it."""
     return re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-")

@@ -1,4 +1,4 @@
-"""`thbridge doctor`: whether this computer has what games need."""
+"""`thbridge doctor`: check whether this computer has what games need."""
 
 from pathlib import Path
 from typing import Annotated
@@ -10,14 +10,14 @@ from ui.command_line.options import AsJson
 
 def doctor(
     study_file: Annotated[
-        Path | None, typer.Argument(help="Study file whose ports are checked; by default those of a usual session.")
+        Path | None, typer.Argument(help="Study file; its ports are checked instead of the default ports.")
     ] = None,
     as_json: AsJson = False,
 ) -> None:
     """Check this computer: Python, packages, windows, ports, compiled code, folders, clock, locale.
 
-    Prints a line for each check: ok, warning (some features do not work) or fault (no game can be played), with the
-    remedy. Ends with 1 if there is a fault.
+    Print a line for each check: ok, warning (some features do not work) or fault (no game can be played), and the
+    remedy. The exit code is 1 if there is a fault.
     """
     import dataclasses
     import time

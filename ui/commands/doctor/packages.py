@@ -1,4 +1,4 @@
-"""Python and its packages: what thbridge needs of them, and what each extra lacks."""
+"""Checks of Python and packages: the version, the required packages, and the packages of each extra."""
 
 import platform
 import sys
@@ -11,21 +11,21 @@ from ui.commands.doctor.result import HealthCheck, fault, ok, warning
 
 
 def check_packages() -> Iterator[HealthCheck]:
-    """Check Python's version, the packages that every installation has, and those of the extras."""
+    """Check the version of Python, the required packages, and those of the extras."""
     known = metadata.metadata("thbridge")
     wanted = known["Requires-Python"]
     version = platform.python_version()
     if Requirement(f"python{wanted}").specifier.contains(version, prereleases=True):
         yield ok("python", f"{version} ({sys.executable})")
     else:
-        remedy = "Install one by `uv python install 3.11`, or on Ubuntu from ppa:deadsnakes/ppa"
-        yield fault("python", f"{version} is not a version {wanted}", remedy)
+        remedy = "Install one with `uv python install 3.11`, or on Ubuntu from ppa:deadsnakes/ppa"
+        yield fault("python", f"version {version} does not meet {wanted}", remedy)
     requirements = [Requirement(line) for line in metadata.requires("thbridge") or ()]
     lacks = list(lacking(requirements, ""))
     if lacks:
         yield fault("packages", "; ".join(lacks), "Install thbridge again with its dependencies")
     else:
-        yield ok("packages", f"thbridge {known['Version']} has all packages that it needs")
+        yield ok("packages", f"thbridge {known['Version']} has all required packages")
     for extra in known.get_all("Provides-Extra") or ():
         lacks = list(lacking(requirements, extra))
         if lacks:
@@ -35,7 +35,7 @@ def check_packages() -> Iterator[HealthCheck]:
 
 
 def lacking(requirements: Sequence[Requirement], extra: str) -> Iterator[str]:
-    """Yield the packages of an extra that are missing or of another version; for an empty name, those for everybody."""
+    """Yield the packages of an extra that are missing or have a wrong version; an empty name is for required ones."""
     for each in requirements:
         if each.marker is None:
             is_asked = not extra
@@ -49,4 +49,4 @@ def lacking(requirements: Sequence[Requirement], extra: str) -> Iterator[str]:
             yield f"{each.name} is not installed"
             continue
         if not each.specifier.contains(version, prereleases=True):
-            yield f"{each.name} is {version}, and {each.specifier} is needed"
+            yield f"{each.name} is {version}, but {each.specifier} is required"

@@ -1,4 +1,4 @@
-"""Folders that commands write to, and the compiled code of the simulator."""
+"""Checks of folders that commands write to, and of the compiled code of the simulator."""
 
 import os
 import shutil
@@ -10,13 +10,13 @@ from thbridge.files.errors import reason_of
 from ui.commands.doctor.result import HealthCheck, fault, ok, warning
 
 LITTLE = 1_000_000_000
-"""Bytes that several long recordings take."""
+"""Size of several long recordings, in bytes."""
 TOO_LITTLE = 50_000_000
-"""Bytes that a recording takes."""
+"""Size of a recording, in bytes."""
 
 
 def check_folder(name: str, folder: Path) -> HealthCheck:
-    """Check that a folder can be written to, or the one in which it will be made, and has room."""
+    """Check that a folder, or the one in which it will be created, is writable and has space."""
     place = folder.absolute()
     while not place.exists():
         place = place.parent
@@ -27,7 +27,7 @@ def check_folder(name: str, folder: Path) -> HealthCheck:
         free = shutil.disk_usage(place).free
     except OSError as error:
         remedy = "Change its permissions, or run thbridge in another folder"
-        return fault(name, f"{place} cannot be written to ({reason_of(error).lower()})", remedy)
+        return fault(name, f"{place} is not writable ({reason_of(error).lower()})", remedy)
     room = f"{free / 1e9:.1f} GB free in {place}"
     if free < TOO_LITTLE:
         return fault(name, room, "Delete files, or use another disk")
@@ -35,21 +35,21 @@ def check_folder(name: str, folder: Path) -> HealthCheck:
 
 
 def check_kernels() -> HealthCheck:
-    """Check that the simulator is compiled, and that what is compiled can be kept."""
+    """Check that the simulator is compiled, and that compiled code can be kept."""
     name = "compiled code"
     folder = cache_folder()
     usual = os.environ.get("NUMBA_CACHE_DIR") or os.environ.get("XDG_CACHE_HOME") or Path("~/.cache").expanduser()
     if not folder.is_relative_to(Path(usual).resolve()) and folder.is_relative_to(Path(gettempdir()).resolve()):
-        remedy = f"Make {usual} a folder of yours that others cannot write to"
-        return warning(name, f"it is kept in {folder} for a short time only", remedy)
+        remedy = f"Make {usual} a folder that you own and that others cannot write to"
+        return warning(name, f"it is kept in {folder} only for a short time", remedy)
     try:
-        from sim.numerics.signatures import missing, recorded_calls  # may be what is broken
+        from sim.numerics.signatures import missing, recorded_calls  # may fail to import
 
         left, total = len(missing(before_moves=False)), len(recorded_calls())
     except (ImportError, OSError) as error:
         return fault(name, f"the compiler cannot be loaded ({error})", "Install thbridge again with its dependencies")
     if left == total:
-        return ok(name, f"nothing yet in {folder}; the first game compiles {total} parts")
+        return ok(name, f"not compiled yet in {folder}; the first game compiles {total} parts")
     if left:
         return ok(name, f"{total - left} of {total} parts are up to date in {folder}; the next game compiles the rest")
     return ok(name, f"all {total} parts are up to date in {folder}")

@@ -1,4 +1,4 @@
-"""TCP ports that sessions use: free, or held by which program."""
+"""Checks of the TCP ports of sessions: each is free, or another program uses it."""
 
 import errno
 import shutil
@@ -18,15 +18,15 @@ PORTS: Mapping[int, str] = {
     8765: "--foxglove",
     ROS_MASTER_PORT: "--ros-master",
 }
-"""Ports, each with the option by which another is chosen."""
+"""Ports, each with the option that chooses another one."""
 _LISTENS = "0A"
-"""State of a socket that listens, as Linux writes it in /proc/net/tcp."""
+"""State of a listening socket, as Linux writes it in /proc/net/tcp."""
 
 
 def ports_of_study(study: Study) -> Mapping[int, str]:
-    """Return the TCP ports that a session of this study uses, each with the key or option that sets it.
+    """Return the TCP ports that a session of a study uses, each with the key or option that sets it.
 
-    A port of 0 is any that is free.
+    Port 0 means any free port.
     """
     mavlink = None if study.mavlink.tcp is None or not study.mavlink.on else parse_address(study.mavlink.tcp)
     named = {
@@ -39,7 +39,7 @@ def ports_of_study(study: Study) -> Mapping[int, str]:
 
 
 def check_ports(ports: Mapping[int, str] = PORTS) -> Iterator[HealthCheck]:
-    """Check that nobody listens at the ports that sessions use."""
+    """Check that no program listens at the ports of sessions."""
     for port, option in ports.items():
         name = f"port {port}"
         with socket.socket() as tried:
@@ -48,16 +48,16 @@ def check_ports(ports: Mapping[int, str] = PORTS) -> Iterator[HealthCheck]:
                 tried.bind((LOCALHOST, port))
             except OSError as error:
                 if error.errno == errno.EADDRINUSE:
-                    message = f"held by {holder(port) or 'a program of another account'}"
+                    message = f"used by {holder(port) or 'a program of another account'}"
                 else:
-                    message = f"not to be had ({error.strerror})"
-                yield warning(name, message, f"End that program, or choose another port by {option}")
+                    message = f"not available ({error.strerror})"
+                yield warning(name, message, f"End that program, or choose another port with {option}")
                 continue
         yield ok(name, "free")
 
 
 def holder(port: int) -> str | None:
-    """Return name and process ID of the program that listens at a port; None if this account cannot see it."""
+    """Return name and process id of the program that listens at a port; None if this account cannot see it."""
     if Path("/proc/net/tcp").exists():
         return _by_proc(port)
     lsof = shutil.which("lsof")

@@ -1,4 +1,4 @@
-"""System libraries that Qt loads, and Debian's packages of them."""
+"""System libraries that Qt loads, and their Debian packages."""
 
 import re
 import shutil
@@ -17,18 +17,18 @@ QT_LIBRARIES: Mapping[str, str] = {
     "libxcb-shape.so.0": "libxcb-shape0",
     "libglib-2.0.so.0": "libglib2.0-0",
 }
-"""Libraries that Qt loads, and Debian's packages of them; `scripts/set_up.sh` installs the same."""
+"""Libraries that Qt loads, and their Debian packages; `scripts/set_up.sh` installs the same packages."""
 
 
 def remedy_for(libraries: Sequence[str]) -> str:
-    """Return how to install libraries, as a sentence without its full stop."""
+    """Return the command that installs libraries, as a sentence without its full stop."""
     packages = " ".join(dict.fromkeys(QT_LIBRARIES.get(library) or _package(library) for library in libraries))
     if shutil.which("apt-get") is None:
-        return f"Install them; Debian's packages of them are {packages}"
+        return f"Install them; their Debian packages are {packages}"
     return f"Run: sudo apt-get install {packages}"
 
 
 def _package(library: str) -> str:
-    """Return the name that Debian's policy gives the package of a library: `libxcb-image0` of `libxcb-image.so.0`."""
+    """Return the package name of a library by Debian's naming policy: `libxcb-image0` for `libxcb-image.so.0`."""
     name, _, version = library.lower().replace("_", "-").partition(".so.")
     return f"{name}-{version}" if re.search(r"\d$", name) else f"{name}{version}"

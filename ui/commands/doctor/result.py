@@ -1,11 +1,11 @@
-"""Result of a check of the computer."""
+"""Result of a check of this computer."""
 
 from dataclasses import dataclass
 from enum import StrEnum
 
 
 class HealthState(StrEnum):
-    """State: all works (ok), some features do not (warning), no game can be played (fault)."""
+    """State: everything works (ok), some features do not (warning), or no game can be played (fault)."""
 
     OK = "ok"
     WARNING = "warning"
@@ -19,8 +19,8 @@ class HealthCheck:
     Attributes:
         name: name of the check.
         state: its state.
-        message: what was found, as a clause without its full stop.
-        remedy: what to do, as a sentence without its full stop; empty if all works.
+        message: finding, as a clause without its full stop.
+        remedy: what to do, as a sentence without its full stop; empty for state ok.
     """
 
     name: str
@@ -35,10 +35,10 @@ def ok(name: str, message: str) -> HealthCheck:
 
 
 def warning(name: str, message: str, remedy: str) -> HealthCheck:
-    """Return the result of a check that found a feature which does not work."""
+    """Return the result of a check that found a feature that does not work."""
     return HealthCheck(name, HealthState.WARNING, message, remedy)
 
 
 def fault(name: str, message: str, remedy: str) -> HealthCheck:
-    """Return the result of a check that found why no game can be played."""
+    """Return the result of a check that found a reason why no game can be played."""
     return HealthCheck(name, HealthState.FAULT, message, remedy)

@@ -1,4 +1,4 @@
-"""The screen: a window opened on it in a program of its own, which Qt ends if no platform plug-in loads."""
+"""Check of the screen: open a window in a separate program, because Qt aborts the program if no plug-in loads."""
 
 import os
 import re
@@ -23,11 +23,11 @@ window.close()
 print("window", application.platformName(), shown)
 """
 _TIMEOUT = 30.0
-"""Seconds that the program has, the load of Qt from a slow disk included."""
+"""Time limit of the program, seconds, long enough to load Qt from a slow disk."""
 _NOT_LOADED = re.compile(r"(lib[\w.+-]+\.so[.\d]*): cannot open shared object file")
 _OF_PLATFORM = re.compile(r"^qt\.qpa\.\w+: (.+)$", re.MULTILINE)
 _PLUGIN_ADVICE = "is needed to load"
-"""Part of the line that Qt adds whenever its plug-in xcb fails, whatever the reason is."""
+"""Part of the line that Qt always adds when its plug-in xcb fails, for any reason."""
 
 
 def check_screen() -> HealthCheck:
@@ -40,12 +40,12 @@ def check_screen() -> HealthCheck:
 
 
 def try_window(environment: Mapping[str, str], timeout: float = _TIMEOUT) -> HealthCheck:
-    """Open and close a small window by the platform of Qt that an environment asks for."""
+    """Open and close a small window on the Qt platform that an environment names."""
     named = next(
         (f"{name}={environment[name]}" for name in ("WAYLAND_DISPLAY", "DISPLAY") if environment.get(name)), ""
     )
     screen = named or "the screen"
-    look = "Check that the display is there and that you may use it, e.g. by xdpyinfo"
+    look = "Check that the display exists and that you have access to it, for example with xdpyinfo"
     try:
         done = subprocess.run(
             [sys.executable, "-c", _PROGRAM],
@@ -63,7 +63,7 @@ def try_window(environment: Mapping[str, str], timeout: float = _TIMEOUT) -> Hea
 
 
 def failed_window(screen: str, said: str, look: str) -> HealthCheck:
-    """Return the result for what Qt said before it ended the program, in its own words."""
+    """Return the result for a program that Qt aborted, with the reason that Qt printed."""
     missing = list(dict.fromkeys(_NOT_LOADED.findall(said)))
     if missing:
         return warning(

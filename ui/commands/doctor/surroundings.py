@@ -1,4 +1,4 @@
-"""Qt's system libraries, clock, locale."""
+"""Checks of Qt's system libraries, the clock and the locale."""
 
 import ctypes
 import locale
@@ -15,9 +15,9 @@ from ui.commands.doctor.result import HealthCheck, fault, ok, warning
 
 
 def check_libraries(load: Callable[[str], object] = ctypes.CDLL) -> HealthCheck:
-    """Check Qt's system libraries by loading them."""
+    """Check that Qt's system libraries can be loaded."""
     if sys.platform != "linux":
-        return ok("Qt's libraries", "Qt brings all that it needs on this system")
+        return ok("Qt's libraries", "Qt includes all its libraries on this system")
     missing = []
     for library in QT_LIBRARIES:
         try:
@@ -25,16 +25,16 @@ def check_libraries(load: Callable[[str], object] = ctypes.CDLL) -> HealthCheck:
         except OSError:
             missing.append(library)
     if not missing:
-        return ok("Qt's libraries", f"all {len(QT_LIBRARIES)} are there")
+        return ok("Qt's libraries", f"all {len(QT_LIBRARIES)} are installed")
     return warning("Qt's libraries", f"windows cannot open without {', '.join(missing)}", remedy_for(missing))
 
 
 def check_clock(now: float, monotonic: Callable[[], float] = time.monotonic) -> Iterator[HealthCheck]:
-    """Check that the clock is not before thbridge's own files, that time does not go back, and the time zone.
+    """Check that the clock is not older than thbridge's files, that time never goes back, and the time zone.
 
     Args:
-        now: seconds since 1970 of the computer's clock.
-        monotonic: reads the monotonic clock, in seconds.
+        now: time of the computer's clock, seconds since 1970.
+        monotonic: function that returns the monotonic clock, seconds.
     """
     date = datetime.fromtimestamp(now, UTC).strftime("%Y-%m-%d %H:%M UTC")
     readings = [monotonic() for _ in range(1000)]
@@ -49,13 +49,13 @@ def check_clock(now: float, monotonic: Callable[[], float] = time.monotonic) -> 
         if zone and not zone.startswith("/"):
             ZoneInfo(zone)
     except (KeyError, ValueError, OSError):
-        yield warning("time zone", f"TZ={zone} names no time zone", "Unset TZ, or write one such as Europe/London")
+        yield warning("time zone", f"TZ={zone} is not a time zone", "Unset TZ, or set it, for example to Europe/London")
     else:
         yield ok("time zone", time.strftime("%Z (UTC%z)", time.localtime(now)))
 
 
 def check_locale() -> HealthCheck:
-    """Check that texts are written and read in UTF-8."""
+    """Check that texts are read and written as UTF-8."""
     remedy = "Set LC_ALL=C.UTF-8, or install the locale: sudo locale-gen"
     try:
         locale.setlocale(locale.LC_CTYPE, "")
@@ -65,5 +65,5 @@ def check_locale() -> HealthCheck:
     encodings = {locale.getencoding().lower(), sys.getfilesystemencoding().lower()}
     others = sorted(encodings - {"utf-8", "utf8"})
     if others:
-        return warning("locale", f"letters outside of {others[0]} are shown as escapes", remedy)
+        return warning("locale", f"characters outside {others[0]} are shown as escapes", remedy)
     return ok("locale", "UTF-8")

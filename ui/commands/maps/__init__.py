@@ -1,1 +1,1 @@
-"""Commands about maps."""
+"""Commands of `thbridge maps`."""

@@ -1,4 +1,4 @@
-"""The steps of `thbridge maps new`."""
+"""Steps of `thbridge maps new`."""
 
 from collections import Counter
 from collections.abc import Sequence
@@ -39,36 +39,36 @@ from ui.commands.maps.trips import measure_trips, times_matrix, write_times
 
 SEED = 1
 LEFT_OUT = "left-out.pgm"
-"""File beside map.yaml: black where something was left out of the plan, white elsewhere."""
+"""Image next to map.yaml: black where something was removed from the plan, white elsewhere."""
 MOST_FLOOR = 0.5
-"""Share of the floor that must be reached, unless it is said that thin lines are walls."""
+"""Share of the floor that must be reachable, unless the user says that thin lines are walls."""
 MOST_INK = 0.5
-"""Share of all lines of a plan beyond which walls are among those that are left out."""
+"""Share of a plan's lines; if more is removed, walls are probably among it."""
 MOST_PLACES = 4
-"""Blocked paths that are named."""
+"""Greatest number of blocked paths that a message names."""
 LEAST_CELL, LARGEST_CELL = 0.001, 0.5
-"""Sizes of cells, meters: larger ones cannot show a door."""
+"""Least and greatest size of a cell, meters; larger cells cannot show a door."""
 MOST_STRETCH = 10.0
-"""Ratio of the scales of an image's two sides beyond which one of them is a slip."""
+"""Ratio of the scales of an image's two sides, above which one of them is probably a typing error."""
 FINE, FINE_ENOUGH = 0.01, 0.02
-"""Meters: pixels smaller than the first are joined up to the second."""
+"""Meters: pixels smaller than the first value are merged into cells of up to the second."""
 MOST_CELLS, COARSE_ENOUGH = 4_000_000, 0.05
-"""Pixels of an image from which on they are joined up to this size, meters."""
+"""Number of pixels from which an image's pixels are merged into cells of up to this size, meters."""
 MANY = 15
-"""Least number of rooms for which the command prints that its measurement can be stopped."""
+"""Number of rooms from which the command says that its measurement can be stopped."""
 WIDEST = 300.0
-"""Meters beyond which a map's size is in doubt."""
+"""Size of a map, meters, above which it is probably wrong."""
 
 
 @dataclass(frozen=True, slots=True)
 class PaperSize:
-    """The size of a bare image, as options say.
+    """Size of an image that has no map.yaml, as given by options.
 
     Attributes:
-        resolution: meters a pixel; None: by `width`.
-        width: meters across the whole image; None: by `resolution`.
-        height: meters from its top to its bottom; None: its pixels are square.
-        turn: degrees by which it is turned counterclockwise.
+        resolution: meters per pixel; if None, computed from `width`.
+        width: width of the whole image, meters; if None, computed from `resolution`.
+        height: height of the whole image, meters; if None, pixels are square.
+        turn: angle by which the image is turned counterclockwise, degrees.
     """
 
     resolution: float | None = None
@@ -78,40 +78,40 @@ class PaperSize:
 
     @property
     def given(self) -> str | None:
-        """Return the first option that says something."""
+        """Return the first of these options that was given."""
         return next((f"--{each.name}" for each in fields(self) if getattr(self, each.name) not in {None, 0.0}), None)
 
 
 def read_drawing(source: Path, size: PaperSize, negate: bool) -> OccupancyGrid:
-    """The grid of a map.yaml, or of a bare image with its size.
+    """Return the grid of a map.yaml, or of an image with its size.
 
     Raises:
-        BadFile: it cannot be read.
+        BadFile: the file cannot be read.
     """
     if is_map_file(source):
         if (option := size.given or ("--negate" if negate else None)) is not None:
-            fail(BAD_INPUT, f"{option}: {source} says that itself. Leave the option out, or change the file.")
+            fail(BAD_INPUT, f"{option}: {source} already contains this. Omit the option, or change the file.")
         grid = grid_at(source)
         decided = np.isin(grid.cells, (FREE, OCCUPIED))
         return OccupancyGrid(np.where(decided, grid.cells, UNKNOWN), grid.resolution, grid.origin)
     if not source.is_file():
-        raise BadFile(source, "there is no such file", "Give a map.yaml or an image")
+        raise BadFile(source, "there is no such file", "Name a map.yaml or an image")
     pixels = read_image(source)
     rows, cols = pixels.shape[:2]
     resolution = size.resolution if size.width is None else size.width / cols
     if resolution is None:
         remedy = (
-            "Give the width of the whole image in meters by --width, or meters per pixel by --resolution: "
+            "Write the width of the whole image in meters with --width, or meters per pixel with --resolution: "
             f"with 0.05 this image is {cols * 0.05:.1f} m x {rows * 0.05:.1f} m"
         )
-        raise BadFile(source, "an image does not say how large it is", remedy)
+        raise BadFile(source, "the size of an image in meters is not known", remedy)
     if pixels.ndim == 3:
         colours = pixels[..., :3].mean(axis=2)
-        # What is transparent is white paper.
+        # Transparent pixels count as white paper.
         opaque = pixels[..., 3] / 255.0 if pixels.shape[2] == 4 else 1.0
         pixels = np.rint(colours * opaque + 255.0 * (1.0 - opaque)).astype(np.uint8)
     if not LEAST_CELL <= resolution <= LARGEST_CELL:
-        told = f"a pixel would be {resolution:g} m wide, which is not between {LEAST_CELL} and {LARGEST_CELL} m"
+        told = f"a pixel would be {resolution:g} m wide, outside {LEAST_CELL} to {LARGEST_CELL} m"
         fail(BAD_INPUT, f"--width: {told}. Write the width of the whole image in meters.")
     if size.height is not None:
         across = size.height / rows
@@ -125,45 +125,45 @@ def read_drawing(source: Path, size: PaperSize, negate: bool) -> OccupancyGrid:
     if factor > 1:
         pixels = joined(pixels, factor)
         note(
-            f"A pixel is {resolution:g} m wide, finer than robots need: {factor} x {factor} of them become a cell of "
-            f"{factor * resolution:g} m. --thinner counts cells."
+            f"A pixel is {resolution:g} m wide, finer than needed: {factor} x {factor} pixels become one cell "
+            f"of {factor * resolution:g} m. --thinner counts cells."
         )
     cells = interpret_image(pixels, negate, OCCUPIED_THRESH, FREE_THRESH)
     if (doubt := unseen_walls(cells, pixels, negate)) is not None:
         remedy = (
-            f"Write a map.yaml beside it: `image: {source.name}`, `resolution: {resolution:g}`, `origin: [0, 0, 0]`, "
+            f"Write a map.yaml next to it: `image: {source.name}`, `resolution: {resolution:g}`, `origin: [0, 0, 0]`, "
             f"`negate: {int(negate)}`, `occupied_thresh: {doubt.occupied_thresh}` and `free_thresh: "
-            f"{doubt.free_thresh}`, and give that"
+            f"{doubt.free_thresh}`, and use that file"
         )
         raise BadFile(source, doubt.problem, remedy)
     return OccupancyGrid(cells, factor * resolution, IDENTITY)
 
 
 def _joined_pixels(count: int, resolution: float) -> int:
-    """Pixels of an image a side that become one cell, so that rooms are found in seconds."""
+    """Return how many pixels per side are merged into one cell, so that rooms are found in seconds."""
     largest = FINE_ENOUGH if resolution < FINE else COARSE_ENOUGH if count > MOST_CELLS else resolution
     return max(int(largest / resolution + 1e-9), 1)
 
 
 def cleaned(source: Path, grid: OccupancyGrid, thinner: int | None) -> CleanedDrawing:
-    """The plan without lines thinner than this many pixels; None: with them, unless such lines block most paths.
+    """Return the plan without lines thinner than `thinner` pixels; if None, keep them unless they block most paths.
 
-    The openings of a building to the paper around it are closed, unless it is a robot's map.
+    Openings of a building to the paper around it are closed, unless the map was made by a robot.
     """
     inscribed = radii(np.array(FOOTPRINT))[0]
     if thinner:
         drawing = without_thin_lines(grid, thinner)
-        say(f"Left out: lines and letters thinner than {thinner} pixels, {drawing.left_out.mean():.1%} of the image")
+        say(f"Removed: lines and letters thinner than {thinner} pixels, {drawing.left_out.mean():.1%} of the image")
         _note_lost_walls(grid, drawing, thinner, inscribed)
-        _note_closed_floor(drawing.grid, inscribed, "Give another --thinner")
+        _note_closed_floor(drawing.grid, inscribed, "Try another value of --thinner")
         return _closed(drawing, inscribed)
     closed = blocked_paths(grid, inscribed) if thinner is None else None
     if closed is not None:
         places = _listed([f"({x:.1f}, {y:.1f})" for x, y in closed.places])
         told = (
-            f"{source}: only {closed.reached:.0%} of the floor can be reached. Lines thinner than {closed.thinner} "
+            f"{source}: only {closed.reached:.0%} of the floor is reachable. Lines thinner than {closed.thinner} "
             f"pixels block paths at {places}. If they are doors, "
-            f"furniture or letters, leave them out by --thinner {closed.thinner}; if they are walls, keep them by "
+            f"furniture or letters, remove them with --thinner {closed.thinner}; if they are walls, keep them with "
             "--thinner 0."
         )
         if closed.reached < MOST_FLOOR:
@@ -181,7 +181,7 @@ def is_map_file(source: Path) -> bool:
 
 
 def _closed(drawing: CleanedDrawing, inscribed: float) -> CleanedDrawing:
-    """Return the plan with its openings to the outside closed, and print their places."""
+    """Return the plan with its openings to the outside closed, and print where they were."""
     grid, openings = closed_to_outside(drawing.grid, inscribed)
     if openings:
         places = _listed([f"({x:.1f}, {y:.1f})" for x, y in openings])
@@ -195,60 +195,60 @@ def _listed(places: Sequence[str]) -> str:
 
 
 def _note_lost_walls(grid: OccupancyGrid, drawing: CleanedDrawing, thinner: int, inscribed: float) -> None:
-    """Tell if more was left out than lines and letters, and which width leaves the walls."""
+    """Print a warning if more than lines and letters was removed, and a width that keeps the walls."""
     share = float(drawing.left_out.sum() / max(np.count_nonzero(grid.cells != FREE), 1))
     if share > MOST_INK:
         closed = blocked_paths(grid, inscribed)
         better = "a smaller number" if closed is None or closed.thinner == thinner else f"--thinner {closed.thinner}"
-        note(f"That is {share:.0%} of all that is drawn, so walls are among it. Use {better}.")
+        note(f"That is {share:.0%} of all that is drawn, so it probably includes walls. Use {better}.")
 
 
 def _note_closed_floor(grid: OccupancyGrid, inscribed: float, remedy: str | None) -> None:
-    """Tell if most of the floor stays out of a robot's reach; with a remedy also if a room of it does."""
+    """Print a warning if most of the floor is unreachable; with a remedy, also if a room is unreachable."""
     reached, others = reached_floor(grid, inscribed)
     if 0.0 < reached < MOST_FLOOR:
-        told = f"Only {reached:.0%} of the floor can be reached"
-        remedy = remedy or "If lines, furniture or letters close them, give --thinner"
+        told = f"Only {reached:.0%} of the floor is reachable"
+        remedy = remedy or "If lines, furniture or letters close them, use --thinner"
     elif others and remedy is not None:
         places = _listed([f"({x:.1f}, {y:.1f}), {area:.1f} m²" for (x, y), area in others])
         told = f"Floor at {places}, cannot be reached"
     else:
         return
     note(
-        f"{told}: doors are closed, or narrower than a robot. {remedy}, use an image with more pixels, or open the "
+        f"{told}: doors may be closed, or narrower than a robot. {remedy}, use an image with more pixels, or open the "
         "doors in the image."
     )
 
 
 def find_arena(grid: OccupancyGrid, rooms: int | None, robots: int, names: Sequence[str]) -> Arena:
-    """Find rooms and start poses, and tell them."""
+    """Find rooms and start poses, and print them."""
     found = find_rooms(grid, *radii(np.array(FOOTPRINT)), wanted=rooms)
     arena = arena_of(grid, found, robots, names)
     told = ", ".join(f"{entry.room.people} {entry.name}" for entry in arena.rooms)
     wanted = "" if rooms is None or rooms == len(arena.rooms) else f" of {rooms} wanted"
     say(f"Rooms: {len(arena.rooms)}{wanted} found{': ' if told else ''}{told}")
-    say(f"Start poses: {len(arena.starts)}{'' if len(arena.starts) == robots else f' of {robots}: no more have room'}")
+    say(f"Start poses: {len(arena.starts)}{'' if len(arena.starts) == robots else f' of {robots} (no space for more)'}")
     return arena
 
 
 def require_rooms(arena: Arena, grid: OccupancyGrid, source: Path, *, negated: bool) -> None:
-    """End the command where there is nothing to play in, and tell why that may be."""
+    """End the command if there are no rooms or start poses, and print possible reasons."""
     if arena.rooms and arena.starts:
         return
     free, occupied = float((grid.cells == FREE).mean()), float((grid.cells == OCCUPIED).mean())
     seen = f"{free:.0%} of the image is free, {occupied:.0%} occupied, {1 - free - occupied:.0%} unknown"
     inverted = (
-        "--negate is for bright walls and dark floor: if walls are dark, leave it out. "
+        "--negate is for bright walls and a dark floor: if walls are dark, omit it. "
         if negated
-        else "If walls are bright and floor is dark, the image is inverted: give --negate, or `negate: 1` in its "
+        else "If walls are bright and the floor is dark, the image is inverted: use --negate, or `negate: 1` in its "
         "map.yaml. "
     )
-    remedy = f"{inverted}If rooms are there but too small, the resolution is wrong. Else draw the rooms by --draw"
+    remedy = f"{inverted}If the rooms are too small, the resolution is wrong. Otherwise draw the rooms with --draw"
     fail(FAILED, f"{source}: no rooms were found; {seen}. {remedy}.")
 
 
 def note_size(grid: OccupancyGrid) -> None:
-    """Tell the size of a map, and a doubt about it."""
+    """Print the size of a map, and a warning if it is probably wrong."""
     width, height = grid.cols * grid.resolution, grid.rows * grid.resolution
     say(f"Map: {width:.1f} m x {height:.1f} m, {grid.cols} x {grid.rows} cells of {grid.resolution:g} m")
     if max(width, height) > WIDEST:
@@ -259,10 +259,10 @@ def note_size(grid: OccupancyGrid) -> None:
 
 
 def read_left_out(folder: Path, grid: OccupancyGrid) -> Mask | None:
-    """Cells that were left out of the plan of a map; None if the map has no record of it.
+    """Return the cells that were removed from the plan of a map; None if the map has no record of them.
 
     Raises:
-        BadFile: it cannot be read.
+        BadFile: the record cannot be read.
     """
     path = folder / LEFT_OUT
     pixels = read_image(path) if path.is_file() else None
@@ -270,16 +270,16 @@ def read_left_out(folder: Path, grid: OccupancyGrid) -> Mask | None:
 
 
 def write_map(folder: Path, drawing: CleanedDrawing, arena: Arena) -> None:
-    """Write the folder.
+    """Write the folder of a map.
 
     Raises:
-        BadFile: it cannot be written.
+        BadFile: the folder cannot be written.
     """
     if folder.exists():
-        # The window saves again.
+        # The window may save several times.
         write_rooms(folder, arena.rooms, arena.starts)
     else:
-        with new_folder(folder, "choose another place by --to") as new:
+        with new_folder(folder, "choose another place with --to") as new:
             write_grid(new, drawing.grid)
             if drawing.left_out.any():
                 header = f"P5\n{drawing.grid.cols} {drawing.grid.rows}\n255\n".encode("ascii")
@@ -290,51 +290,53 @@ def write_map(folder: Path, drawing: CleanedDrawing, arena: Arena) -> None:
 
 
 def check_written(folder: Path) -> None:
-    """Check what was written, and tell; end the command where no game can be played on it."""
+    """Check the written map, and print the findings; end the command if no game can be played on it."""
     check = check_map(folder)
     for finding in check.findings:
         say(f"{finding.severity}: {finding.fault}")
     say(f"Checked: {len(check.errors)} errors, {len(check.findings) - len(check.errors)} warnings")
     if check.errors:
-        fail(BAD_INPUT, f"{folder}: mend rooms.yaml, or draw the rooms by `{command('maps', 'edit', folder)}`.")
+        fail(BAD_INPUT, f"{folder}: correct rooms.yaml, or draw the rooms with `{command('maps', 'edit', folder)}`.")
 
 
 def same_trips(one: Arena, other: Arena) -> bool:
-    """Return True when trips on two drawings of a map begin and end at the same poses, room by room."""
+    """Return True if the trips on two versions of a map have the same start and goal poses, room by room."""
     return one.starts == other.starts and [room.goal for room in one.rooms] == [room.goal for room in other.rooms]
 
 
 def measure_map(folder: Path, place: Map, runs: int, jobs: int, tell: Tell) -> bool:
-    """Measure all trips and write `mapTimes`; return True when every room was reached from everywhere.
+    """Measure all trips and write `mapTimes`; return True if each room was reached from every other place.
 
-    `tell` takes the progress.
+    `tell` receives the progress.
     """
     count = len(place.rooms)
     again = command("maps", "measure", folder, "--runs", runs, "--out", folder / MAP_TIMES)
-    told = f"Measuring {runs * count * count} trips on {jobs} cores; without times: --no-times."
-    note(told if count < MANY else f"{told} This can be stopped, and continued by `{again}`.")
+    told = f"Measuring {runs * count * count} trips on {jobs} cores; to skip this, use --no-times."
+    note(told if count < MANY else f"{told} You can stop this, and continue it with `{again}`.")
     course = MeasurementSetup(place, WorldParameters(), RobotParameters(), SEED)
     with bad_input():
         times = measure_trips(course, runs, jobs, folder / MAP_TIMES, tell, f"`{again}`")
         write_times(folder / MAP_TIMES, map_times(times_matrix(times, count)))
     means = [pair.mean for pair in times if pair.mean is not None]
     span = f"{min(means):.0f} s to {max(means):.0f} s a trip" if means else "no trip arrived"
-    say(f"Measured: {len(means)} of {len(times)} ways, {span}; wrote {folder / MAP_TIMES}")
+    say(f"Measured: {len(means)} of {len(times)} paths, {span}; wrote {folder / MAP_TIMES}")
     if len(means) < len(times):
         note(unreached_words(times, folder))
     return len(means) == len(times)
 
 
 def unreached_words(times: Sequence[TripTimes], folder: Path) -> str:
-    """A sentence about ways that were not driven to the end: where, why, and what to do."""
+    """Return a sentence about paths that no trip completed: where, why, and what to do."""
     failed = [pair for pair in times if pair.mean is None]
     ends = Counter(place for pair in failed for place in (pair.start, pair.goal) if not place.is_corridor)
-    rooms = ", ".join(f"room {room.people} ({count} ways)" for room, count in sorted(ends.items(), key=_most_first)[:3])
+    rooms = ", ".join(
+        f"room {room.people} ({count} paths)" for room, count in sorted(ends.items(), key=_most_first)[:3]
+    )
     reason = Counter(refusal for pair in failed for refusal in pair.refusals).most_common(1)[0][0]
     return (
-        f"{len(failed)} of {len(times)} ways were not driven to the end and are no moves (99); mostly: {reason}. "
-        f"Most begin or end in {rooms}. Clear the way there in the image, "
-        f"delete rooms by `{command('maps', 'edit', folder)}`, or play without these moves."
+        f"{len(failed)} of {len(times)} paths were not completed and are no moves (99); main reason: {reason}. "
+        f"Most begin or end in {rooms}. Remove obstacles there in the image, "
+        f"delete rooms with `{command('maps', 'edit', folder)}`, or play without these moves."
     )
 
 

@@ -13,11 +13,11 @@ def maps_check(
     name: Annotated[str, typer.Argument(help="Name of a map, or the path of its folder.")],
     to: Annotated[
         Path | None,
-        typer.Option(help="Draw the map there: rooms, numbers, names, doors, goals, starts; .png, .svg, .pdf."),
+        typer.Option(help="Also draw the map with rooms, doors, goals and starts: a .png, .svg or .pdf."),
     ] = None,
     as_json: AsJson = False,
 ) -> None:
-    """Check a map: image, rooms, goals and start poses; and tell what it holds."""
+    """Check a map (image, rooms, goals, start poses), and print what it contains."""
     from thbridge.files.map_files import check_map
     from thbridge.offline.map_survey import survey
     from ui.command_line.pictures import PICTURES
@@ -25,7 +25,7 @@ def maps_check(
     from ui.commands.maps.survey import finding_as_json, show_survey, survey_as_json, write_survey_picture
 
     if to is not None and to.suffix.lower() not in PICTURES:
-        fail(BAD_INPUT, f"--to: {to} is no picture. Give a file name that ends in .png, .svg or .pdf.")
+        fail(BAD_INPUT, f"--to: {to} is not a picture. Write a file name that ends in .png, .svg or .pdf.")
     folder = map_folder(name)
     check = check_map(folder)
     seen = None if check.map is None else survey(check.map)
@@ -40,7 +40,7 @@ def maps_check(
             say(f"{finding.severity}: {finding.fault}")
         say(f"{errors} errors, {len(check.findings) - errors} warnings")
     if to is not None and seen is None:
-        note(f"{to} is not drawn: first the files must be readable.")
+        note(f"{to} was not drawn, because files of the map cannot be read.")
     elif to is not None and seen is not None:
         with bad_input():
             write_survey_picture(seen, to)
@@ -50,7 +50,7 @@ def maps_check(
 
 
 def maps_list() -> None:
-    """Name the maps that come with the project."""
+    """List the maps that come with thbridge."""
     from thbridge.files.resources import shipped
 
     for name in shipped().names("maps"):

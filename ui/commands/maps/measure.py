@@ -1,4 +1,4 @@
-"""`thbridge maps measure`: what every trip on a map takes."""
+"""`thbridge maps measure`: the duration of each trip on a map."""
 
 from pathlib import Path
 from typing import Annotated
@@ -12,25 +12,29 @@ from ui.command_line.terminal import BAD_INPUT, FAILED, bad_input, fail, note, p
 
 def maps_measure(
     name: Annotated[str, typer.Argument(help="Name of a map, or the path of its folder.")],
-    study_file: Annotated[Path | None, typer.Argument(help="Study file; its `world` and `robot` drive.")] = None,
-    runs: Annotated[int, typer.Option(help="Trips from each place to each room; their mean counts.", min=1)] = 3,
+    study_file: Annotated[
+        Path | None, typer.Argument(help="Study file; its sections `world` and `robot` are used.")
+    ] = None,
+    runs: Annotated[
+        int, typer.Option(help="Number of trips from each place to each room; the mean is used.", min=1)
+    ] = 3,
     to: Annotated[
         Path | None,
         typer.Option(
-            "--out", help="The mapTimes file to write; must not exist. `-` is standard output. Without it, only shown."
+            "--out", help="mapTimes file to write; must not exist. `-` is standard output. Default: only print."
         ),
     ] = None,
     study_option: StudyOption = None,
-    seed: Annotated[int | None, typer.Option(help="Of all chance in the trips.", min=0, max=2**31 - 1)] = None,
+    seed: Annotated[int | None, typer.Option(help="Random seed.", min=0, max=2**31 - 1)] = None,
     jobs: Annotated[
-        int | None, typer.Option(help="Trips driven at a time; by default one on every core.", min=1, max=256)
+        int | None, typer.Option(help="Number of trips simulated at a time; default: one per core.", min=1, max=256)
     ] = None,
     progress: ProgressOption = ProgressKind.AUTO,
     as_json: AsJson = False,
 ) -> None:
-    """Measure a map: drive a robot from every place to every room; the mean seconds make a mapTimes file.
+    """Measure a map: drive a robot from each place to each room, and write the mean durations as a mapTimes file.
 
-    A run that was stopped goes on: until the file is written, the trips are kept next to it.
+    A stopped run can be continued: until the file is written, the trips are kept next to it.
     """
     from thbridge.app.compose.installed_parts import installed_parts
     from thbridge.files.map_files import read_map
@@ -58,14 +62,14 @@ def maps_measure(
     announce_compiling()
     result = None if to == STANDARD_OUTPUT else to
     if result is not None and result.exists():
-        fail(BAD_INPUT, f"--out: there is a file {result} already. Choose another name.")
+        fail(BAD_INPUT, f"--out: the file {result} already exists. Choose another name.")
     with bad_input(), shown_progress(progress, "trips") as tell:
         times = measure_trips(course, runs, jobs or usable_cores(), result, tell)
         text = map_times(times_matrix(times, len(place.rooms)))
         if result is not None:
             write_times(result, text)
     if to == STANDARD_OUTPUT:
-        print(text, end="")  # noqa: T201 - this is what was asked for
+        print(text, end="")  # noqa: T201 - the requested output
     for pair in times:
         for refusal in pair.refusals:
             note(f"{spoken_place(pair.start)} to {spoken_place(pair.goal)}: not reached: {refusal}")
@@ -76,7 +80,7 @@ def maps_measure(
         show_times(times, f"{place.name}: mean seconds of {runs} trips each")
     unreached = sum(pair.mean is None for pair in times)
     if unreached:
-        note(f"{unreached} of {len(times)} pairs were never driven to the end: they have no time (99 in the file).")
+        note(f"{unreached} of {len(times)} pairs were never completed: they have no time (99 in the file).")
     if to != STANDARD_OUTPUT:
         note(_next_step(to, folder))
     if unreached:
@@ -84,12 +88,12 @@ def maps_measure(
 
 
 def _next_step(to: Path | None, folder: Path) -> str:
-    """A sentence about what was written, and what is to do for games to use it."""
+    """Return a sentence about what was written, and what to do so that games use it."""
     from thbridge.files.map_times import MAP_TIMES
 
     home = folder / MAP_TIMES
     if to is None:
-        return f"Nothing was written. `--out {home}` keeps the times with the map, for its games."
+        return f"Nothing was written. `--out {home}` saves the times with the map, for its games."
     if to.resolve() == home.resolve():
-        return f"Wrote {to}, into the map's folder: games on this map take it from now on. Nothing more is to do."
-    return f"Wrote {to}. Games take it once it is copied to {home}, or named by `game: costs:` in their study."
+        return f"Wrote {to} into the map's folder. Games on this map now use it."
+    return f"Wrote {to}. To use it in games, copy it to {home}, or name it under `game: costs:` in the study."

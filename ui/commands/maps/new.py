@@ -1,4 +1,4 @@
-"""`thbridge maps new` and `maps edit`: arenas made of maps that were not made for one, and drawn by hand."""
+"""`thbridge maps new` and `maps edit`: arenas made from any map, and drawn by hand."""
 
 import unicodedata
 from collections.abc import Callable
@@ -14,12 +14,12 @@ P = ParamSpec("P")
 
 
 def maps_new(
-    source: Annotated[Path, typer.Argument(help="A map.yaml, as map_server reads it, or an image: walls are dark.")],
+    source: Annotated[Path, typer.Argument(help="A map.yaml of map_server, or an image with dark walls.")],
     to: Annotated[
-        Path | None, typer.Option(help="The folder to make; by default named as the file. Must not exist.")
+        Path | None, typer.Option(help="Folder to create; must not exist. Default: named like the file.")
     ] = None,
     resolution: Annotated[
-        float | None, typer.Option(help="Metres a pixel; for images without a map.yaml.", min=0.001, max=0.5)
+        float | None, typer.Option(help="Meters per pixel, for an image without a map.yaml.", min=0.001, max=0.5)
     ] = None,
     width: Annotated[
         float | None, typer.Option(help="Width of the whole image in meters, instead of --resolution.", min=0.1)
@@ -37,30 +37,32 @@ def maps_new(
     thinner: Annotated[
         int | None,
         typer.Option(
-            help="Leave out lines and letters thinner than this many pixels (doors, furniture, labels), and fill "
-            "hatching. 0: every line is a wall.",
+            help="Remove lines and letters thinner than this many pixels (doors, furniture, labels), and fill "
+            "hatching. With 0, every line is a wall.",
             min=0,
             max=100,
         ),
     ] = None,
-    negate: Annotated[bool, typer.Option("--negate", help="The image's walls are bright, its floor is dark.")] = False,
+    negate: Annotated[bool, typer.Option("--negate", help="The image has bright walls and a dark floor.")] = False,
     rooms: Annotated[
-        int | None, typer.Option(help="Rooms wanted; the largest are taken. By default all.", min=1, max=999)
+        int | None, typer.Option(help="Number of rooms; the largest are used. Default: all.", min=1, max=999)
     ] = None,
     names: Annotated[
-        str | None, typer.Option(help="Names of the rooms as they are numbered, with commas between.")
+        str | None, typer.Option(help="Names of the rooms in the order of their numbers, separated by commas.")
     ] = None,
-    robots: Annotated[int, typer.Option(help="Start poses wanted.", min=1, max=64)] = 8,
-    times: Annotated[bool, typer.Option("--times/--no-times", help="Measure what every trip takes.")] = True,
-    runs: Annotated[int, typer.Option(help="Trips from each place to each room; their mean counts.", min=1)] = 1,
+    robots: Annotated[int, typer.Option(help="Number of start poses.", min=1, max=64)] = 8,
+    times: Annotated[bool, typer.Option("--times/--no-times", help="Measure the duration of each trip.")] = True,
+    runs: Annotated[
+        int, typer.Option(help="Number of trips from each place to each room; the mean is used.", min=1)
+    ] = 1,
     jobs: Annotated[
-        int | None, typer.Option(help="Trips driven at a time; by default one on every core.", min=1, max=256)
+        int | None, typer.Option(help="Number of trips simulated at a time; default: one per core.", min=1, max=256)
     ] = None,
-    draw: Annotated[bool, typer.Option("--draw", help="Correct rooms and start poses in a window first.")] = False,
+    draw: Annotated[bool, typer.Option("--draw", help="First correct rooms and start poses in a window.")] = False,
     look: LookOption = ColourScheme.SYSTEM,
     progress: ProgressOption = ProgressKind.AUTO,
 ) -> None:
-    """Make an arena of any map: find its rooms, put goals and start poses, check it, measure its trips."""
+    """Create an arena from any map: find rooms, set goals and start poses, check the result, and measure its trips."""
     from thbridge.files.map_files import read_map
     from ui.command_line.progress import shown_progress
     from ui.commands.maps.drawing import (
@@ -77,17 +79,17 @@ def maps_new(
     from ui.first_start.compiling import announce_compiling, usable_cores
 
     if draw:
-        _require_window("Or leave --draw out, and correct rooms.yaml as text")
+        _require_window("Or omit --draw, and correct rooms.yaml as text")
     folder = to or Path(source.resolve().parent.name if source.stem == "map" else source.stem)
     if folder.exists():
-        fail(BAD_INPUT, f"--to: {folder} is there already. Name a folder that is to be made.")
+        fail(BAD_INPUT, f"--to: {folder} already exists. Name a new folder.")
     called = [name.strip() for name in unicodedata.normalize("NFC", names).split(",")] if names else []
     if "" in called or len(set(called)) < len(called):
-        fail(BAD_INPUT, f"--names: {names!r} has an empty name or one twice. Give every room its own name.")
+        fail(BAD_INPUT, f"--names: {names!r} has an empty name or one twice. Use a different name for each room.")
     if names is not None and ";" in names and "," not in names:
-        fail(BAD_INPUT, f"--names: {names!r} is one name. Write commas between names.")
+        fail(BAD_INPUT, f"--names: {names!r} is one name. Separate names by commas.")
     if width is not None and resolution is not None:
-        fail(BAD_INPUT, "--width, --resolution: each says how large the image is. Leave one of the two out.")
+        fail(BAD_INPUT, "--width, --resolution: each gives the size of the image. Omit one of the two.")
     with bad_input():
         whole = read_drawing(source, PaperSize(resolution, width, height, turn), negate)
     note_size(whole)
@@ -96,9 +98,9 @@ def maps_new(
     arena = find_arena(grid, rooms, robots, called)
     if len(called) > len(arena.rooms):
         problem = f"{len(called)} names, but {len(arena.rooms)} rooms were found"
-        more = "add rooms by --draw, and name them there"
-        more = f"ask for them by --rooms {len(called)}" if rooms == len(arena.rooms) else more
-        fail(BAD_INPUT, f"--names: {problem}. Give fewer; or {more}.")
+        more = "add rooms with --draw, and name them there"
+        more = f"set --rooms {len(called)}" if rooms == len(arena.rooms) else more
+        fail(BAD_INPUT, f"--names: {problem}. Write fewer names; or {more}.")
     if draw:
         from ui.windows.arena import draw_arena
 
@@ -111,7 +113,7 @@ def maps_new(
             left_out=drawing.left_out,
         )
         if not folder.exists():
-            fail(FAILED, f"Nothing was saved, so there is no {folder}.")
+            fail(FAILED, f"Nothing was saved. {folder} was not created.")
     else:
         require_rooms(arena, grid, source, negated=negate)
         with bad_input():
@@ -125,20 +127,22 @@ def maps_new(
         with shown_progress(progress, "trips") as tell:
             complete = measure_map(folder, place, runs, jobs or usable_cores(), tell)
     else:
-        say(f"Not measured. Games need times: {command('maps', 'measure', folder, '--out', folder / 'mapTimes')}")
-    say(f"Look at it: {command('maps', 'check', folder, '--to', f'{folder.name}-rooms.png')}")
+        say(
+            f"Not measured. Games need travel times: {command('maps', 'measure', folder, '--out', folder / 'mapTimes')}"
+        )
+    say(f"Draw the map: {command('maps', 'check', folder, '--to', f'{folder.name}-rooms.png')}")
     path = folder if folder.is_absolute() else f"./{folder}"
     if times:
-        say(f"Play on it: {command('play', '--map', path)}")
+        say(f"Play on the map: {command('play', '--map', path)}")
     if not complete:
         raise typer.Exit(FAILED)
 
 
 def maps_edit(
-    folder: Annotated[Path, typer.Argument(help="Folder of a map of yours.")],
+    folder: Annotated[Path, typer.Argument(help="Folder of one of your maps.")],
     look: LookOption = ColourScheme.SYSTEM,
 ) -> None:
-    """Edit a map's rooms, goals and start poses in a window; saving writes its rooms.yaml anew."""
+    """Edit the rooms, goals and start poses of a map in a window; saving replaces its rooms.yaml."""
     from thbridge.files.map_files import check_map, write_rooms
     from thbridge.files.map_times import MAP_TIMES
     from thbridge.offline.arena import Arena
@@ -146,9 +150,7 @@ def maps_edit(
 
     _require_window(f"Or edit {folder / 'rooms.yaml'} as text, and check it by `thbridge maps check`")
     if not folder.is_dir():
-        fail(
-            BAD_INPUT, f"{folder}: there is no such folder. Give that of a map of yours; a shipped one is copied first."
-        )
+        fail(BAD_INPUT, f"{folder}: there is no such folder. Name the folder of your map; copy a shipped map first.")
     check = check_map(folder)
     if check.map is None:
         fail(BAD_INPUT, "\n".join(str(fault) for fault in check.errors))
@@ -162,7 +164,7 @@ def maps_edit(
     def write(drawn: Arena) -> None:
         nonlocal saved
         write_rooms(folder, drawn.rooms, drawn.starts, language=language)
-        # At once, not when the window is closed: a game may begin before.
+        # Archive at once, not when the window is closed: a game may start before.
         if times.exists() and not same_trips(saved, drawn):
             times.replace(old)
         elif measured and not times.exists() and same_trips(arena, drawn):
@@ -184,10 +186,10 @@ def maps_edit(
         return
     say(f"Wrote {rooms}")
     if measured and not times.exists():
-        say(f"The times were of other trips; they are now {old}.")
+        say(f"The old travel times no longer apply; they were renamed to {old}.")
     check_written(folder)
     if not times.exists():
-        say(f"Games need times: {command('maps', 'measure', folder, '--out', times)}")
+        say(f"Games need travel times: {command('maps', 'measure', folder, '--out', times)}")
 
 
 def _require_window(otherwise: str) -> None:
@@ -207,5 +209,5 @@ def _why_not(write: Callable[P, object], *arguments: P.args, **named: P.kwargs) 
     except BadFile as fault:
         return str(fault)
     except OSError as error:
-        return f"It cannot be written: {reason_of(error)}."
+        return f"The file cannot be written: {reason_of(error)}."
     return None

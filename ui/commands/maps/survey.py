@@ -1,4 +1,4 @@
-"""The words and figures of `thbridge maps check`."""
+"""Output of `thbridge maps check`."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 def show_survey(seen: MapSurvey, folder: Path) -> None:
-    """Print what a map holds."""
+    """Print what a map contains."""
     place, grid = seen.place, seen.place.grid
     width, height = grid.cols * grid.resolution, grid.rows * grid.resolution
     say(f"{place.name}: {width:.1f} m x {height:.1f} m, {grid.cols} x {grid.rows} cells of {grid.resolution:g} m")
@@ -30,19 +30,19 @@ def show_survey(seen: MapSurvey, folder: Path) -> None:
     first = place.starts[0] if place.starts else None
     where = "" if first is None else f"; robot 1 starts at ({first.x:g}, {first.y:g})"
     say(f"start poses: {len(place.starts)}{where}")
-    say(f"ways: {seen.reachable} of {seen.pairs} from the start and every room to every other room")
+    say(f"paths: {seen.reachable} of {seen.pairs} from the start and each room to each other room")
     measure = command("maps", "measure", folder, "--out", folder / MAP_TIMES)
     known = f"known, in {MAP_TIMES}" if place.costs else f"none yet: `{measure}`"
     say(f"travel times: {known}")
 
 
 def _beyond(door: Doorway, room: Room) -> Room:
-    """The other side of a door, as seen from one of its two rooms."""
+    """Return the room on the other side of a door."""
     return door.beyond if door.room == room else door.room
 
 
 def survey_as_json(seen: MapSurvey) -> dict[str, object]:
-    """The figures as the JSON object has them: meters, square meters, shares."""
+    """Return the figures as a JSON object: meters, square meters, shares."""
     place, grid = seen.place, seen.place.grid
     return {
         "name": place.name,
@@ -77,7 +77,7 @@ def survey_as_json(seen: MapSurvey) -> dict[str, object]:
 
 
 def finding_as_json(finding: MapFinding) -> dict[str, object]:
-    """A finding as the JSON object has it."""
+    """Return a finding as a JSON object."""
     fault = finding.fault
     return {
         "severity": finding.severity,
@@ -91,14 +91,14 @@ def finding_as_json(finding: MapFinding) -> dict[str, object]:
 
 
 def write_survey_picture(seen: MapSurvey, to: Path) -> None:
-    """Draw a map into a file; its suffix says the format.
+    """Draw a map into a file, in the format of its suffix.
 
     Raises:
-        BadFile: it cannot be written.
+        BadFile: the file cannot be written.
     """
 
     def draw() -> "Figure":
-        from thbridge.offline.map_picture import map_picture  # loads matplotlib
+        from thbridge.offline.map_picture import map_picture  # imports matplotlib
 
         return map_picture(seen)
 

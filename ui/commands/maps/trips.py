@@ -1,4 +1,4 @@
-"""The trips of `thbridge maps measure`."""
+"""Trips of `thbridge maps measure`."""
 
 import signal
 from collections.abc import Sequence
@@ -28,19 +28,19 @@ def measure_trips(
     tell: Tell,
     again: str = "the same command",
 ) -> tuple[TripTimes, ...]:
-    """Drive all trips, several at a time; how many changes nothing in the result.
+    """Drive all trips, several at a time; their number at a time does not change the result.
 
     Args:
-        course: the map, and the robot that drives.
-        runs: trips of each pair.
+        course: map and robot.
+        runs: trips per pair of places.
         jobs: trips driven at a time.
-        result: file that the times will be written to: trips are kept next to it, and a further run drives the others;
-            None keeps none.
-        tell: takes the progress.
-        again: the command that drives the trips that are left after a stop.
+        result: file for the times. Trips are kept next to it, and a later run drives only the others. If None, no trips
+            are kept.
+        tell: receives the progress.
+        again: command that continues after a stop.
 
     Raises:
-        BadFile: trips cannot be kept.
+        BadFile: the trips cannot be saved.
     """
     wanted = list(trips(course.place, runs))
     if result is None:
@@ -51,13 +51,13 @@ def measure_trips(
         done = {trip: kept.done[trip] for trip in wanted if trip in kept.done}
         if done:
             note(
-                f"{len(done)} of {len(wanted)} trips are kept from an earlier run ({kept.path}). Measuring the others."
+                f"{len(done)} of {len(wanted)} trips were kept from an earlier run ({kept.path}). Measuring the others."
             )
         try:
             with stopped_by_sigterm():
                 return by_pair(_driven(course, wanted, done, kept, jobs, tell).values())
         except KeyboardInterrupt:
-            fail(FAILED, f"Stopped. {len(kept.done)} trips are kept in {kept.path}; {again} continues.")
+            fail(FAILED, f"Stopped. {len(kept.done)} trips are kept in {kept.path}; continue with {again}.")
 
 
 def _driven(
@@ -68,10 +68,10 @@ def _driven(
     jobs: int,
     tell: Tell,
 ) -> dict[RoomTrip, TripResult]:
-    """Drive the trips that are not done; return all."""
+    """Drive the remaining trips; return all trips."""
     left = [trip for trip in wanted if trip not in done]
     tell("trips", len(done), len(wanted))
-    # Forking would copy the thread that draws the progress in the middle of what it does.
+    # A fork would copy the progress thread in the middle of its work.
     pool = ProcessPoolExecutor(jobs, get_context("spawn"), signal.signal, (signal.SIGINT, signal.SIG_IGN))
     try:
         for ended in as_completed(pool.submit(partial(drive, course), trip) for trip in left):
@@ -86,13 +86,13 @@ def _driven(
 
 
 def write_times(result: Path, text: str) -> None:
-    """Write the result, and then remove the trips next to it. Raises BadFile: it cannot be written."""
-    write_whole(result, text.encode("ascii"), "choose another file by --out")
+    """Write the result, then remove the trips next to it. Raises BadFile if the file cannot be written."""
+    write_whole(result, text.encode("ascii"), "choose another file with --out")
     kept_path(result).unlink(missing_ok=True)
 
 
 def times_matrix(times: Sequence[TripTimes], rooms: int) -> list[list[float | None]]:
-    """Mean seconds by start and goal; 0 is the corridor."""
+    """Return the mean seconds by start and goal; place 0 is the corridor."""
     matrix: list[list[float | None]] = [[None] * (rooms + 1) for _ in range(rooms + 1)]
     for pair in times:
         matrix[pair.start.people][pair.goal.people] = pair.mean
@@ -100,7 +100,7 @@ def times_matrix(times: Sequence[TripTimes], rooms: int) -> list[list[float | No
 
 
 def times_as_json(pair: TripTimes) -> dict[str, object]:
-    """The times of a pair as the JSON object has them."""
+    """Return the times of a pair as a JSON object."""
     return {
         "from": pair.start.people,
         "to": pair.goal.people,
@@ -123,5 +123,5 @@ def show_times(times: Sequence[TripTimes], title: str) -> None:
 
 
 def spoken_place(place: Room) -> str:
-    """A place as people call it."""
+    """Return the name of a place for people."""
     return "the corridor" if place.is_corridor else f"room {place.people}"
