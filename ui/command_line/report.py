@@ -22,7 +22,7 @@ def write_report(
         bag: recording.
         page: file to write.
         map_yaml: map to draw, instead of the bag's own.
-        tell: receives the progress.
+        `tell`: receives the progress.
         named: topics of a robot's trajectories, if the user named them.
 
     Raises:

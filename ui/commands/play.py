@@ -45,14 +45,14 @@ def play(
     study_file: StudyFile = None,
     robots: Robots = None,
     map_name: MapName = None,
-    headless: Annotated[bool, typer.Option(help="Without a window, though there is a display.")] = False,
+    headless: Annotated[bool, typer.Option(help="Run without a window even if a display is available.")] = False,
     participant: ParticipantName = None,
     seed: Seed = None,
     language: LanguageOption = None,
     rate: Annotated[
         float | None,
         typer.Option(
-            help="Simulated seconds per second; 0: full speed, the default unless people or other programs play.",
+            help="Simulated seconds per second; 0 is full speed, the default if no people or other programs play.",
             min=0,
             max=1000,
         ),
@@ -63,22 +63,22 @@ def play(
         typer.Option(
             "--with",
             metavar="KEY=VALUE|FILE.yaml",
-            help="Change this in the study, e.g. `--with robot.amcl.max_particles=500`. May be given several times.",
+            help="Change a key of the study, for example `--with robot.amcl.max_particles=500`. Can be repeated.",
         ),
     ] = None,
     outside: Annotated[
-        str, typer.Option(help="Roles that other programs will take, e.g. `TabUI,Hider`.", metavar="ROLES")
+        str, typer.Option(help="Roles that other programs play, for example `TabUI,Hider`.", metavar="ROLES")
     ] = "",
     port: Port = None,
     max_seconds: Annotated[
         float | None,
         typer.Option(
-            help="Give up after so much simulated time; by default an hour, and never when people play.", min=1
+            help="Stop after this many simulated seconds. Default: 3600; no limit with human players or MAVLink.", min=1
         ),
     ] = None,
     report_page: Annotated[
         bool | None,
-        typer.Option("--report/--no-report", help="Make a page of the bag; by default without --json."),
+        typer.Option("--report/--no-report", help="Write an HTML report of the bag; default: yes, except with --json."),
     ] = None,
     *,
     ros: RosOptions,
@@ -90,11 +90,11 @@ def play(
     progress: ProgressOption = ProgressKind.AUTO,
     as_json: AsJson = False,
 ) -> None:
-    """Play a whole hunt, recorded into a bag: in a window where there is a display, else with a simulated participant.
+    """Play a whole hunt and record it in a bag, in a window, or with a simulated participant if there is no display.
 
-    Without a study file it is the study `standard`; with --outside it is `original-2016`, the game of 2016.
+    The default study is `standard`; with --outside it is `original-2016`, the game of 2016.
 
-    Other programs may join on the TCP port; those named by --outside take the place of ours.
+    Other programs may connect to the TCP port. Those named by --outside replace the built-in ones.
     """
     from ui.first_start.bar import START_BAR, announce_start
 
@@ -137,7 +137,7 @@ def play(
     from ui.hosting.players import player_of_bot, player_of_person
 
     files, assignments = changes_of(changes or [])
-    # Programs of others expect the game of 2016, as ours do when they run apart.
+    # Other programs expect the game of 2016, as do our programs when they run separately.
     study = STANDARD if study_file is None and not outside else study_of(study_file, {})
     with bad_input():
         study = with_changes(study, files, assignments)
@@ -147,11 +147,14 @@ def play(
     if participant != PERSON:
         study = with_strategy(study, participant)
     if study.robots_from is RobotsFrom.ROS:
-        problem = "robots_from: this study is for real robots, and `play` simulates"
-        fail(BAD_INPUT, f"{problem}. Start `thbridge server`, `simr`, `hider` and `tabui`, or write sim in the study.")
+        problem = "robots_from: this study is for real robots, but `play` simulates them"
+        fail(
+            BAD_INPUT,
+            f"{problem}. Start `thbridge server`, `simr`, `hider` and `tabui`, or set robots_from: sim in the study.",
+        )
     if study.external_nodes is not ExternalNodes.NONE:
-        problem = "external_nodes: others drive these robots, and `play` drives its own"
-        fail(BAD_INPUT, f"{problem}. Start `simr --ros` with this study, and play by `simr --robots-from ros`.")
+        problem = "external_nodes: other nodes drive these robots, but `play` drives its own"
+        fail(BAD_INPUT, f"{problem}. Start `simr --ros` with this study, and play with `simr --robots-from ros`.")
     setting = setting_of(study, study_file)
     note_doubts(setting)
     others = _roles(outside)
@@ -177,7 +180,7 @@ def play(
         play_in_window(games, offered, ("--look", look.value))
         return
     if who == PERSON:
-        START_BAR.close()  # Who types needs the line.
+        START_BAR.close()  # A person who types needs the line.
         text = None if legacy.TABUI in others else setting.consent
         player = player_of_person(setting.texts, None if text is None else ask_for_consent(setting.texts, text))
     else:
@@ -189,7 +192,7 @@ def play(
         if isinstance(where, CannotListen):
             if others:
                 fail(BAD_INPUT, str(where))
-            note(f"Nobody from outside can join: {where}")
+            note(f"Other programs cannot join: {where}")
         elif not as_json:
             note(f"Other programs can join at {where.host}:{where.port}.")
 
@@ -233,9 +236,9 @@ def play(
         with bad_input():
             write_report(path, path.with_suffix(".html"))
     if stopped:
-        fail(FAILED, "stopped; what was recorded up to here is complete")
+        fail(FAILED, "stopped; the recording is complete up to this point")
     if unfinished is not None:
-        fail(FAILED, f"the game was not over after {limit:g} simulated seconds")
+        fail(FAILED, f"the game had not ended after {limit:g} simulated seconds")
 
 
 def _roles(names: str) -> frozenset[str]:
@@ -245,5 +248,5 @@ def _roles(names: str) -> frozenset[str]:
     known = {legacy.TABUI, legacy.HIDER}
     wrong = sorted(chosen - known)
     if wrong:
-        fail(BAD_INPUT, f"--outside: {wrong[0]} is not a role that can be left out here. Use TabUI or Hider.")
+        fail(BAD_INPUT, f"--outside: {wrong[0]} is not a role that other programs can play. Use TabUI or Hider.")
     return chosen

@@ -14,16 +14,16 @@ from ui.command_line.terminal import bad_input
 def report(
     bag: Recording,
     to: Annotated[
-        Path | None, typer.Option(help="The page; by default beside the bag. `-` is standard output.")
+        Path | None, typer.Option(help="HTML file to write; default: next to the bag. `-` is standard output.")
     ] = None,
     map_yaml: Annotated[
-        Path | None, typer.Option("--map", help="The map, a map_server YAML file; by default the bag's own.")
+        Path | None, typer.Option("--map", help="Map (a map_server YAML file); default: the map in the bag.")
     ] = None,
     truth: Truth = None,
     estimate: Estimated = None,
     progress: ProgressOption = ProgressKind.AUTO,
 ) -> None:
-    """Make a report of a bag: one HTML page with paths, errors, energy, events and talk."""
+    """Write a report of a bag: one HTML page with paths, errors, energy, events and dialogues."""
     from thbridge.analysis.report.builder import trajectory_topics
     from ui.command_line.heap import give_large_blocks_back
     from ui.command_line.progress import shown_progress

@@ -1,4 +1,4 @@
-"""The commands about ROS 1: message types for an installed ROS, a master where none is, what rviz and Foxglove show."""
+"""Commands of `thbridge ros`: message types for an installed ROS, a master, and views for rviz and Foxglove."""
 
 from __future__ import annotations
 
@@ -19,14 +19,16 @@ if TYPE_CHECKING:
     from sim.parameters import RobotParameters
 
 
-def ros_messages(folder: Annotated[Path, typer.Argument(help="Where packages go, e.g. a catkin `src`.")]) -> None:
-    """Write our message types as the ROS package `thbridge_msgs`; where ROS lacks mavros, also those we have of it."""
+def ros_messages(
+    folder: Annotated[Path, typer.Argument(help="Folder for the packages, such as `src` of a catkin workspace.")],
+) -> None:
+    """Write our message types as the ROS package `thbridge_msgs`; without mavros, also the mavros types that we use."""
     import os
 
     from thbridge.files.ros.package import write_packages
     from thbridge.recording.bag.options import Readers
 
-    os.umask(Readers.EVERYONE.umask)  # There is no secret in them, and a system's ROS has many users.
+    os.umask(Readers.EVERYONE.umask)  # They contain no secrets, and a system's ROS has many users.
     with bad_input():
         packages = write_packages(folder)
     for package in packages:
@@ -35,12 +37,12 @@ def ros_messages(folder: Annotated[Path, typer.Argument(help="Where packages go,
 
 def ros_master(
     host: Annotated[
-        str, typer.Option(help="Address to listen on; 0.0.0.0 lets other machines in, those of --open-to.")
+        str, typer.Option(help="Address to listen on; 0.0.0.0 also accepts other machines, those of --open-to.")
     ] = LOCALHOST,
-    port: Annotated[int, typer.Option(help="TCP port; 0 takes a free one.", min=0, max=65535)] = ROS_MASTER_PORT,
+    port: Annotated[int, typer.Option(help="TCP port; 0 means any free port.", min=0, max=65535)] = ROS_MASTER_PORT,
     open_to: OpenTo = None,
 ) -> None:
-    """Run a ROS master, in place of roscore, until stopped."""
+    """Run a ROS master, instead of roscore, until stopped."""
     import asyncio
 
     from thbridge.rosgraph.sockets import master_server
@@ -60,22 +62,22 @@ def ros_master(
     asyncio.run(master_server.serve(host, port, ready, Admission.to(study.open_to)))
 
 
-ViewFile = Annotated[Path | None, typer.Option("--to", help="The file; by default, and with `-`, standard output.")]
+ViewFile = Annotated[Path | None, typer.Option("--to", help="File to write; default, and with `-`: standard output.")]
 
 
 def ros_rviz(
     study_file: StudyFile = None, robots: Robots = None, map_name: MapName = None, to: ViewFile = None
 ) -> None:
-    """Write a configuration of rviz that shows a study's whole team; open it by `rviz -d FILE`."""
+    """Write an rviz configuration that shows the whole team of a study; open it with `rviz -d FILE`."""
     from thbridge.ros.rviz import configuration
 
-    _write_view(configuration, study_file, robots, map_name, to, "Open it by: rviz -d {to}")
+    _write_view(configuration, study_file, robots, map_name, to, "Open it with: rviz -d {to}")
 
 
 def ros_foxglove(
     study_file: StudyFile = None, robots: Robots = None, map_name: MapName = None, to: ViewFile = None
 ) -> None:
-    """Write a layout of Foxglove that shows a study's whole team; for sessions with --foxglove, and for recordings."""
+    """Write a Foxglove layout that shows the whole team of a study, for sessions with --foxglove and for recordings."""
     from thbridge.ros.foxglove_layout import foxglove_layout
 
     _write_view(foxglove_layout, study_file, robots, map_name, to, "In Foxglove: Layouts, Import from file")
@@ -89,7 +91,7 @@ def _write_view(
     to: Path | None,
     use: str,
 ) -> None:
-    """Write the view of a study's team that a function makes of the robots' parameters and the map."""
+    """Write a view of a study's team; a function creates it from the parameters of robots and the map."""
     from sim.common.robot_numbers import robot_numbers
     from thbridge.files.disk.whole import write_whole
     from ui.command_line.settings import map_of, study_of
@@ -98,8 +100,8 @@ def _write_view(
     grid = map_of(study, study_file).grid
     text = write([study.software(number) for number in robot_numbers(study.robots)], grid)
     if to is None or to == STANDARD_OUTPUT:
-        print(text, end="")  # noqa: T201 - this is what was asked for
+        print(text, end="")  # noqa: T201 - the requested output
         return
     with bad_input():
-        write_whole(to, text.encode(), "choose another file by --to")
+        write_whole(to, text.encode(), "choose another file with --to")
     note(f"Wrote {to}. {use.format(to=to)}")

@@ -10,7 +10,7 @@ from ui.command_line.terminal import BAD_INPUT, bad_input, fail
 from ui.windows.display import why_no_window
 
 OPEN_TIMEOUT = 2.0
-"""Seconds that a recording may take to open before its window does."""
+"""Time limit, in seconds, for opening a recording before its window is shown."""
 
 
 def watch(
@@ -18,7 +18,7 @@ def watch(
         str | None,
         typer.Argument(
             metavar="[HOST:PORT|BAG]",
-            help="Address of a running session (see --watch), or path of a recording. If missing, the window asks.",
+            help="Address of a running session (see `play --watch`), or path of a recording. Default: choose in the window.",
         ),
     ] = None,
     key: Annotated[
@@ -26,10 +26,10 @@ def watch(
     ] = None,
     look: LookOption = ColourScheme.SYSTEM,
 ) -> None:
-    """Watch a session under way, or a recording: the truth beside what robots believe, plots, lines, dialogue.
+    """Watch a running session or a recording: the truth next to the robots' beliefs, plots, messages, dialogues.
 
-    At a session the window also sends robots, kidnaps and kills them, puts things in their way and speaks for them;
-    whatever it asks is recorded. Press F1 for keyboard shortcuts. See `thbridge docs watching`.
+    In a session, the window can also send robots, kidnap or kill them, put things in their way, and speak for them.
+    Everything it requests is recorded. Press F1 for keyboard shortcuts. See `thbridge docs watching`.
     """
     from ui.windows.researcher.feeds.opening import open_feed
 

@@ -36,7 +36,7 @@ def measure_trips(
         jobs: trips driven at a time.
         result: file for the times. Trips are kept next to it, and a later run drives only the others. If None, no trips
             are kept.
-        tell: receives the progress.
+        `tell`: receives the progress.
         again: command that continues after a stop.
 
     Raises:

@@ -1,4 +1,4 @@
-"""The commands about MAVLink: who is there, and go there, as a ground station; and a recording's frames again."""
+"""Commands of `thbridge mavlink`: list robots, send one to a point, and replay the frames of a recording."""
 
 import dataclasses
 import math
@@ -22,18 +22,18 @@ _TCP = "tcp:"
 Where = Annotated[
     str,
     typer.Argument(
-        metavar="HOST:PORT", help="An address that robots speak to by UDP, or tcp:HOST:PORT where they can be reached."
+        metavar="HOST:PORT", help="UDP address to which robots send, or tcp:HOST:PORT to connect to robots."
     ),
 ]
 
 
 def mavlink_status(
     where: Where = USUAL,
-    seconds: Annotated[float, typer.Option(help="How long to listen.", min=0.1, max=3600)] = 3.0,
+    seconds: Annotated[float, typer.Option(help="Time to listen, in seconds.", min=0.1, max=3600)] = 3.0,
     signing_key: KeyFile = None,
     as_json: AsJson = False,
 ) -> None:
-    """Tell which robots are there, and how they stand."""
+    """List the robots that send MAVLink, with their states."""
     import asyncio
 
     from thbridge.mavlink.sockets.client import StationSocket
@@ -70,19 +70,19 @@ def mavlink_status(
 
 @mavlink_goto.command(context_settings={"ignore_unknown_options": True})
 def goto(
-    robot: Annotated[int, typer.Argument(help="The robot's number, which is its system id.", min=1, max=255)],
-    x: Annotated[float, typer.Argument(help="Metres east of the map's origin.")],
-    y: Annotated[float, typer.Argument(help="Metres north of it.")],
-    at: Annotated[str, typer.Option(metavar="HOST:PORT", help="Where it speaks; as for `status`.")] = USUAL,
+    robot: Annotated[int, typer.Argument(help="Number of the robot (its system id).", min=1, max=255)],
+    x: Annotated[float, typer.Argument(help="Meters east of the map's origin.")],
+    y: Annotated[float, typer.Argument(help="Meters north of the map's origin.")],
+    at: Annotated[str, typer.Option(metavar="HOST:PORT", help="Address of the robot, as for `status`.")] = USUAL,
     heading: Annotated[
-        float | None, typer.Option(help="Which way it is to look there: degrees from east, anticlockwise.")
+        float | None, typer.Option(help="Heading at the goal: degrees counterclockwise from east.")
     ] = None,
-    keep: Annotated[bool, typer.Option("--keep", help="Stay in command of it afterwards.")] = False,
+    keep: Annotated[bool, typer.Option("--keep", help="Stay in command of the robot afterwards.")] = False,
     signing_key: KeyFile = None,
 ) -> None:
-    """Take command of a robot, send it to a point of the map, wait until it is there, and give it back.
+    """Take command of a robot, send it to a point of the map, wait until it arrives, and release command.
 
-    Its number, X and Y are those of `thbridge mavlink status`. A point in a room is a move of the game.
+    `thbridge mavlink status` prints the robot's number and its x and y. A point in a room is a move of the game.
     """
     from thbridge.mavlink.sockets.client import StationSocket
     from thbridge.mavlink.station.trip import TripOutcome
@@ -91,7 +91,10 @@ def goto(
 
     for name, value in (("X", x), ("Y", y), ("--heading", 0.0 if heading is None else heading)):
         if not abs(value) < 1e5:
-            fail(BAD_INPUT, f"{name}: {value:g} is not within 100,000. Give metres, and degrees for --heading.")
+            fail(
+                BAD_INPUT,
+                f"{name}: {value:g} is not within -100,000 to 100,000. Write meters, and degrees for --heading.",
+            )
     address, tcp = _address(at, "--at")
     destination = Target(x, y, None if heading is None else math.radians(heading))
 
@@ -103,16 +106,16 @@ def goto(
     if not link.station.robots:
         fail_without_robots(link, address, signing_key)
     if outcome.problem:
-        hint = " If it wants signatures, give --signing-key." if signing_key is None and outcome.unanswered else ""
+        hint = " If it requires signed frames, add --signing-key." if signing_key is None and outcome.unanswered else ""
         fail(FAILED, f"{outcome.problem[:1].upper()}{outcome.problem[1:].rstrip('.')}.{hint}")
     there = link.station.robots[robot]
     show(f"Robot {robot} is at {there.x:.2f} {there.y:.2f}.")
 
 
 def mavlink_replay(
-    bag: Annotated[Path, typer.Argument(help="A recording with topics /robotN/mavlink/to.")],
+    bag: Annotated[Path, typer.Argument(help="Recording with topics /robotN/mavlink/to.")],
     study_file: Annotated[
-        Path | None, typer.Argument(help="Study to run it in; by default the recording's own.")
+        Path | None, typer.Argument(help="Study to run; default: the study in the recording.")
     ] = None,
     study_option: StudyOption = None,
     changes: Annotated[
@@ -120,20 +123,22 @@ def mavlink_replay(
         typer.Option(
             "--with",
             metavar="KEY=VALUE|FILE.yaml",
-            help="Change this in the recording's study, e.g. `--with seed=2`. May be given several times.",
+            help="Change a key of the recorded study, for example `--with seed=2`. Can be repeated.",
         ),
     ] = None,
     rate: Annotated[
-        float | None, typer.Option(help="Simulated seconds per second; full speed by default.", min=0.01, max=1000)
+        float | None, typer.Option(help="Simulated seconds per second; default: full speed.", min=0.01, max=1000)
     ] = None,
-    to: Annotated[Path | None, typer.Option(help="Keep the new recording in this bag.")] = None,
-    longer: Annotated[float, typer.Option(help="Seconds to go on after the end of the recording.", min=0)] = 0.0,
-    beside: Annotated[Path, typer.Option(help="Folder that paths in the recording's study start from.")] = Path(),
+    to: Annotated[Path | None, typer.Option(help="Bag to write the new recording to.")] = None,
+    longer: Annotated[float, typer.Option(help="Seconds to continue after the end of the recording.", min=0)] = 0.0,
+    beside: Annotated[
+        Path, typer.Option(help="Folder from which relative paths in the recorded study start.")
+    ] = Path(),
     as_json: AsJson = False,
 ) -> None:
-    """Drive a fresh hunt by a recording's MAVLink frames alone: each robot hears again what it was told.
+    """Run a new hunt in which robots receive only the MAVLink frames of a recording.
 
-    Ends with 1 where rooms were not reached in the recorded order, or the score is another, and nothing was changed.
+    The exit code is 1 if rooms were reached in another order or the score differs, and nothing was changed.
     """
     import asyncio
 
@@ -169,9 +174,9 @@ def mavlink_replay(
 
 
 def _address(text: str, option: str) -> tuple[Address, bool]:
-    """An address, and True if it is of TCP."""
+    """Return an address, and True if it is a TCP address."""
     bare = text.removeprefix(_TCP)
     address = parse_address(bare.removeprefix("udp:"))
     if address is None:
-        fail(BAD_INPUT, f"{option}: {text!r} is no address. Write HOST:PORT, such as {USUAL}, or tcp:HOST:PORT.")
+        fail(BAD_INPUT, f"{option}: {text!r} is not an address. Write HOST:PORT, such as {USUAL}, or tcp:HOST:PORT.")
     return address, bare != text

@@ -1,4 +1,4 @@
-"""A small ground station for `thbridge mavlink`, and what it shows."""
+"""Small ground station of `thbridge mavlink`, and its output."""
 
 import asyncio
 import math
@@ -39,17 +39,17 @@ _TELL_SECONDS = 2.0
 
 
 def setting_of_recording(bag: Path, study_file: Path | None, changes: list[str], beside: Path) -> StudySetting:
-    """The study of a recording, or another one."""
+    """Return the study of a recording, or another study."""
     if study_file is not None:
         if changes:
             fail(
                 BAD_INPUT,
-                "--with: it changes the recording's study; another study has others. Leave one of the two out.",
+                "--with: it changes the study in the recording, but a study file is given. Omit one of the two.",
             )
         return setting_of(study_of(study_file, {}), study_file)
     with bad_input():
         if not has_session(bag):
-            fail(BAD_INPUT, f"{bag}: it does not say what it was recorded with. Name a study file after it.")
+            fail(BAD_INPUT, f"{bag}: it does not contain its study. Add a study file after it.")
         record = session_of(bag)
         for sentence in other_versions(record):
             note(sentence)
@@ -57,27 +57,27 @@ def setting_of_recording(bag: Path, study_file: Path | None, changes: list[str],
 
 
 def show_frames_replayed(done: FramesReplayed) -> None:
-    """Print what became of a recording's frames."""
+    """Print the result of replaying a recording's frames."""
     table = Table("", "recorded", "replayed", title=f"{done.frames} frames in {done.wall_seconds:.1f} s")
     was, now = done.recorded, done.replayed
     table.add_row("score", "-" if was is None else str(was.score), str(now.score))
     table.add_row("rooms reached", "-" if was is None else _arrivals(was), _arrivals(now))
     out.print(table)
     if done.unusable:
-        note(f"{done.unusable} messages held no frame, or were for robots that there are not.")
+        note(f"{done.unusable} messages contained no frame, or were for robots that do not exist.")
     if done.compared and done.parted is None:
-        show("Every robot drove as it was recorded, to the last bit.")
+        show("Each robot drove exactly as recorded, bit for bit.")
     elif done.parted is not None:
-        show(f"A robot first was elsewhere than recorded at {done.parted:.2f} s.")
+        show(f"At {done.parted:.2f} s, a robot was first at another place than recorded.")
 
 
 def _arrivals(hunt: HuntResult) -> str:
-    """The rooms in order, each with the robot that reached it."""
+    """Return the rooms in the order they were reached, each with its robot."""
     return ", ".join(f"{arrival.room} (robot {arrival.robot})" for arrival in hunt.arrivals) or "none"
 
 
 async def drive_robot(link: StationSocket, robot: int, destination: Target, keep: bool) -> TripOutcome:
-    """Drive a robot to a place, telling how far it has come."""
+    """Drive a robot to a place, and print its progress."""
     clock = asyncio.get_running_loop().time
     trip = StationTrip(link.station, robot, destination, keep, clock())
     stage, shown = trip.stage, clock()
@@ -97,7 +97,7 @@ async def drive_robot(link: StationSocket, robot: int, destination: Target, keep
 
 
 def sighting_as_json(robot: KnownRobot) -> dict[str, object]:
-    """A robot as the JSON object has it; null for values that it has not sent."""
+    """Return a robot as a JSON object; values that it has not sent are null."""
     seconds = max(robot.last_frame - robot.first_heartbeat, 1e-9)
     return {
         "robot": robot.system,
@@ -133,7 +133,7 @@ def _known(value: float, digits: int) -> float | None:
 
 
 def sightings_table(robots: list[KnownRobot]) -> Table:
-    """Robots as a table."""
+    """Return robots as a table."""
     table = Table("robot", "mode", "armed", "commander", "x, y (m)", "energy", "frames/s", "lost")
     for robot in robots:
         figures = sighting_as_json(robot)
@@ -146,7 +146,7 @@ def sightings_table(robots: list[KnownRobot]) -> Table:
 
 
 def _signing_key_in(path: Path | None) -> SigningKey | None:
-    """The signing key of a file; None without a file."""
+    """Return the signing key in a file; None without a file."""
     with bad_input():
         return None if path is None else read_signing_key(path)
 
@@ -161,22 +161,24 @@ def run_program(program: Coroutine[object, object, T]) -> T:
 
 @asynccontextmanager
 async def station_at(address: Address, tcp: bool, key: Path | None) -> AsyncIterator[StationSocket]:
-    """A ground station's link, signed by the key of a file; ends the command where it cannot be opened."""
+    """Open the link of a ground station, signed with the key in a file; end the command if this fails."""
     secret, store = _signing_key_in(key), None if key is None else TimestampFile(key, ".station")
     try:
         async with open_station(address, tcp, secret, store) as link:
             yield link
     except Unreachable as why:
-        remedy = "Start robots there, by `thbridge play --mavlink --tcp HOST:PORT`" if tcp else "Give another address"
+        remedy = "Start robots there with `thbridge play --mavlink --tcp HOST:PORT`" if tcp else "Use another address"
         fail(FAILED, f"{address}: {why}. {remedy}.")
 
 
 def fail_without_robots(link: StationSocket, address: Address, key: Path | None) -> NoReturn:
-    """End the command, with reasons why no robot may have answered."""
+    """End the command, with the reason why no robot may have answered."""
     if link.refused:
-        fail(FAILED, f"{address}: {link.refused} frames were refused, for they are not signed with the key of {key}.")
+        fail(
+            FAILED, f"{address}: {link.refused} frames were refused, because they are not signed with the key in {key}."
+        )
     if link.is_listening:
-        remedy = "Start `thbridge play --mavlink`, or give the address that it tells"
-        fail(FAILED, f"{address}: nobody speaks MAVLink there. {remedy}.")
-    remedy = f"Give an address that is free, such as {OTHER}; robots speak to several, see `play --udp`"
-    fail(FAILED, f"{address}: another program has this address, or another machine, and no robot answers. {remedy}.")
+        remedy = "Start `thbridge play --mavlink`, or use the address that it prints"
+        fail(FAILED, f"{address}: no program sends MAVLink there. {remedy}.")
+    remedy = f"Use a free address, such as {OTHER}; robots can send to several, see `play --udp`"
+    fail(FAILED, f"{address}: this address belongs to another program or machine, and no robot answers. {remedy}.")

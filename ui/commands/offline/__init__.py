@@ -1,1 +1,1 @@
-"""The commands that run parts of a robot by themselves: `thbridge drive`, `localize`, `plan`, `scan`."""
+"""Commands that run single parts of a robot: `thbridge drive`, `localize`, `plan`, `scan`."""

@@ -1,4 +1,4 @@
-"""`thbridge drive`: one simulated robot from here to there, on any map."""
+"""`thbridge drive`: drive one simulated robot from a start to a goal, on any map."""
 
 import dataclasses
 import math
@@ -14,10 +14,10 @@ from ui.command_line.terminal import BAD_INPUT, bad_input, fail, note, out, prin
 
 
 class GoalWithYaw(TyperCommand):
-    """Command whose option --goal takes two numbers, or three."""
+    """Command whose option --goal accepts two or three numbers."""
 
     def parse_args(self, ctx: typer.Context, args: list[str]) -> list[str]:  # type: ignore[override]
-        """Give the third number to --goal-yaw."""
+        """Pass the third number to --goal-yaw."""
         for index, word in enumerate(args):
             if word == "--goal" and _is_number(args[index + 3 : index + 4]):
                 args = [*args[: index + 3], "--goal-yaw", *args[index + 3 :]]
@@ -37,34 +37,35 @@ def _is_number(words: list[str]) -> bool:
 
 @drive_app.command(cls=GoalWithYaw)
 def drive(
-    map_yaml: Annotated[Path, typer.Option("--map", help="A map.yaml, as map_server reads it.")],
-    start: Annotated[tuple[float, float, float], typer.Option(help="Where it stands: X Y YAW, map frame.")],
+    map_yaml: Annotated[Path, typer.Option("--map", help="Map: a map.yaml of map_server.")],
+    start: Annotated[tuple[float, float, float], typer.Option(help="Start pose in the map frame: meters, radians.")],
     goal: Annotated[
-        tuple[float, float], typer.Option(help="Where it goes: X Y [YAW]; without YAW any heading will do.")
+        tuple[float, float],
+        typer.Option(help="Goal in the map frame: X Y [YAW]; without YAW, any heading is accepted."),
     ],
     goal_yaw: Annotated[float | None, typer.Option(hidden=True)] = None,
-    timeout: Annotated[float, typer.Option(help="Simulated seconds after which it is given up.", min=0.1)] = 600.0,
+    timeout: Annotated[float, typer.Option(help="Stop after this many simulated seconds.", min=0.1)] = 600.0,
     footprint: Annotated[
-        str | None, typer.Option(help="Corners of the body, `[[0.3, 0.2], [-0.3, 0.2], ...]`, metres.")
+        str | None, typer.Option(help="Corners of the robot's body, in meters: `[[0.3, 0.2], [-0.3, 0.2], ...]`.")
     ] = None,
     params: Annotated[
         list[Path] | None,
         typer.Option(
-            help="ROS YAML file, NAMESPACE:FILE where a launch file names one, or a file with sections `world` and"
-            " `robot` of a study; may be repeated."
+            help="ROS YAML file, NAMESPACE:FILE if a launch file names a namespace, or a file with sections `world` and"
+            " `robot` of a study. Can be repeated."
         ),
     ] = None,
     unmapped: Annotated[
         Path | None,
-        typer.Option(help="A map.yaml of obstacles that stand in the world and not in the robot's map.", metavar="MAP"),
+        typer.Option(help="A map.yaml of obstacles that are in the world, but not in the robot's map.", metavar="MAP"),
     ] = None,
     moving: Annotated[
-        Path | None, typer.Option(help="YAML file of obstacles that appear, walk and vanish: `things` of a study.")
+        Path | None, typer.Option(help="YAML file of obstacles that appear, move and vanish, like `things` in a study.")
     ] = None,
-    seed: Annotated[int, typer.Option(help="Same seed, same drive.", min=0, max=2**31 - 1)] = 1,
+    seed: Annotated[int, typer.Option(help="Random seed.", min=0, max=2**31 - 1)] = 1,
     as_json: AsJson = False,
 ) -> None:
-    """Drive one simulated robot over a map: noisy sensors, localization, planning and all."""
+    """Drive one simulated robot on a map, with noisy sensors, localization, planning and recovery."""
     from sim.common.geometry import Pose2
     from sim.world.physics import Misplaced
     from thbridge.app.compose.installed_parts import installed_parts
@@ -77,7 +78,7 @@ def drive(
 
     for option, numbers in (("--start", start), ("--goal", (*goal, goal_yaw or 0.0)), ("--timeout", (timeout,))):
         if not all(math.isfinite(number) for number in numbers):
-            fail(BAD_INPUT, f"{option}: not a finite number. Write metres, radians, seconds.")
+            fail(BAD_INPUT, f"{option}: not a finite number. Write meters, radians, seconds.")
     with bad_input():
         grid = grid_at(map_yaml)
         files = read_parameters(params or [])
@@ -90,7 +91,7 @@ def drive(
     world = given.world if footprint is None else dataclasses.replace(given.world, footprint=corners_in(footprint))
     if footprint is None and (believed := given.robot.local_costmap.footprint) not in {(), world.footprint}:
         corners = [list(corner) for corner in believed]
-        note(f"local_costmap.footprint is not the simulated body; to drive that one, add --footprint '{corners}'")
+        note(f"local_costmap.footprint differs from the simulated body; to simulate it, add --footprint '{corners}'")
     announce_compiling()
     errand = DriveTask(Pose2(*start), Pose2(*goal, goal_yaw or 0.0), goal_yaw is None, timeout)
     result = driven(grid, world, given.robot, errand, seed, true_grid, schedule, parts)
@@ -106,6 +107,6 @@ def drive(
         return
     out.print("Reached." if result.reached else f"Not reached: {result.reason}.", highlight=False, soft_wrap=True)
     note(
-        f"{result.seconds:.1f} s, {result.distance:.2f} m, at least {result.min_clearance:.3f} m from walls,"
+        f"{result.seconds:.1f} s, {result.distance:.2f} m, least distance to walls {result.min_clearance:.3f} m,"
         f" {'collided' if result.collided else 'no collision'}"
     )

@@ -1,4 +1,4 @@
-"""Parameters, footprint and obstacles for `thbridge drive`."""
+"""Files of parameters and obstacles, and the footprint, for `thbridge drive`."""
 
 import json
 import math
@@ -25,7 +25,7 @@ from ui.command_line.terminal import BAD_INPUT, fail
 
 @dataclass(frozen=True, slots=True)
 class DriveParameters:
-    """Sections that a file of parameters may hold."""
+    """Sections that a file of parameters may contain."""
 
     world: WorldParameters = param(WorldParameters(), "bodies, motors and sensors")
     robot: RobotParameters = param(RobotParameters(), "the software that drives")
@@ -33,12 +33,12 @@ class DriveParameters:
 
 @dataclass(frozen=True, slots=True)
 class ParameterFiles:
-    """Parameters of some files, with what there is to tell of them.
+    """Parameters of some files, with messages about them.
 
     Attributes:
         parameters: all parameters.
-        notices: sentences about parameters without effect.
-        defaults: ROS's defaults that hold because files of ROS leave these parameters out.
+        notices: sentences about parameters that have no effect.
+        defaults: ROS's defaults that apply because the ROS files omit these parameters.
     """
 
     parameters: DriveParameters
@@ -47,7 +47,7 @@ class ParameterFiles:
 
 
 def read_parameters(files: list[Path]) -> ParameterFiles:
-    """Parameters of the files; those of ROS first, so that sections of a study win, as in a study."""
+    """Return the parameters of the files. Those of ROS come first, so that sections of a study override them."""
     ours = {file: _is_ours(file) for file in files}
     hunts = RobotParameters()
     of_ros = parse_ros_files([file for file in files if not ours[file]])
@@ -63,7 +63,7 @@ def read_parameters(files: list[Path]) -> ParameterFiles:
 
 
 def _is_ours(file: Path) -> bool:
-    """Return True when a file has sections of a study, and not parameters of ROS."""
+    """Return True if a file has sections of a study, False if it has parameters of ROS."""
     if namespace_in(file)[0]:
         return False
     tree = parse(file, read_text(file), ros=True)
@@ -72,22 +72,24 @@ def _is_ours(file: Path) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class MovingObstacles:
-    """The contents of a file of obstacles: things, as a study has them."""
+    """Contents of a file of obstacles: things, as in a study."""
 
     things: tuple[ThingEntry, ...] = param((), "bodies in the way that no map shows: each is a line - {key: value}")
 
 
 def read_moving(path: Path, grid: OccupancyGrid) -> tuple[ScheduledInput, ...]:
-    """Obstacles that appear, walk and vanish on a map, by a file of them.
+    """Return the obstacles in a file, which appear, move and vanish on a map.
 
     Raises:
-        BadFiles: every fault of the file, places outside the map among them; or one BadFile.
+        BadFiles: all faults of the file, including places outside the map; or a single BadFile.
     """
     loaded = load(path, MovingObstacles)
     things = loaded.value.things
     faults = list(faults_of_things(loaded, things))
     if not things:
-        faults.append(loaded.fault("things", "there is none", "Write things: and a line - {name: ..., ...} for each"))
+        faults.append(
+            loaded.fault("things", "there are no things", "Write things: and a line - {name: ..., ...} for each")
+        )
     for index, entry in enumerate(things):
         key = f"things[{index}]"
         places = [(f"{key}.path[{number}]", point) for number, point in enumerate(entry.path)]
@@ -95,24 +97,26 @@ def read_moving(path: Path, grid: OccupancyGrid) -> tuple[ScheduledInput, ...]:
             places = [(f"{key}.at", entry.at[:2])]
         for place, (x, y) in places:
             if not grid.contains(*grid.cell_of(x, y)):
-                faults.append(loaded.fault(place, f"({x:g}, {y:g}) is outside the map", "Write metres in its frame"))
+                faults.append(
+                    loaded.fault(place, f"({x:g}, {y:g}) is outside the map", "Write meters in the map frame")
+                )
     if faults:
         raise BadFiles(tuple(faults))
     return schedule_of(things, ())
 
 
 def read_unmapped(path: Path, grid: OccupancyGrid) -> tuple[OccupancyGrid, tuple[str, ...]]:
-    """The true map, with the obstacles of a file in it; and what there is to tell of them.
+    """Return the true map, which includes the obstacles of a file, and warnings.
 
     Raises:
-        BadFile: it cannot be read, or does not fit the map.
+        BadFile: the file cannot be read, or does not fit the map.
     """
     true_grid, outside = with_unmapped(grid, grid_at(path), path)
-    return true_grid, (f"{path}: {outside} occupied cells lie outside the map and stand nowhere",) if outside else ()
+    return true_grid, (f"{path}: {outside} occupied cells lie outside the map and are ignored",) if outside else ()
 
 
 def corners_in(text: str) -> Polygon:
-    """The footprint that a text describes."""
+    """Return the footprint in a text."""
     try:
         corners = tuple((float(x), float(y)) for x, y in json.loads(text))
     except (ValueError, TypeError):
@@ -120,7 +124,10 @@ def corners_in(text: str) -> Polygon:
     numbers = [number for corner in corners for number in corner]
     around = corners and bool(inside(corners, np.zeros(1), np.zeros(1))[0])
     if not numbers or not all(map(math.isfinite, numbers)) or area(corners) == 0.0 or crosses_itself(corners):
-        fail(BAD_INPUT, f"--footprint: {text!r} is no polygon. Write its corners in turn, [[x, y], [x, y], ...].")
+        fail(BAD_INPUT, f"--footprint: {text!r} is not a polygon. Write its corners in order: [[x, y], [x, y], ...].")
     if not around:
-        fail(BAD_INPUT, "--footprint: these corners do not surround (0, 0), the robot's centre. Move them around it.")
+        fail(
+            BAD_INPUT,
+            "--footprint: these corners do not surround (0, 0), the robot's center. Choose corners around it.",
+        )
     return corners

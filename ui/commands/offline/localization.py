@@ -1,4 +1,4 @@
-"""Poses, the filter's run and its results for `thbridge localize`."""
+"""Poses, run of the filter and output of `thbridge localize`."""
 
 import dataclasses
 import itertools
@@ -35,15 +35,15 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 LONGEST_GIVEN = 10.0
-"""Seconds: greatest time offset that can be given."""
+"""Greatest time offset that can be given, seconds."""
 WARNED = 0.05
-"""Seconds: least time offset of which a warning is given."""
+"""Least time offset that causes a warning, seconds."""
 MOST_STRETCHES = 10
-"""Stretches that are printed of those in which the robot was lost."""
+"""Greatest number of printed stretches in which the robot was lost."""
 
 
 def pose_in(triple: tuple[float, float, float]) -> Pose2:
-    """The pose that three numbers mean."""
+    """Return three numbers as a pose."""
     if not np.isfinite(triple).all():
         fail(BAD_INPUT, f"{triple} is not a pose. Write three finite numbers X Y YAW.")
     x, y, yaw = triple
@@ -53,9 +53,9 @@ def pose_in(triple: tuple[float, float, float]) -> Pose2:
 def read_localization_parameters(
     files: list[Path], localization: str
 ) -> tuple[RobotParameters, tuple[str, ...], tuple[RosDefault, ...]]:
-    """Parameters of a localizer in files of ROS, notices about all of them, and amcl's defaults that hunts do not have.
+    """Return a localizer's parameters in ROS files, notices about all of them, and amcl defaults that hunts do not use.
 
-    What no file says of amcl is as in ROS, also without files.
+    Parameters of amcl that no file sets have ROS's defaults, also without files.
     """
     hunts = RobotParameters()
     of_ros = parse_ros_files(files)
@@ -67,11 +67,11 @@ def read_localization_parameters(
 
 
 AUTO = "auto"
-"""The time offset that a first run of the filter finds."""
+"""Value of --time-offset: estimate it by a first run of the filter."""
 
 
 def time_offset_in(text: str) -> float | None:
-    """The time offset that an option names, seconds; None for `AUTO`."""
+    """Return the time offset that an option gives, in seconds; None for `AUTO`."""
     if text == AUTO:
         return None
     try:
@@ -93,16 +93,16 @@ def corrected_localization(
     offset: float | None,
     tell: Tell,
 ) -> tuple[LocalizationResult | RequestRefused, float]:
-    """Run the filter with odometry stamped later by an offset; return its result, and the offset.
+    """Run the filter with an offset added to the stamps of odometry; return its result, and the offset.
 
     Args:
-        recording: the bag.
-        grid: the map.
-        software: parameters of the filter, and which it is.
-        start: pose of the robot at the beginning; None: it may be anywhere.
+        recording: bag with scans and odometry.
+        grid: map of the robot's surroundings.
+        software: parameters and choice of the filter.
+        start: pose of the robot at the beginning. If None, it may be anywhere.
         seed: random seed.
-        offset: seconds; None finds it by a first run, 0 where that does not find any.
-        tell: takes the progress.
+        offset: seconds. If None, a first run estimates it; it is 0 if that fails.
+        `tell`: receives the progress.
     """
     if offset is None:
         first = run_localization(recording, grid, software, start, seed, tell)
@@ -121,7 +121,7 @@ def run_localization(
     seed: int,
     tell: Tell,
 ) -> LocalizationResult | RequestRefused:
-    """Run the filter over a recording; `tell` takes the progress."""
+    """Run the filter over a recording; `tell` receives the progress."""
     parts = installed_parts([software])
 
     def begin() -> Localizer:
@@ -141,20 +141,20 @@ def run_localization(
 
 
 def trajectory_text(result: LocalizationResult) -> str:
-    """A TUM trajectory."""
+    """Return the trajectory in TUM format."""
     return "".join(f"{tum_line(update.stamp_ns, update.base_in_map)}\n" for update in result.updates)
 
 
 def write_text(path: Path, text: str, option: str) -> None:
-    """Write a file that an option names."""
-    write_whole(path, text.encode("ascii"), f"choose another file by {option}")
+    """Write a text to the file that an option names."""
+    write_whole(path, text.encode("ascii"), f"choose another file with {option}")
 
 
 def write_localization_picture(path: Path, result: LocalizationResult, grid: OccupancyGrid, bag: Path) -> None:
-    """Draw the path over the map."""
+    """Draw the path on the map."""
 
     def draw() -> "Figure":
-        from thbridge.offline.localization_picture import localization_picture  # loads matplotlib
+        from thbridge.offline.localization_picture import localization_picture  # imports matplotlib
 
         return localization_picture(result, grid, bag.name)
 
@@ -164,7 +164,7 @@ def write_localization_picture(path: Path, result: LocalizationResult, grid: Occ
 def localized_as_json(
     recording: LocalizationBag, result: LocalizationResult, applied: float, notices: tuple[str, ...]
 ) -> dict[str, object]:
-    """The result, with the time offset that was corrected, as the JSON object has it."""
+    """Return the result, with the corrected time offset, as a JSON object."""
     pose, offset = result.last.base_in_map, result.time_offset
     return {
         "updates": len(result.updates),
@@ -208,22 +208,22 @@ def _fault_as_json(fault: RecordedFault) -> dict[str, object]:
 
 
 def show_localized(recording: LocalizationBag, result: LocalizationResult, applied: float) -> None:
-    """Print the result, with the time offset that was corrected."""
+    """Print the result, with the corrected time offset."""
     last = result.last
     pose, deviations = last.base_in_map, np.sqrt(np.diag(last.covariance)).tolist()
     place = f"x {pose.x:.3f} m, y {pose.y:.3f} m, yaw {pose.theta:.3f} rad"
     spread = f"standard deviations {deviations[0]:.3f}, {deviations[1]:.3f}, {deviations[2]:.3f}"
     show(f"At the end the robot is at {place} ({spread}).")
     if last.lost:
-        show("The filter holds that this is wrong: it is lost.")
+        show("The filter considers this pose wrong: the robot is lost.")
     if last.p_wrong is not None:
-        wrong = f"more than {WRONG_DISTANCE:g} m or {WRONG_TURN:g} rad off"
-        show(f"The probability that this is {wrong} is {last.p_wrong:.3f}.")
+        wrong = f"more than {WRONG_DISTANCE:g} m or {WRONG_TURN:g} rad wrong"
+        show(f"The probability that this pose is {wrong} is {last.p_wrong:.3f}.")
     _show_lost(result)
     each = 1000 * result.cpu_seconds / max(1, len(result.updates))
-    show(f"{len(result.updates)} updates from {result.scans} scans, {each:.2f} ms of the processor for each.")
+    show(f"{len(result.updates)} updates from {result.scans} scans, {each:.2f} ms of processor time per update.")
     for reason, count in result.skipped.items():
-        show(f"{count} scans were left out: {reason}.")
+        show(f"{count} scans were omitted: {reason}.")
     if result.unstamped:
         show(unstamped_sentence(recording.scan_topic, result.unstamped))
     for sentence in fault_sentences(recording.scan_topic, result.scan_faults, recording.odometry.begin_ns):
@@ -233,31 +233,31 @@ def show_localized(recording: LocalizationBag, result: LocalizationResult, appli
 
 
 def offset_sentence(offset: TimeOffset | None, applied: float) -> str:
-    """Return a sentence on the time offset of odometry to scans.
+    """Return a sentence about the time offset of odometry to scans.
 
     Args:
-        offset: what was found with the stamps of odometry later by `applied`; None: nothing.
-        applied: seconds.
+        offset: estimate with the stamps of odometry later by `applied`; None if there is no estimate.
+        applied: corrected offset, seconds.
     """
-    corrected = f" {applied:.3f} s of it are corrected." if applied else ""
+    corrected = f" Of this, {applied:.3f} s are corrected." if applied else ""
     if offset is None:
-        return f"How far odometry leads or trails the scans cannot be found: the robot turned too little.{corrected}"
+        return f"The time offset of odometry to scans is unknown, because the robot turned too little.{corrected}"
     seconds = offset.seconds + applied
     leads = "leads" if seconds >= 0.0 else "trails"
     return (
         f"The odometry {leads} the scans by {abs(seconds):.3f} s (standard deviation {offset.deviation:.3f} s); it "
-        f"reports {offset.turns:.2f} times each turn.{corrected}"
+        f"reports {offset.turns:.2f} times each real turn.{corrected}"
     )
 
 
 def offset_warning(result: LocalizationResult) -> str | None:
-    """Return a warning about an offset that was not corrected; None where it is small or uncertain."""
+    """Return a warning about an offset that was not corrected; None if it is small or uncertain."""
     offset = result.time_offset
     if offset is None or abs(offset.seconds) < max(WARNED, 2.0 * offset.deviation):
         return None
     return (
         f"The clocks of odometry and scans differ by {abs(offset.seconds):.3f} s. "
-        f"Correct it by --time-offset {AUTO}, or where the messages are stamped."
+        f"Correct it with --time-offset {AUTO}, or in the program that stamps the messages."
     )
 
 
@@ -265,12 +265,14 @@ def _show_lost(result: LocalizationResult) -> None:
     """Print when the robot was lost."""
     stretches, first_ns = result.lost_stretches, result.updates[0].stamp_ns if result.updates else 0
     if not stretches:
-        show("It was not lost at any update.")
+        show("The robot was not lost at any update.")
         return
     lost = sum(stretch.updates for stretch in stretches)
-    show(f"It was lost at {lost} of {len(result.updates)} updates; stretches, in seconds after the first update:")
+    show(
+        f"The robot was lost at {lost} of {len(result.updates)} updates: stretches, in seconds after the first update:"
+    )
     for stretch in stretches[:MOST_STRETCHES]:
         start, end = (stretch.start_ns - first_ns) / 1e9, (stretch.end_ns - first_ns) / 1e9
         show(f"  {start:.1f} to {end:.1f}, {stretch.updates} updates")
     if len(stretches) > MOST_STRETCHES:
-        show(f"  and {len(stretches) - MOST_STRETCHES} more; --updates writes all.")
+        show(f"  and {len(stretches) - MOST_STRETCHES} more (write all updates with --updates).")

@@ -1,4 +1,4 @@
-"""`thbridge localize`: where was the robot, by any bag with scans and odometry."""
+"""`thbridge localize`: localize a robot afterwards, from any bag with scans and odometry."""
 
 from pathlib import Path
 from typing import Annotated
@@ -14,70 +14,71 @@ Triple = tuple[float, float, float]
 
 
 FILTERS = ("amcl", "ekf", "ukf")
-"""Filters for recordings, under the names that `localization` has in a study."""
+"""Filters for recordings, by the names that `localization` has in a study."""
 
 
 def localize(
     bag: Recording,
-    map_yaml: Annotated[Path, typer.Option("--map", help="The map, a map_server YAML file.")],
+    map_yaml: Annotated[Path, typer.Option("--map", help="Map: a map.yaml of map_server.")],
     localization: Annotated[
         str,
         typer.Option(
             metavar="|".join((*FILTERS, "NAME")),
             callback=one_of(FILTERS, "thbridge.localizers"),
             autocompletion=lambda: [*FILTERS],
-            help="Particle filter, extended or unscented Kalman filter, or the NAME of a localizer that is installed.",
+            help="Particle filter, extended or unscented Kalman filter, or the NAME of an installed localizer.",
         ),
     ] = "amcl",
     params: Annotated[
-        list[Path] | None, typer.Option(help="ROS YAML file with the filter's parameters; may be repeated.")
+        list[Path] | None, typer.Option(help="ROS YAML file with parameters of the filter. Can be repeated.")
     ] = None,
     scan_topic: Annotated[
-        str | None, typer.Option(help="Topic of the scans (sensor_msgs/LaserScan); by default the only robot's.")
+        str | None, typer.Option(help="Topic of the scans (sensor_msgs/LaserScan); default: that of the only robot.")
     ] = None,
     odom_topic: Annotated[
         str | None,
-        typer.Option(help="Topic of the odometry (nav_msgs/Odometry); by default that robot's, or else tf."),
+        typer.Option(help="Topic of the odometry (nav_msgs/Odometry); default: that of the same robot, otherwise tf."),
     ] = None,
     initial_pose: Annotated[
-        Triple | None, typer.Option(help="Where the robot starts in the map: metres, radians.", metavar="X Y YAW")
+        Triple | None,
+        typer.Option(help="Pose of the robot at the start, in the map: meters, radians.", metavar="X Y YAW"),
     ] = None,
     anywhere: Annotated[bool, typer.Option("--global", help="The robot may start anywhere on the map.")] = False,
     laser_pose: Annotated[
-        Triple | None, typer.Option(help="Where the laser sits on the base; by default as tf says.", metavar="X Y YAW")
+        Triple | None, typer.Option(help="Pose of the laser on the base; default: from tf.", metavar="X Y YAW")
     ] = None,
     max_odom_speed: Annotated[
         float | None,
         typer.Option(
-            help="Fastest speed of the robot, m/s; faster odometry is left out. Default: by the odometry itself.",
+            help="Fastest speed of the robot, m/s; faster odometry is ignored. Default: estimated from the odometry.",
             min=0.01,
         ),
     ] = None,
     time_offset: Annotated[
         str,
         typer.Option(
-            help="Seconds by which the odometry leads the scans, to correct it; `auto` finds them by a first run.",
+            help="Correct odometry that is this many seconds ahead of the scans; `auto` estimates it in a first run.",
             metavar="auto|SECONDS",
         ),
     ] = "0",
-    seed: Annotated[int, typer.Option(help="All chance is keyed by it.", min=0, max=2**31 - 1)] = 1,
+    seed: Annotated[int, typer.Option(help="Random seed.", min=0, max=2**31 - 1)] = 1,
     to: Annotated[
         Path | None,
-        typer.Option("--out", help="Write a TUM trajectory, one line for each update; `-` is standard output."),
+        typer.Option("--out", help="Write a TUM trajectory, one line per update; `-` is standard output."),
     ] = None,
     updates: Annotated[
         Path | None,
         typer.Option(
-            help="Write each update with covariance, agreement, lost flag and p_wrong: .csv or .jsonl (JSON lines)."
+            help="Write all updates with covariance, agreement, lost flag and p_wrong: a .csv or .jsonl (JSON lines)."
         ),
     ] = None,
     plot: Annotated[
-        Path | None, typer.Option(help="Draw the path over the map, lost stretches marked: .png, .svg or .pdf.")
+        Path | None, typer.Option(help="Draw the path on the map, and where the robot was lost: a .png, .svg or .pdf.")
     ] = None,
     progress: ProgressOption = ProgressKind.AUTO,
     as_json: AsJson = False,
 ) -> None:
-    """Localize a robot after the fact: where was it in a map, by the scans and the odometry of a bag."""
+    """Compute where a robot was in a map, from the scans and the odometry of a bag."""
     from thbridge.files.ros.defaults import sentences_of
     from thbridge.hunt.refusals import RequestRefused
     from thbridge.offline.localization_updates import UpdatesFormat, updates_text
@@ -103,12 +104,12 @@ def localize(
     if (initial_pose is None) == (not anywhere):
         fail(
             BAD_INPUT,
-            "--initial-pose, --global: just one of the two is needed. Write --initial-pose X Y YAW or --global.",
+            "--initial-pose, --global: exactly one of the two is needed. Write --initial-pose X Y YAW, or --global.",
         )
     if updates is not None and updates.suffix.lower().strip(".") not in set(UpdatesFormat):
-        fail(BAD_INPUT, f"--updates: {updates} does not say the format. Name a file that ends in .csv or .jsonl.")
+        fail(BAD_INPUT, f"--updates: {updates} has no known format. Write a file name that ends in .csv or .jsonl.")
     if plot is not None and plot.suffix.lower() not in PICTURES:
-        fail(BAD_INPUT, f"--plot: {plot} does not say the format. Name a file that ends in {' or '.join(PICTURES)}.")
+        fail(BAD_INPUT, f"--plot: {plot} has no known format. Write a file name that ends in {' or '.join(PICTURES)}.")
     share_outputs()
     offset = time_offset_in(time_offset)
     with bad_input():

@@ -1,4 +1,4 @@
-"""`thbridge plan`: paths over any map."""
+"""`thbridge plan`: plan paths on any map."""
 
 import dataclasses
 import time
@@ -12,9 +12,9 @@ from ui.command_line.options import AsJson
 from ui.command_line.terminal import BAD_INPUT, bad_input, fail, out, print_json
 
 INFLATION = 0.5
-"""Inflation radius of our robot's global costmap, meters."""
+"""Inflation radius of the global costmap of thbridge's robots, meters."""
 RADIUS = 0.26
-"""Inscribed radius of our robot, meters."""
+"""Inscribed radius of thbridge's robots, meters."""
 COLUMNS = ("start_x", "start_y", "goal_x", "goal_y")
 
 
@@ -22,34 +22,35 @@ Place = tuple[float, float]
 
 
 class SearchAlgorithm(StrEnum):
-    """Order in which the wave spreads: Dijkstra's, or A*'s."""
+    """Search order: Dijkstra's (navfn) or A*."""
 
     NAVFN = "navfn"
     ASTAR = "astar"
 
 
 def plan(
-    map_yaml: Annotated[Path, typer.Option("--map", help="A map.yaml, as map_server reads it.")],
-    start: Annotated[Place | None, typer.Option(help="Where the robot is, map frame, metres.", metavar="X Y")] = None,
-    goal: Annotated[Place | None, typer.Option(help="Where it shall go, map frame, metres.", metavar="X Y")] = None,
+    map_yaml: Annotated[Path, typer.Option("--map", help="Map: a map.yaml of map_server.")],
+    start: Annotated[Place | None, typer.Option(help="Start in the map frame, meters.", metavar="X Y")] = None,
+    goal: Annotated[Place | None, typer.Option(help="Goal in the map frame, meters.", metavar="X Y")] = None,
     batch: Annotated[
-        Path | None, typer.Option(help=f"Many of both: a CSV file with the header `{','.join(COLUMNS)}`.")
+        Path | None, typer.Option(help=f"Many starts and goals: a CSV file with the header `{','.join(COLUMNS)}`.")
     ] = None,
     inflation: Annotated[
-        float, typer.Option(help="How far from walls it costs to be, m; at least the radius. Our robot's by default.")
+        float, typer.Option(help="Distance from walls within which cells cost more, m; at least the radius.")
     ] = INFLATION,
     radius: Annotated[
-        float, typer.Option(help="Radius of the robot, m; nearer to walls it never is. Our robot's by default.")
+        float, typer.Option(help="Radius of the robot, m; paths keep this distance from walls.")
     ] = RADIUS,
     planner: Annotated[
-        SearchAlgorithm, typer.Option(help="navfn in Dijkstra's order, or in A*'s: quicker, its paths a little longer.")
+        SearchAlgorithm,
+        typer.Option(help="`navfn` searches in Dijkstra's order; `astar` is faster, with slightly longer paths."),
     ] = SearchAlgorithm.NAVFN,
     as_json: AsJson = False,
 ) -> None:
-    """Find paths for a round robot over any map, as ROS's navfn does; unknown space may be crossed.
+    """Plan paths for a round robot on any map, as ROS's navfn does. Paths may cross unknown space.
 
-    Prints a table, or one JSON object {"queries": [{"found", "length", "milliseconds", "reason", "code"}, ...]} in the
-    order asked: meters, the time that planning took, and why there is no path.
+    Print a table, or one JSON object {"queries": [{"found", "length", "milliseconds", "reason", "code"}, ...]} in the
+    order of the queries: length in meters, planning time, and the reason if there is no path.
     """
     from thbridge.offline.plan import plan as planned
     from ui.command_line.grids import grid_at
@@ -58,7 +59,7 @@ def plan(
 
     for option, value in (("--inflation", inflation), ("--radius", radius)):
         if not 0.0 <= value <= 50.0:
-            fail(BAD_INPUT, f"{option}: {value:g} is not between 0 and 50. Write metres, such as 0.3.")
+            fail(BAD_INPUT, f"{option}: {value:g} is not between 0 and 50. Write meters, such as 0.3.")
     with bad_input():
         grid = grid_at(map_yaml)
         queries = read_queries(start, goal, batch)

@@ -1,4 +1,4 @@
-"""Queries and answers of `thbridge plan`."""
+"""Queries and results of `thbridge plan`."""
 
 import math
 from pathlib import Path
@@ -13,20 +13,20 @@ from ui.command_line.terminal import BAD_INPUT, fail
 
 
 def read_queries(start: tuple[float, float] | None, goal: tuple[float, float] | None, batch: Path | None) -> FloatArray:
-    """(n, 4) starts and goals, of the options or of a file."""
+    """Return the (n, 4) starts and goals that options or a file give."""
     if batch is not None and start is None and goal is None:
         return read_columns(batch, ("start_x", "start_y", "goal_x", "goal_y"))
     if batch is not None or start is None or goal is None:
         remedy = "Write --start X Y --goal X Y, or --batch FILE.csv"
-        fail(BAD_INPUT, f"--start, --goal, --batch: either the first two are needed, or the third alone. {remedy}.")
+        fail(BAD_INPUT, f"--start, --goal, --batch: give the first two, or only the third. {remedy}.")
     for option, place in (("--start", start), ("--goal", goal)):
         if not all(map(math.isfinite, place)):
-            fail(BAD_INPUT, f"{option}: not a finite number. Write metres, such as 1.5.")
+            fail(BAD_INPUT, f"{option}: not a finite number. Write meters, such as 1.5.")
     return np.array([[*start, *goal]])
 
 
 def answers_table(queries: FloatArray, answers: list[PlanResult]) -> Table:
-    """Answers as a table."""
+    """Return the results as a table."""
     table = Table("from", "to", "path")
     for column in ("m", "ms"):
         table.add_column(column, justify="right")
@@ -34,7 +34,7 @@ def answers_table(queries: FloatArray, answers: list[PlanResult]) -> Table:
         table.add_row(
             f"({x:g}, {y:g})",
             f"({u:g}, {v:g})",
-            "found" if answer.reason is None else f"none: {answer.reason}",
+            "found" if answer.reason is None else f"no path: {answer.reason}",
             "" if answer.length is None else f"{answer.length:.2f}",
             f"{answer.milliseconds:.2f}",
         )

@@ -1,4 +1,4 @@
-"""The command that says what a laser would see on a map."""
+"""`thbridge scan`: compute what a laser sees on a map."""
 
 import math
 from pathlib import Path
@@ -11,27 +11,27 @@ from ui.command_line.terminal import BAD_INPUT, bad_input, fail, print_json
 
 Pose = Annotated[
     tuple[float, float, float] | None,
-    typer.Option(help="Where the laser is, in the map frame: metres and radians.", metavar="X Y YAW"),
+    typer.Option(help="Pose of the laser in the map frame: meters, radians.", metavar="X Y YAW"),
 ]
 
 
 def scan(
-    map_yaml: Annotated[Path, typer.Option("--map", help="The map.yaml of a map, as map_server takes it.")],
+    map_yaml: Annotated[Path, typer.Option("--map", help="Map: a map.yaml of map_server.")],
     pose: Pose = None,
     batch: Annotated[Path | None, typer.Option(help="Many poses: a CSV file with the header `x,y,yaw`.")] = None,
     beams: Annotated[int, typer.Option(help="Number of beams.", min=1, max=100_000)] = 360,
-    angle_min: Annotated[float, typer.Option(help="Direction of the first beam from the laser's, rad.")] = -math.pi,
+    angle_min: Annotated[float, typer.Option(help="Angle of the first beam relative to the laser, rad.")] = -math.pi,
     angle_max: Annotated[
         float | None,
-        typer.Option(help="Direction of the last beam, rad, as in a LaserScan. [default: once around, no beam twice]"),
+        typer.Option(help="Angle of the last beam, rad, as in a LaserScan. [default: a full circle]"),
     ] = None,
-    range_max: Annotated[float, typer.Option(help="How far the laser sees, m.", min=0.001, max=1e6)] = 10.0,
+    range_max: Annotated[float, typer.Option(help="Greatest range of the laser, m.", min=0.001, max=1e6)] = 10.0,
     as_json: AsJson = False,
 ) -> None:
-    """Say what a laser without noise would see on any map: exact ranges to the occupied cells.
+    """Compute what a laser without noise sees on any map: exact distances to the occupied cells.
 
-    Prints a line for each pose, or one JSON object {"ranges": [[...], ...]}. A beam that meets nothing within the range
-    is `inf`, in JSON null.
+    Print a line for each pose, or one JSON object {"ranges": [[...], ...]}. A beam that meets nothing within the range
+    is printed as `inf`, in JSON as null.
     """
     import numpy as np
 
@@ -47,7 +47,7 @@ def scan(
         grid = grid_at(map_yaml)
         if (pose is None) == (batch is None):
             remedy = "Write --pose X Y YAW, or --batch FILE.csv"
-            fail(BAD_INPUT, f"--pose, --batch: just one of the two is needed. {remedy}.")
+            fail(BAD_INPUT, f"--pose, --batch: exactly one of the two is needed. {remedy}.")
         poses = np.array([pose]) if batch is None else read_columns(batch, ("x", "y", "yaw"))
     ranges = scan_map(grid, poses, beam_angles(beams, angle_min, angle_max), range_max)
     if as_json:

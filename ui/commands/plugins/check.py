@@ -1,4 +1,4 @@
-"""Checks and lists of plug-ins, for `thbridge plugins`."""
+"""Checks and lists of plug-ins for `thbridge plugins`."""
 
 import multiprocessing
 from collections.abc import Callable, Iterator, Mapping
@@ -18,19 +18,19 @@ TRIALS: Mapping[PluginKind, Callable[[str, int, float], PluginTrial]] = {
     PLANNERS: try_planner,
     RECOVERIES: try_recovery,
 }
-"""Trial of each kind of plug-in, given a name, a seed and the seconds that a call may take."""
+"""Trial of each kind of plug-in; it receives a name, a seed and the time limit of a call in seconds."""
 
 
 def check_plugin(kind: PluginKind, name: str, seed: int) -> TrialReport:
-    """Check a plug-in: here, and again in a process of its own.
+    """Check a plug-in in this process, and again in another process.
 
     Args:
-        kind: of the plug-in.
-        name: of the plug-in.
+        kind: kind of the plug-in.
+        name: name of the plug-in.
         seed: random seed.
 
     Raises:
-        BadFile: there is no such plug-in, or it cannot be made.
+        BadFile: there is no such plug-in, or it cannot be created.
     """
     trial = TRIALS[kind](name, seed, LONGEST)
     if not trial.faults:
@@ -38,7 +38,7 @@ def check_plugin(kind: PluginKind, name: str, seed: int) -> TrialReport:
         with ProcessPoolExecutor(1, multiprocessing.get_context("spawn")) as pool:
             other = pool.submit(TRIALS[kind], name, seed, LONGEST).result()
         if other.digest != trial.digest:
-            trial.note("in another process it decided otherwise with the same seed", DETERMINED, ())
+            trial.note("in another process it decided differently with the same seed", DETERMINED, ())
     package = kind.package(name)
     tried = f"{name} ({package}): {trial.situations} situations, each twice"
     summary = f"{tried}, {trial.slowness:.2g} times the time of the built-in {trial.what}"
@@ -52,7 +52,7 @@ def check_plugin(kind: PluginKind, name: str, seed: int) -> TrialReport:
 
 
 def listed() -> Iterator[tuple[PluginKind, str, str]]:
-    """Yield the kind, name and description of each plug-in that is installed; none is loaded for it."""
+    """Yield the kind, name and description of each installed plug-in, without loading any."""
     for kind in KINDS:
         for name in kind.names():
             yield kind, name, kind.describe(name)

@@ -9,7 +9,7 @@ from ui.command_line.terminal import BAD_INPUT, bad_input, fail, print_json, say
 
 
 def plugins_list(as_json: AsJson = False) -> None:
-    """List the plug-ins that are installed; none of them is loaded."""
+    """List the installed plug-ins, without loading them."""
     from thbridge.files.plugins import KINDS
     from ui.commands.plugins.check import listed
 
@@ -20,28 +20,26 @@ def plugins_list(as_json: AsJson = False) -> None:
     for kind, name, what in found:
         say(f"{kind.what} {name}: {what}")
     if not found:
-        say(f"None is installed. Groups of entry points: {', '.join(kind.group for kind in KINDS)}.")
+        say(f"No plug-in is installed. Groups of entry points: {', '.join(kind.group for kind in KINDS)}.")
 
 
 def plugins_check(
     participant: Annotated[
-        str | None, typer.Option(help="A simulated participant that is installed: it plays games of all conditions.")
+        str | None, typer.Option(help="Installed simulated participant; it plays games in all conditions.")
     ] = None,
     recovery: Annotated[
-        str | None, typer.Option(help="A recovery behavior that is installed: it runs in places of all kinds.")
+        str | None, typer.Option(help="Installed recovery behavior; it runs in places of all kinds.")
     ] = None,
-    localizer: Annotated[
-        str | None, typer.Option(help="A localizer that is installed: it is asked for all that it may be asked for.")
-    ] = None,
+    localizer: Annotated[str | None, typer.Option(help="Installed localizer; all its methods are called.")] = None,
     planner: Annotated[
-        str | None, typer.Option(help="A global planner that is installed: it plans on maps with and without paths.")
+        str | None, typer.Option(help="Installed global planner; it plans on maps with and without paths.")
     ] = None,
     seed: Seed = 0,
     as_json: AsJson = False,
 ) -> None:
     """Try plug-ins in many situations, twice and in a second process, and report faults.
 
-    Strategies and authors of wordings: `thbridge talk check`.
+    To check strategies and authors of wordings, use `thbridge talk check`.
     """
     from thbridge.files.plugins import LOCALIZERS, PARTICIPANTS, PLANNERS, RECOVERIES
     from ui.commands.plugins.check import check_plugin
@@ -51,7 +49,7 @@ def plugins_check(
     if not asked:
         fail(
             BAD_INPUT,
-            "nothing to check. Write --participant NAME, say; see `thbridge plugins list`.",
+            "nothing to check. Write, for example, --participant NAME; see `thbridge plugins list`.",
         )
     with bad_input():
         checked = [check_plugin(kind, name, seed or 0) for kind, name in asked]

@@ -1,1 +1,1 @@
-"""The programs apart: `thbridge server`, `simr`, `hider`, `tabui`."""
+"""Commands that run one program each: `thbridge server`, `simr`, `hider`, `tabui`."""

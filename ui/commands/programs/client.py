@@ -1,4 +1,4 @@
-"""Parts of the commands that run one program each."""
+"""Shared parts of the commands that run one program each."""
 
 import secrets
 from pathlib import Path
@@ -16,18 +16,18 @@ from ui.hosting.lobby import WILDCARD_ADDRESSES
 from ui.hosting.players import LocalPlayer, player_of_bot, player_of_person
 
 ANOTHER_GAME = (
-    "Another game begins by Play again in the window of `thbridge tabui`, "
-    "or when `thbridge server` (or `thbridge play`) is stopped and started again."
+    "To play another game, press Play again in the window of `thbridge tabui`, "
+    "or stop and restart `thbridge server` (or `thbridge play`)."
 )
-"""Sentence of a terminal at the end of a game."""
+"""Sentence on the terminal at the end of a game."""
 
 
 def player_of(who: str, study: Study, study_file: Path | None, templates: str | None, seed: int | None) -> LocalPlayer:
-    """Return the player; a person needs neither study nor options. `templates` and `seed` have changed the study."""
+    """Return the player; a person needs no study and no options. The study already includes `templates` and `seed`."""
     if who == PERSON:
         for option, value in (("--templates", templates), ("--seed", seed)):
             if value is not None:
-                note(f"{option} has no effect here: it is for simulated participants.")
+                note(f"{option} has no effect here: it applies only to simulated participants.")
         return player_of_person(shipped_texts())
     beside = Path() if study_file is None or templates is not None else study_file.parent
     templates_read = read_templates(study.templates, beside)
@@ -36,16 +36,18 @@ def player_of(who: str, study: Study, study_file: Path | None, templates: str | 
 
 
 def read_templates(wanted: str, beside: Path) -> TemplateSet:
-    """The set of templates of a name or a folder; a relative path starts at `beside`."""
+    """Return a template set, given its name or folder; a relative path starts at `beside`."""
     with bad_input():
         return read_template_set(shipped().find("templates", wanted, beside))
 
 
 def address_of(server: str | None, study: ServerSection) -> tuple[str, int]:
-    """Host and port of the text server: those of the option `--server`, or else of the study."""
+    """Return host and port of the text server, from the option `--server` or, without it, from the study."""
     if server is None:
         if study.port == 0:
-            fail(BAD_INPUT, "server: port: 0 of the study is any that is free. Tell which it is: --server HOST:PORT.")
+            fail(
+                BAD_INPUT, "server: port: 0 of the study means any free port. Add the actual port: --server HOST:PORT."
+            )
         return WILDCARD_ADDRESSES.get(study.host, study.host), study.port
     host, colon, port = server.rpartition(":")
     if not colon or not host or not port.isdecimal() or not 0 < int(port) < 65536:
@@ -54,21 +56,21 @@ def address_of(server: str | None, study: ServerSection) -> tuple[str, int]:
 
 
 def new_token() -> str:
-    """Marks this run of a program, so that the server knows its own connection from before a network fault."""
+    """Return an id of this run, by which the server recognizes a client that reconnects after a network fault."""
     return secrets.token_hex(8)
 
 
 def tell_lost(lost: ConnectionLost) -> None:
-    """Tell why there is no connection."""
+    """Print why the connection was lost."""
     note(programs.reason_of(lost))
 
 
 def settings_without_effect(study: Study) -> list[str]:
-    """Parts of a study that have no effect on real robots."""
+    """Return the parts of a study that have no effect on real robots."""
     standard = Study()
     keys = ("rate", "watch", "robot", "each", "things", "mishaps")
     return [key for key in keys if getattr(study, key) != getattr(standard, key)]
 
 
 def show_nothing(view: View) -> None:
-    """Show nothing until the game is over."""
+    """Ignore a view until the game is over."""

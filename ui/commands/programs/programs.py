@@ -1,4 +1,4 @@
-"""The commands that run one program each: the text server, and what joins it."""
+"""Commands that run one program each: the text server, and its clients."""
 
 import dataclasses
 from collections.abc import Sequence
@@ -39,14 +39,14 @@ from ui.windows.display import why_no_window
 
 def server(
     study_file: StudyFile = None,
-    host: Annotated[str | None, typer.Option(help="Address to listen on; 0.0.0.0 lets other machines in.")] = None,
+    host: Annotated[str | None, typer.Option(help="Address to listen on; 0.0.0.0 also accepts other machines.")] = None,
     port: Port = None,
     keys: Keys = None,
     open_to: OpenTo = None,
-    journal: Annotated[Path, typer.Option(help="Folder of the games' journals.")] = Path("journal"),
-    new_game: Annotated[bool, typer.Option("--new-game", help="Do not go on with an unfinished game.")] = False,
+    journal: Annotated[Path, typer.Option(help="Folder for the journals of games.")] = Path("journal"),
+    new_game: Annotated[bool, typer.Option("--new-game", help="Start a new game even if one is unfinished.")] = False,
 ) -> None:
-    """Run the text server of 2016, and with it the keeper of the game, until stopped."""
+    """Run the text server of 2016, with the keeper of the game, until stopped."""
     import secrets
 
     from thbridge.app.server import serve
@@ -80,11 +80,13 @@ def simr(
     map_name: MapName = None,
     robots_from: Annotated[
         RobotsFrom | None,
-        typer.Option(help="Simulate the robots, or command real ones on a ROS graph; see `thbridge docs real-robots`."),
+        typer.Option(
+            help="Simulate the robots, or command real robots on a ROS graph; see `thbridge docs real-robots`."
+        ),
     ] = None,
     rate: Annotated[
         float | None,
-        typer.Option(help="Simulated seconds per second; by default the study's, or else 1.", min=0.01, max=1000),
+        typer.Option(help="Simulated seconds per second; default: the study's, otherwise 1.", min=0.01, max=1000),
     ] = None,
     seed: Seed = None,
     bag: BagFile = None,
@@ -93,7 +95,7 @@ def simr(
     watching: WatchOptions,
     open_to: OpenTo = None,
 ) -> None:
-    """Run the robots (SimR) at a text server until stopped."""
+    """Run the robots (SimR) as a client of a text server, until stopped."""
     from thbridge.app import programs
     from thbridge.app.programs import SimrOptions
     from thbridge.app.real_robots import simr_with_real_robots
@@ -110,7 +112,7 @@ def simr(
     study = with_open_to(study_of(study_file, changes), open_to)
     host, port = address_of(client.server, study.server)
     if study.mavlink.on:
-        # Whether a robot may be sent somewhere is for the game to say, which is another program's.
+        # The game, in another program, decides where a robot may be sent.
         note("mavlink has no effect here: robots are MAVLink vehicles in `thbridge play`.")
         study = dataclasses.replace(study, mavlink=dataclasses.replace(study.mavlink, on=False))
     setting = setting_of(study, study_file)
@@ -119,18 +121,18 @@ def simr(
     if study.external_nodes is not ExternalNodes.NONE and not (real or ros.join):
         fail(
             BAD_INPUT,
-            "external_nodes: others drive these robots on a ROS graph. Give --ros, or write none.",
+            "external_nodes: other nodes drive these robots on a ROS graph. Add --ros, or set external_nodes: none.",
         )
     if real and ros.join:
-        fail(BAD_INPUT, "--ros: robots of a ROS graph are there already. Leave the option out.")
+        fail(BAD_INPUT, "--ros: real robots are on a ROS graph already. Omit the option.")
     if real and watching.watch is not None:
-        fail(BAD_INPUT, "--watch: real robots are watched on their graph, by rviz. Leave the option out.")
+        fail(BAD_INPUT, "--watch: watch real robots on their ROS graph, with rviz. Omit the option.")
     if real and watching.foxglove is not None:
-        fail(BAD_INPUT, "--foxglove: real robots are watched on their graph, by foxglove_bridge. Leave the option out.")
+        fail(BAD_INPUT, "--foxglove: watch real robots on their ROS graph, with foxglove_bridge. Omit the option.")
     if real and rate is not None:
-        fail(BAD_INPUT, "--rate: real robots have the time that they have. Leave the option out.")
+        fail(BAD_INPUT, "--rate: real robots run in real time. Omit the option.")
     if real and (clash := setting.study.fleet.clash(setting.study.robots)) is not None:
-        fail(BAD_INPUT, f"{clash.problem}. Write other names into the study's `fleet`, or take fewer robots.")
+        fail(BAD_INPUT, f"{clash.problem}. Write other names into the study's `fleet`, or use fewer robots.")
     graph = graph_of(dataclasses.replace(ros, join=ros.join or real), study.open_to)
     door = None
     if not real:
@@ -141,7 +143,7 @@ def simr(
         make_ready(bag)
     if real and graph is not None:
         for setting_name in settings_without_effect(setting.study):
-            note(f"{setting_name} has no effect here: it is for simulated robots.")
+            note(f"{setting_name} has no effect here: it applies only to simulated robots.")
         options = SimrOptions(host, port, new_token(), 1.0, bag, key=shown)
         unfit = run(simr_with_real_robots(setting, options, graph, tell_lost, _unreachable, _missing))
         if unfit is not None:
@@ -160,10 +162,12 @@ def simr(
 @with_option_sets
 def hider(
     client: ClientOptions,
-    treasures: Annotated[str | None, typer.Option(help="Set of templates, or its folder, with `treasures`.")] = None,
+    treasures: Annotated[
+        str | None, typer.Option(help="Name or folder of a template set that has `treasures`.")
+    ] = None,
     seed: Seed = None,
 ) -> None:
-    """Run the treasures' program (Hider) at a text server until stopped."""
+    """Run the program that hides treasures (Hider) as a client of a text server, until stopped."""
     from thbridge.app import programs
     from thbridge.app.compose.game import build_hider
     from ui.command_line.event_loop import run
@@ -189,7 +193,7 @@ def tabui(
     as_json: AsJson = False,
     hosted: Annotated[bool, typer.Option("--hosted", hidden=True)] = False,
 ) -> None:
-    """Take part (TabUI) at a text server: in a window where there is a display, else with a simulated participant."""
+    """Take part (TabUI) as a client of a text server, in a window, or as a simulated participant without a display."""
     if hosted:
         from ui.windows.participant_program import play_hosted
 
@@ -226,7 +230,7 @@ def tabui(
         visited = sum(room.state == "visited" for room in last.rooms)
         print_json({"score": last.score, "rooms_visited": visited, "over": last.over})
     else:
-        if participant != PERSON:  # Who types has been told.
+        if participant != PERSON:  # A person who types has already read it.
             show(f"The game is over. Score {last.score}.")
         note(ANOTHER_GAME)
 
@@ -236,5 +240,5 @@ def _unreachable(why: CannotListen) -> None:
 
 
 def _missing(sentences: Sequence[str]) -> None:
-    for sentence in sentences or ["All robots are there."]:
+    for sentence in sentences or ["All robots have been found."]:
         note(sentence)

@@ -1,4 +1,4 @@
-"""Changes and results of `thbridge replay`."""
+"""Changes and results that `thbridge replay` prints."""
 
 import dataclasses
 from collections.abc import Iterator, Sequence
@@ -16,38 +16,38 @@ from ui.command_line.terminal import out, show
 
 
 def other_versions(record: SessionRecord) -> Iterator[str]:
-    """Sentences on versions and machine with which a session was recorded, where they differ from those of now."""
+    """Yield sentences about differences of versions and machine between the recording and now."""
     now = versions(record.versions)
     then = {name: was for name, was in record.versions.items() if name not in MACHINE}
     other = [f"{name} {was} then, {now.get(name, 'none')} now" for name, was in then.items() if now.get(name) != was]
     if other:
-        yield f"Recorded with other versions, which may make a difference: {'; '.join(other)}."
+        yield f"Recorded with other versions, which may change results: {'; '.join(other)}."
     here, there = machine(), record.versions
     if not there.keys() & here.keys():
         yield (
-            "Recorded before sessions were made to be the same on every machine: its last digits are those of the "
-            "processor and the libraries there, and a difference may come from that alone."
+            "Recorded by a version whose results depended on the machine. Small differences may come from the "
+            "processor and the libraries."
         )
         return
     words = [
-        # Features are many; it is enough that there are others.
+        # Features are many; the sentence only says that they differ.
         f"other {name}" if "features" in name else f"{name} {there[name]} then, {here[name]} now"
         for name in MACHINE
         if name in there and there[name] != here[name]
     ]
     if words:
         yield (
-            f"Recorded on another machine: {'; '.join(words)}. That should make no difference; where there is one, it "
-            "may be the reason."
+            f"Recorded on another machine: {'; '.join(words)}. Results should not depend on the machine; if they "
+            "differ, this may be the reason."
         )
 
 
 Compared = tuple[RunFigures | None, RunFigures | None]
-"""Figures of a game as it was recorded and as it was replayed; None where one of them does not have it."""
+"""Figures of a game as recorded and as replayed; None for a run without this game."""
 
 
 def replayed_as_json(done: Replayed, to: Path | None, figures: Sequence[Compared]) -> dict[str, object]:
-    """Result of a replay, as the JSON object has it; with what was compared, game by game where there are several."""
+    """Return the result of a replay as a JSON object, with the compared figures, by game if there are several."""
     told: dict[str, object] = {
         "equal": done.difference is None and done.finished,
         "first_difference": None if done.difference is None else dataclasses.asdict(done.difference),
@@ -69,9 +69,9 @@ def replayed_as_json(done: Replayed, to: Path | None, figures: Sequence[Compared
 
 
 def show_replayed(done: Replayed, figures: Sequence[Compared]) -> None:
-    """Print what became of a replay."""
+    """Print the result of a replay."""
     if done.difference is None:
-        ending = " The recording was cut off amid its last tick." if done.cut_off else ""
+        ending = " The recording ends in the middle of its last tick." if done.cut_off else ""
         text = f"All {done.messages} messages of {done.ticks} ticks are the same, bit for bit.{ending}"
         show(f"{text} ({done.wall_seconds:.1f} s)")
     else:
@@ -81,8 +81,8 @@ def show_replayed(done: Replayed, figures: Sequence[Compared]) -> None:
 
 
 def _show_difference(difference: Difference) -> None:
-    where = f"message {difference.number}, number {difference.topic_number} on {difference.topic}"
-    show(f"The first difference: {where}, at {difference.seconds:.2f} s: {difference.what}.")
+    where = f"message {difference.number} (number {difference.topic_number} on {difference.topic})"
+    show(f"First difference: {where} at {difference.seconds:.2f} s: {difference.what}.")
     if difference.fields:
         table = Table("field", "was", "is")
         for field in difference.fields:
@@ -91,7 +91,7 @@ def _show_difference(difference: Difference) -> None:
 
 
 def _table(was: RunFigures | None, now: RunFigures | None, of_game: str) -> Table:
-    table = Table("", "recorded", "replayed", title=f"What became{of_game or ' of it'}")
+    table = Table("", "recorded", "replayed", title=f"Recorded and replayed{of_game}")
     runs = (was, now)
     table.add_row("score", *(_figure(None if run is None else run.score) for run in runs))
     table.add_row("rooms visited", *(_figure(None if run is None else run.rooms_visited) for run in runs))
@@ -106,7 +106,7 @@ _ROWS = ("mean error", "95 % of errors within", "driven", "arrivals", "at, s", "
 
 
 def _column(robot: RobotFigures | None) -> tuple[str, ...]:
-    """Figures of a robot, one per row; dashes without a robot."""
+    """Return the figures of a robot, one per row; dashes for a missing robot."""
     if robot is None:
         return ("-",) * len(_ROWS)
     return (

@@ -1,4 +1,4 @@
-"""`thbridge replay`: run a recording again, as it was or with something changed."""
+"""`thbridge replay`: run a recording again, unchanged or with changes."""
 
 import math
 from pathlib import Path
@@ -12,32 +12,32 @@ from ui.command_line.terminal import BAD_INPUT, FAILED, bad_input, fail, note, p
 
 
 def replay(
-    bag: Annotated[Path, typer.Argument(help="A recording of `thbridge play` or `thbridge simr`.")],
+    bag: Annotated[Path, typer.Argument(help="Recording of `thbridge play` or `thbridge simr`.")],
     rate: Annotated[
-        float | None, typer.Option(help="Simulated seconds per second; full speed by default.", min=0.01, max=1000)
+        float | None, typer.Option(help="Simulated seconds per second; default: full speed.", min=0.01, max=1000)
     ] = None,
     start: Annotated[
         float,
-        typer.Option("--from", help="Run at full speed and tell nothing up to this session time, seconds.", min=0),
+        typer.Option("--from", help="Run at full speed and print nothing up to this session time, in seconds.", min=0),
     ] = 0.0,
-    to: Annotated[Path | None, typer.Option(help="Keep the new recording in this bag.")] = None,
+    to: Annotated[Path | None, typer.Option(help="Bag to write the new recording to.")] = None,
     changes: Annotated[
         list[str] | None,
         typer.Option(
             "--with",
             metavar="KEY=VALUE|FILE.yaml",
-            help="What if: same inputs, but this in the study, e.g. `--with seed=2`. May be given several times.",
+            help="Change a key of the recorded study but keep the inputs, such as `--with seed=2`. Can be repeated.",
         ),
     ] = None,
     participant: SimulatedParticipant = None,
-    beside: Annotated[Path, typer.Option(help="Folder that paths in the study start from.")] = Path(),
+    beside: Annotated[Path, typer.Option(help="Folder from which relative paths in the study start.")] = Path(),
     progress: ProgressOption = ProgressKind.AUTO,
     as_json: AsJson = False,
 ) -> None:
-    """Run a recording again: the same inputs go into a fresh session, which must say what the recorded one said.
+    """Run a recording again: give its inputs to a new session, and compare the messages of both.
 
-    Ends with 0 when every message is the same, bit for bit, and with 1 when one differs; then it says which. With
-    `--with` or `--participant` the two runs are compared by their figures, and a difference is no failure.
+    The exit code is 0 if all messages are bit-identical. Otherwise it is 1, and the first difference is printed. With
+    `--with` or `--participant`, figures of the two runs are compared, and differences are no failure.
     """
     from ui.first_start.bar import announce_start
 
@@ -71,7 +71,7 @@ def replay(
         setting = read_setting(with_strategy(with_changes(study, files, assignments), participant), beside)
         recorded_seconds = info(bag).duration
     if participant is not None and not record.participant:
-        fail(BAD_INPUT, f"--participant: nobody played inside the program that recorded {bag}. Leave the option out.")
+        fail(BAD_INPUT, f"--participant: in {bag}, the participant was another program. Omit the option.")
     what_if = bool(changes) or participant is not None
     for sentence in other_versions(record):
         note(sentence)
@@ -107,14 +107,14 @@ def replay(
     if what_if and participant is None and refused:
         note(f"Requests of the participant that were refused: {refused}. {_SAME_TIME}")
         if record.participant:
-            note("To compare whole hunts, let a simulated participant play anew by --participant.")
+            note("To compare whole hunts, replace the recorded participant with a simulated one: --participant NAME.")
     if not done.finished:
         fail(FAILED, "stopped before the end of the recording")
     if done.difference is not None and not what_if:
         if not any(topic.name == INPUTS for topic in info(bag).topics):
-            note(f"The recording has no {INPUTS}: if anything came from outside, it was cut out. {_FRAMES}")
+            note(f"The recording has no {INPUTS}: inputs from outside, if there were any, have been removed. {_FRAMES}")
         raise typer.Exit(FAILED)
 
 
-_SAME_TIME = "They come when they came in the recording, wherever robots are now."
-_FRAMES = "Where MAVLink frames drove the robots, `thbridge mavlink replay` does without."
+_SAME_TIME = "They come at the recorded times, wherever the robots are now."
+_FRAMES = "If MAVLink frames drove the robots, use `thbridge mavlink replay`, which needs no inputs."

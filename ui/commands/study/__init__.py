@@ -1,1 +1,1 @@
-"""Commands about study files."""
+"""Commands of `thbridge study`."""

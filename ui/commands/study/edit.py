@@ -1,4 +1,4 @@
-"""The command that opens a study file as a form."""
+"""`thbridge study edit`: edit a study file in a form."""
 
 from pathlib import Path
 from typing import Annotated
@@ -14,13 +14,13 @@ def study_edit(
     file: Annotated[
         Path,
         typer.Argument(
-            help="A study file; one that is not there yet is made when saved. Or the folder of a study with people, or "
-            "one of its forms."
+            help="Study file (it is created when saved if it does not exist), folder of a study with people, or one of "
+            "its forms."
         ),
     ],
     look: LookOption = ColourScheme.SYSTEM,
 ) -> None:
-    """Edit a study file, or a study with people, in a window: all settings with their meaning, and the same checks."""
+    """Edit a study file or a study with people in a window, which explains and checks all settings."""
     from ui.first_start.bar import announce_start
 
     if why_no_window() is None:
@@ -34,7 +34,10 @@ def study_edit(
         folder, file = file, ExperimentFolder(file).file
         if not file.is_file():
             new = command("study", "new", "FOLDER")
-            fail(BAD_INPUT, f"{folder}: there is no {file.name}. Begin a study with people by `{new}`, or name a file.")
+            fail(
+                BAD_INPUT,
+                f"{folder}: there is no {file.name}. Create a study with people with `{new}`, or name a file.",
+            )
         finish_begun_withdrawals(folder)
     reason = why_no_window()
     if reason is not None:

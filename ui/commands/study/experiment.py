@@ -1,4 +1,4 @@
-"""Commands for studies with people: `thbridge study new`, `run`, `status`, `watch`, `freeze`, `backup`, ..."""
+"""Commands of `thbridge study` for studies with people: `new`, `run`, `status`, `watch`, `freeze`, `backup`, ..."""
 
 import shlex
 import shutil
@@ -25,14 +25,14 @@ from ui.windows.display import why_no_window
 if TYPE_CHECKING:
     from thbridge.batch.engines.engine import Engine
 
-FolderOfExperiment = Annotated[Path, typer.Argument(help="The folder of an experiment.", metavar="FOLDER")]
+FolderOfExperiment = Annotated[Path, typer.Argument(help="Folder of a study with people.", metavar="FOLDER")]
 
 
 def study_new(
-    folder: Annotated[Path, typer.Argument(help="The folder to make; must not exist.", metavar="FOLDER")],
-    language: Annotated[str, typer.Option(help="Language of all that participants read: en or de.")] = "en",
+    folder: Annotated[Path, typer.Argument(help="Folder to create; must not exist.", metavar="FOLDER")],
+    language: Annotated[str, typer.Option(help="Language of all texts for participants: en or de.")] = "en",
 ) -> None:
-    """Begin a study with people: a folder with an example to change."""
+    """Create a folder with an example of a study with people, for you to change."""
     from thbridge.experiment.folder import example_languages, write_example
     from thbridge.files.disk.whole import new_folder
 
@@ -45,14 +45,14 @@ def study_new(
     with bad_input(), new_folder(folder) as new:
         write_example(new, language)
     note(
-        f"Wrote {folder}. Change its experiment.yaml and texts, in an editor or by "
+        f"Wrote {folder}. Change its experiment.yaml and texts, in an editor or with "
         f"`{command('study', 'edit', folder)}`; then check it: `{command('study', 'check', folder)}`. "
         "`thbridge docs study-keys` explains all keys of its files."
     )
 
 
 def study_status(folder: FolderOfExperiment, as_json: AsJson = False) -> None:
-    """Tell who has taken part, how far they are, and how many are missing."""
+    """Print who has taken part, their progress, and how many participants are missing."""
     from thbridge.app.compose.machine import versions
     from thbridge.experiment.folder import ExperimentFolder
     from thbridge.experiment.freeze import deviations
@@ -77,7 +77,7 @@ def study_status(folder: FolderOfExperiment, as_json: AsJson = False) -> None:
         told = {"changed": None if changed is None else list(changed), "recordings": left, "most_lag_seconds": most}
         print_json({"planned": design.allocation.size, **counts, **told})
         return
-    say(f"{design.file.title}: {counts['complete']} of {design.allocation.size} runs that count")
+    say(f"{design.file.title}: {counts['complete']} of {design.allocation.size} complete runs")
     for run in runs:
         reason = f" ({run.reason})" if run.reason else ""
         number, steps = progress.step_count(run.participant)
@@ -90,7 +90,9 @@ def study_status(folder: FolderOfExperiment, as_json: AsJson = False) -> None:
     if changed is None:
         say("Not frozen.")
     else:
-        say("Frozen, and as it was." if not changed else f"Frozen; since then {'; '.join(changed)}.")
+        say(
+            "Frozen, and unchanged since then." if not changed else f"Frozen; changed since then: {'; '.join(changed)}."
+        )
 
 
 def study_watch(
@@ -98,7 +100,7 @@ def study_watch(
     look: LookOption = ColourScheme.SYSTEM,
     hosted: Annotated[bool, typer.Option("--hosted", hidden=True)] = False,
 ) -> None:
-    """Watch a study under way in a window: who is where, what is missing, events and notes. Nothing is changed."""
+    """Watch a running study with people in a window: participants, missing data, events, notes. Nothing is changed."""
     from thbridge.experiment.folder import ExperimentFolder
 
     if not hosted:
@@ -121,14 +123,14 @@ def study_watch(
 
 def study_run(
     folder: FolderOfExperiment,
-    windowed: Annotated[bool, typer.Option("--windowed", help="In a window, not on the full screen.")] = False,
+    windowed: Annotated[bool, typer.Option("--windowed", help="Use a window instead of the full screen.")] = False,
     desk: Annotated[
-        bool, typer.Option("--desk/--no-desk", help="Open the researcher's window, too, for another screen.")
+        bool, typer.Option("--desk/--no-desk", help="Also open the researcher's desk, for another screen.")
     ] = False,
     look: LookOption = ColourScheme.SYSTEM,
     hosted: Annotated[bool, typer.Option("--hosted", hidden=True)] = False,
 ) -> None:
-    """Have people go through the study at this computer, one after the other; after a crash it goes on where it was."""
+    """Run the study for participants at this computer, one after the other. After a crash, resume where it stopped."""
     if hosted:
         from ui.windows.kiosk.window import open_kiosk
 
@@ -146,20 +148,25 @@ def study_run(
 def study_preview(
     folder: FolderOfExperiment,
     step: Annotated[
-        str, typer.Argument(help="Name of a step, or its number in the file; by default all steps.", metavar="[STEP]")
+        str, typer.Argument(help="Name of a step, or its number in the file; default: all steps.", metavar="[STEP]")
     ] = "",
     condition: Annotated[
-        str, typer.Option(help="Level within people, such as `collaborator`; by default the first.", metavar="LEVEL")
+        str,
+        typer.Option(
+            help="Level of the factor within people, such as `collaborator`; default: the first.", metavar="LEVEL"
+        ),
     ] = "",
-    group: Annotated[str, typer.Option(help="Level between people; by default the first.", metavar="LEVEL")] = "",
+    group: Annotated[
+        str, typer.Option(help="Level of the factor between people; default: the first.", metavar="LEVEL")
+    ] = "",
     look: LookOption = ColourScheme.SYSTEM,
     hosted: Annotated[bool, typer.Option("--hosted", hidden=True)] = False,
 ) -> None:
-    """Show a step as participants see it, without the steps before it. Nothing is kept."""
+    """Show a step as participants see it, without the steps before it. Nothing is recorded."""
     if hosted:
         from ui.windows.kiosk.window import open_kiosk
 
-        raise typer.Exit(open_kiosk(look.value, windowed=True, title="Preview: nothing is kept"))
+        raise typer.Exit(open_kiosk(look.value, windowed=True, title="Preview: nothing is recorded"))
     from ui.commands.study.preview import preview_step
     from ui.commands.study.unfinished import finish_begun_withdrawals
 
@@ -168,7 +175,7 @@ def study_preview(
 
 
 def study_freeze(folder: FolderOfExperiment) -> None:
-    """Write the fingerprint of the experiment, for a preregistration; exports tell whether it still holds."""
+    """Write the fingerprint of the experiment for a preregistration. Exports report whether it still matches."""
     from thbridge.app.compose.machine import versions
     from thbridge.experiment.check import check_experiment
     from thbridge.experiment.folder import ExperimentFolder
@@ -186,10 +193,10 @@ def study_freeze(folder: FolderOfExperiment) -> None:
 
 def study_export(
     folder: FolderOfExperiment,
-    to: Annotated[Path, typer.Option(help="The folder to write; must be empty or new.", metavar="DIR")],
+    to: Annotated[Path, typer.Option(help="Folder to write; must be new or empty.", metavar="DIR")],
     progress: ProgressOption = ProgressKind.AUTO,
 ) -> None:
-    """Export tables for pandas and R, as Psych-DS asks for, with scripts and a paragraph of methods."""
+    """Export tables for pandas and R in the Psych-DS format, with scripts and a paragraph for the methods section."""
     from thbridge.app.compose.machine import versions
     from thbridge.experiment.export.folder import export_experiment
     from thbridge.experiment.folder import ExperimentFolder
@@ -207,16 +214,14 @@ def study_export(
     for told in written.notes:
         note(told)
     python, r = shlex.join(["python", str(to / "analysis.py")]), shlex.join(["Rscript", str(to / "analysis.R")])
-    note(f"Wrote {to}. Compare and draw its conditions by `{python}` or `{r}`.")
+    note(f"Wrote {to}. Compare and plot its conditions with `{python}` or `{r}`.")
 
 
 def study_backup(
     folder: FolderOfExperiment,
-    to: Annotated[
-        Path, typer.Option(help="The folder of the backup; one of before is brought up to date.", metavar="DIR")
-    ],
+    to: Annotated[Path, typer.Option(help="Folder of the backup; an existing backup is updated.", metavar="DIR")],
 ) -> None:
-    """Back up a study, also while people go through it: log, recordings and files, each verified."""
+    """Back up a study, even while people take part: log, recordings and files, each verified."""
     from thbridge.experiment.backup import back_up
     from thbridge.experiment.folder import ExperimentFolder
     from ui.commands.study.unfinished import finish_begun_withdrawals
@@ -229,22 +234,22 @@ def study_backup(
         lacking = back_up(place, to)
     for told in lacking:
         note(told)
-    note(f"{to} is verified, and as the study is now. It can be used in its place: `{command('study', 'status', to)}`.")
+    note(f"{to} is verified and up to date. It can be used instead of the study: `{command('study', 'status', to)}`.")
     if lacking:
         raise typer.Exit(FAILED)
 
 
 def study_restore(
-    backup: Annotated[Path, typer.Argument(help="The folder of a backup.", metavar="BACKUP")],
+    backup: Annotated[Path, typer.Argument(help="Folder of a backup.", metavar="BACKUP")],
     to: Annotated[
         Path | None,
-        typer.Option(help="The folder of the study; by default the folder that was backed up.", metavar="STUDY"),
+        typer.Option(help="Folder of the study; default: the folder that was backed up.", metavar="STUDY"),
     ] = None,
     yes: Annotated[
-        bool, typer.Option("--yes", help="Go back without asking if the study's own log is whole and newer.")
+        bool, typer.Option("--yes", help="Do not ask for confirmation if the study's own log is intact and newer.")
     ] = False,
 ) -> None:
-    """Restore a study from a backup; what is replaced is kept, and those who withdrew since stay withdrawn."""
+    """Restore a study from a backup. Replaced files are kept, and people who withdrew since then stay withdrawn."""
     from ui.commands.study.restore import restore_study
 
     restore_study(backup, to, yes=yes)
@@ -255,17 +260,17 @@ def study_withdraw(
     participant: Annotated[
         list[str] | None,
         typer.Argument(
-            help="Id of the participant, such as P-7K3FQ, or their completion code, with or without its blank.",
+            help="Id of the participant, such as P-7K3FQ, or completion code, with or without its blank.",
             metavar="PARTICIPANT",
         ),
     ] = None,
-    yes: Annotated[bool, typer.Option("--yes", help="Delete without asking, for scripts.")] = False,
+    yes: Annotated[bool, typer.Option("--yes", help="Do not ask for confirmation (for scripts).")] = False,
     gone: Annotated[
         list[Path] | None,
-        typer.Option(help="An export or a backup that no longer exists anywhere.", metavar="PATH"),
+        typer.Option(help="Export or backup that no longer exists anywhere.", metavar="PATH"),
     ] = None,
 ) -> None:
-    """Delete one participant for good from log, recordings, exports and backups, after showing what that is."""
+    """Permanently delete one participant from log, recordings, exports and backups, after listing what is deleted."""
     from ui.commands.study.withdrawal import withdraw_participant
 
     withdraw_participant(folder, " ".join(participant) if participant else None, gone or (), yes=yes)
@@ -275,13 +280,13 @@ def study_rehearse(
     folder: FolderOfExperiment,
     to: Annotated[
         Path,
-        typer.Option(help="Folder for the rehearsal, a copy; must not exist.", metavar="DIR"),
+        typer.Option(help="Folder for the rehearsal, a copy of the study; must not exist.", metavar="DIR"),
     ],
-    seed: Annotated[int, typer.Option(help="All that simulated people do follows from it.", min=0, max=2**31 - 1)] = 1,
-    games: Annotated[bool, typer.Option("--games/--no-games", help="Whether games are played and recorded.")] = True,
+    seed: Annotated[int, typer.Option(help="Random seed.", min=0, max=2**31 - 1)] = 1,
+    games: Annotated[bool, typer.Option("--games/--no-games", help="Play and record the games.")] = True,
     progress: ProgressOption = ProgressKind.AUTO,
 ) -> None:
-    """Have simulated people go through the whole experiment; what they are like stands in its `rehearsal.yaml`."""
+    """Run the whole experiment with simulated people; `rehearsal.yaml` describes them."""
     from thbridge.experiment.folder import ExperimentFolder
     from thbridge.experiment.freeze import data_of
     from thbridge.experiment.rehearsal.people import read_people
@@ -296,9 +301,9 @@ def study_rehearse(
         design = place.read(with_files=True)
         people = read_people(place.people, design)
         if to.exists():
-            fail(BAD_INPUT, f"{to}: there is such a folder already. Choose another by --to.")
+            fail(BAD_INPUT, f"{to}: this folder already exists. Choose another with --to.")
         with (
-            new_folder(to, "choose another by --to, or make room") as new,
+            new_folder(to, "choose another with --to, or free disk space") as new,
             shown_progress(progress, "rehearsal") as tell,
         ):
             shutil.copytree(folder, new, ignore=data_of, dirs_exist_ok=True)
@@ -310,24 +315,24 @@ def study_rehearse(
 @with_option_sets
 def study_power(
     folder: FolderOfExperiment,
-    score: Annotated[str, typer.Option(help="The score that is compared: a subscale of a form.")],
-    factor: Annotated[str, typer.Option(help="The factor whose levels are compared.")],
+    score: Annotated[str, typer.Option(help="Score to compare: a subscale of a form.")],
+    factor: Annotated[str, typer.Option(help="Factor whose levels are compared.")],
     people: Annotated[
         list[int] | None,
-        typer.Option(help="A number of people; may be given several times. By default six up to the quota.", min=2),
+        typer.Option(help="Number of people. Can be repeated. Default: six values up to the quota.", min=2),
     ] = None,
-    rehearsals: Annotated[int, typer.Option(help="Rehearsals of each kind.", min=10, max=100_000)] = 200,
-    seed: Annotated[int, typer.Option(help="Of the first of them.", min=0, max=2**30)] = 1,
+    rehearsals: Annotated[int, typer.Option(help="Number of rehearsals of each kind.", min=10, max=100_000)] = 200,
+    seed: Annotated[int, typer.Option(help="Random seed of the first rehearsal.", min=0, max=2**30)] = 1,
     to: Annotated[
         Path | None,
-        typer.Option(help="Folder that keeps the results, so that a stopped run goes on.", metavar="DIR"),
+        typer.Option(help="Folder for the results, so that a stopped run can be resumed.", metavar="DIR"),
     ] = None,
     *,
     engine: EngineOptions,
     progress: ProgressOption = ProgressKind.AUTO,
     as_json: AsJson = False,
 ) -> None:
-    """Estimate by rehearsals how many people are needed to find the effects that `rehearsal.yaml` puts in."""
+    """Estimate how many people are needed to find the effects in `rehearsal.yaml`, by simulated rehearsals."""
     from thbridge.batch.engines.engine import EngineFailed
     from thbridge.experiment.rehearsal.power import WARM, PowerTask
     from ui.command_line.progress import shown_progress
@@ -347,6 +352,6 @@ def study_power(
         except EngineFailed as reason:
             fail(FAILED, str(reason))
         except KeyboardInterrupt:
-            kept = "the same command goes on" if to is not None else "name a folder by --to to keep what is done"
+            kept = "run the same command to resume" if to is not None else "to keep results, name a folder with --to"
             fail(FAILED, f"stopped; {kept}")
     show_estimates(estimates, as_json=as_json)

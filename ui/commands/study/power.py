@@ -1,4 +1,4 @@
-"""The run of `thbridge study power`, and what it tells."""
+"""Computation and output of `thbridge study power`."""
 
 import hashlib
 import math
@@ -19,22 +19,22 @@ from ui.command_line.terminal import out, print_json, say
 from ui.commands.sweep.engines import stopped_by_sigterm
 
 ENOUGH = 0.8
-"""Power that is usually asked for."""
+"""Usual target value of power."""
 
 
 def power_tasks(
     root: Path, score: str, factor: str, people: Sequence[int], rehearsals: int, seed: int, results: Path
 ) -> list[PowerTask]:
-    """Return the rehearsals that answer a question.
+    """Return the rehearsals that are needed for a power estimate.
 
     Args:
         root: folder of the experiment.
         score: name of a subscale.
-        factor: whose levels are compared.
-        people: numbers of people; none: six up to the experiment's own.
-        rehearsals: number, with the effects and without.
-        seed: of the first of them.
-        results: folder of results, of this question and of others.
+        factor: factor whose levels are compared.
+        people: numbers of people. If empty, six values up to the experiment's own number.
+        rehearsals: number of rehearsals with the effects, and of rehearsals without them.
+        seed: random seed of the first rehearsal.
+        results: folder of results of this and other estimates.
 
     Raises:
         BadFile: the experiment is faulty, or has no such score or factor.
@@ -44,16 +44,16 @@ def power_tasks(
     simulated = read_people(folder.people, design)
     scores = sorted({name for form in design.forms.values() for name in form.subscales})
     if score not in scores:
-        remedy = f"Write --score with one of {', '.join(scores) or 'those of a form, of which there is none yet'}"
+        remedy = f"Write --score with one of {', '.join(scores) or 'the scores of a form (there is none yet)'}"
         raise BadFile(folder.file, f"no form has a score {score}", remedy)
     factors = sorted({*design.conditions[0].levels, *design.cells[0].levels})
     if factor not in factors:
-        remedy = f"Write --factor with one of {', '.join(factors) or 'its factors, of which there is none yet'}"
-        raise BadFile(folder.file, f"{factor} is no factor", remedy)
+        remedy = f"Write --factor with one of {', '.join(factors) or 'its factors (there is none yet)'}"
+        raise BadFile(folder.file, f"{factor} is not a factor", remedy)
     most = design.allocation.size
     sizes = tuple(sorted({*people})) or tuple(sorted({max(2, math.ceil(most * part / 6)) for part in range(1, 7)}))
     question = PowerQuestion(score, factor, sizes)
-    # Results of another question, of another experiment or of other people are never taken for these.
+    # The key of results: they are not reused for another question, experiment or description of people.
     asked = f"{fingerprint_of(folder, versions()).digest} {question} {simulated}"
     place = results / hashlib.sha256(asked.encode()).hexdigest()[:16]
     return [
@@ -66,13 +66,13 @@ def power_tasks(
 def estimate_shown(
     tasks: Sequence[PowerTask], engine: Engine[PowerTask], tell: Tell
 ) -> Mapping[bool, Sequence[PowerEstimate]]:
-    """Rehearse; `tell` takes the progress. See `estimate_power`."""
+    """Run the rehearsals; `tell` receives the progress. See `estimate_power`."""
     with stopped_by_sigterm(), engine:
         return estimate_power(tasks, engine, lambda done: tell("rehearsals", done, len(tasks)))
 
 
 def show_estimates(estimates: Mapping[bool, Sequence[PowerEstimate]], *, as_json: bool) -> None:
-    """Tell the power for each number of people, and how often something is found where nothing is."""
+    """Print the power for each number of people, and how often an effect is found where there is none."""
     pairs = list(zip(estimates[True], estimates[False], strict=True))
     enough = next((power.people for power, _ in pairs if power.share >= ENOUGH), None)
     if as_json:
@@ -87,7 +87,7 @@ def show_estimates(estimates: Mapping[bool, Sequence[PowerEstimate]], *, as_json
         ]
         print_json({"level": LEVEL, "estimates": rows, "enough": enough})
         return
-    table = Table("people", "power", "95 % interval", "found where nothing is")
+    table = Table("people", "power", "95 % interval", "false positives")
     for power, none in pairs:
         low, high = power.interval
         table.add_row(f"{power.people}", f"{power.share:.2f}", f"{low:.2f} to {high:.2f}", f"{none.share:.3f}")
@@ -95,4 +95,4 @@ def show_estimates(estimates: Mapping[bool, Sequence[PowerEstimate]], *, as_json
     if enough is None:
         say(f"None of these numbers gives a power of {ENOUGH}. Ask for more by --people.")
     else:
-        say(f"{enough} people give a power of {ENOUGH} at least.")
+        say(f"{enough} people give a power of at least {ENOUGH}.")

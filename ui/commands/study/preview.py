@@ -1,4 +1,4 @@
-"""`thbridge study preview`: a page of a study as participants see it, without the steps before it."""
+"""`thbridge study preview`: pages of a study as participants see them, without the steps before them."""
 
 import asyncio
 import secrets
@@ -21,13 +21,13 @@ from ui.windows.display import why_no_window
 
 
 def preview_step(folder: Path, step: str, condition: str, group: str, look: str) -> None:
-    """Show one step, or from the first on all if none is named; nothing of it is kept.
+    """Show one step, or all steps if none is named; nothing is recorded.
 
     Args:
-        folder: of the study.
-        step: name or number of the step; empty: all steps.
-        condition: within people.
-        group: between people.
+        folder: folder of the study.
+        step: name or number of the step; if empty, all steps.
+        condition: level of the factor within people.
+        group: level of the factor between people.
         look: colors of the window.
     """
     with bad_input():
@@ -51,4 +51,4 @@ def preview_step(folder: Path, step: str, condition: str, group: str, look: str)
             last = planned.number if step else len(conductor.progress.runs[PARTICIPANT].plan)
             asyncio.run(host.preview(PARTICIPANT, last))
     if window.given_up:
-        fail(FAILED, "The window crashes whenever it is opened.")
+        fail(FAILED, "The window crashes each time it is opened.")

@@ -9,12 +9,12 @@ from ui.commands.study.unfinished import finish_begun_withdrawals
 
 
 def restore_study(backup: Path, to: Path | None, *, yes: bool) -> None:
-    """Restore a study, after a confirmation if its own log is whole and newer.
+    """Restore a study; ask for confirmation if its own log is intact and newer.
 
     Args:
         backup: the backup's folder.
         to: the study's folder. If None, it is the folder that was backed up.
-        yes: True to ask for no confirmation.
+        yes: True to skip the confirmation.
     """
     with bad_input():
         plan = plan_restore(backup, to)
@@ -28,13 +28,15 @@ def restore_study(backup: Path, to: Path | None, *, yes: bool) -> None:
     for sentence in lacking:
         note(sentence)
     if kept is not None:
-        note(f"What {root} had is kept in {kept}. Look at it with `{command('study', 'status', kept)}`.")
+        note(
+            f"The previous files of {root} are kept in {kept}. Look at them with `{command('study', 'status', kept)}`."
+        )
     note(f"{root} is restored from {backup}: {plan.events} events. See `{command('study', 'status', root)}`.")
     finish_begun_withdrawals(root)
 
 
 def _newer(plan: RestorePlan) -> str:
     return (
-        f"The log of {plan.study.root} is whole, and has {plan.newer} events that the backup does not have. "
-        "A restore keeps them beside the study, and the study goes on from the backup."
+        f"The log of {plan.study.root} is intact, and has {plan.newer} events that the backup does not have. "
+        "A restore keeps them next to the study, and the study continues from the backup."
     )

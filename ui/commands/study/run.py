@@ -1,4 +1,4 @@
-"""`thbridge study run`: the kiosk of one study."""
+"""`thbridge study run`: the kiosk of a study."""
 
 import asyncio
 import os
@@ -33,14 +33,14 @@ from ui.windows.display import why_no_window
 
 
 def run_study(folder: Path, look: str, *, windowed: bool, desk: bool, program: tuple[str, ...] = ()) -> None:
-    """Take people through a study until the window is closed, or the program stopped.
+    """Run the kiosk of a study until the window is closed or the program is stopped.
 
     Args:
-        folder: of the study.
+        folder: folder of the study.
         look: colors of the windows.
-        windowed: True for a window that leaves the rest of the screen free.
+        windowed: True for a window instead of the full screen.
         desk: True to open the researcher's desk, too.
-        program: command of another window that speaks the messages of `ui.model.kiosk`; empty: ours.
+        program: command of another window that uses the messages of `ui.model.kiosk`; if empty, our own.
     """
     finish_begun_withdrawals(folder)
     with bad_input():
@@ -51,7 +51,7 @@ def run_study(folder: Path, look: str, *, windowed: bool, desk: bool, program: t
         why = None if program else why_no_window()
         if why is not None:
             fail(BAD_INPUT, why)
-    # Before people come, and before the log is open.
+    # Before participants come, and before the log is open.
     compile_ahead(whole_hunt=True, look=None if program else look)
     with bad_input():
         make_folder(place.log.parent)
@@ -78,13 +78,13 @@ def run_study(folder: Path, look: str, *, windowed: bool, desk: bool, program: t
             with suppress(KeyboardInterrupt), _stopped_like_ctrl_c():
                 asyncio.run(_run(host, beside, folder))
         if window.given_up:
-            fail(FAILED, "The window crashes whenever it is opened. What was answered is kept.")
+            fail(FAILED, "The window crashes each time it is opened. All answers are saved.")
     except typer.Exit as failed:
         code = failed.exit_code
     with suppress(OSError):  # The terminal may be gone.
         if window.left_open:
-            note("Somebody is in the middle of the study. The window stays and says so; Ctrl+Alt+Shift+Q closes it.")
-        note(f"The study goes on by `{command('study', 'run', folder)}`.")
+            note("A participant is in the middle of the study. The window stays open; close it with Ctrl+Alt+Shift+Q.")
+        note(f"Resume the study with `{command('study', 'run', folder)}`.")
     if window.left_open:
         os._exit(code)
     raise typer.Exit(code)
@@ -96,7 +96,7 @@ def _window(folder: Path, look: str, program: tuple[str, ...], *, windowed: bool
 
 
 async def _run(host: KioskHost, desk: Desk | None, folder: Path) -> None:
-    """Run the kiosk to its end, whatever becomes of the desk."""
+    """Run the kiosk to its end, even if the desk fails."""
     if desk is None:
         await host.run()
         return
@@ -109,17 +109,17 @@ async def _run(host: KioskHost, desk: Desk | None, folder: Path) -> None:
 
 
 async def _keep_desk(desk: Desk, folder: Path) -> None:
-    """Keep the desk open; should it fail, the study goes on without it, which is said at once."""
+    """Keep the desk open; if it fails, report this at once and continue the study without it."""
     try:
         await desk.run()
     except (DeskFailed, BadFile, OSError) as error:
         watch = command("study", "watch", folder)
-        note(f"There is no desk: {error}. The study goes on without it. `{watch}` shows it, to look at.")
+        note(f"The desk has failed: {error}. The study continues without it. Watch the study with `{watch}`.")
 
 
 @contextmanager
 def _stopped_like_ctrl_c() -> Iterator[None]:
-    """Have SIGTERM, and the end of the terminal, do the same as Ctrl-C, which asyncio knows."""
+    """Handle SIGTERM and SIGHUP (end of the terminal) like Ctrl-C, which asyncio handles."""
     before = {number: signal.getsignal(number) for number in (signal.SIGTERM, signal.SIGHUP)}
     for number in before:
         signal.signal(number, lambda _number, _frame: signal.raise_signal(signal.SIGINT))

@@ -11,26 +11,26 @@ from ui.command_line.terminal import BAD_INPUT, bad_input, command, fail, note, 
 
 
 def study_init(
-    file: Annotated[Path, typer.Argument(help="The file to write; must not exist. `-` is standard output.")],
+    file: Annotated[Path, typer.Argument(help="File to write; must not exist. `-` is standard output.")],
 ) -> None:
-    """Write the built-in study `standard` as a file with every key, commented."""
+    """Write the built-in study `standard` as a file with all keys and comments."""
     from thbridge.files.disk.whole import write_whole
     from thbridge.study.text import commented_study
 
     if file == STANDARD_OUTPUT:
-        print(commented_study(), end="")  # noqa: T201 - this is what was asked for
+        print(commented_study(), end="")  # noqa: T201 - the requested output
         return
     if file.exists():
-        fail(BAD_INPUT, f"{file}: there is such a file already. Choose another name.")
+        fail(BAD_INPUT, f"{file}: this file already exists. Choose another name.")
     with bad_input():
         write_whole(file, commented_study().encode(), "choose another folder")
     note(f"Wrote {file}. Run it with `{command('play', file)}`.")
 
 
 def study_check(
-    file: Annotated[Path, typer.Argument(help="A study file, or the folder of a study with people.")],
+    file: Annotated[Path, typer.Argument(help="Study file, or folder of a study with people.")],
 ) -> None:
-    """Check a study file, or a study with people, and everything it names."""
+    """Check a study file or a study with people, and all files that it names."""
     from thbridge.app.compose.setting import advice_on_language, missing_in
     from thbridge.study.study_file import check_manners, load_study
     from ui.command_line.settings import note_doubts, setting_of, study_of
@@ -49,7 +49,7 @@ def study_check(
             design, kept = check_experiment(ExperimentFolder(file), versions())
         for study in chain.from_iterable(cell.studies for cell in design.cells):
             check_doors(study)
-        state = "goes on as it is, because people have taken part" if kept else "no faults"
+        state = "kept as it is, because people have taken part" if kept else "no faults"
         say(f"{file}: {state}; {people_in_words(design)}")
         for fault in kept:
             note(f"A new study would be refused: {fault}")
@@ -66,6 +66,6 @@ def study_check(
         lacking, missing = advice_on_language(setting.study, file.parent), missing_in(setting.study, file.parent)
     say(f"{file}: no faults")
     for fault in missing:
-        note(f"Participants would read another language: {fault}")
+        note(f"Participants would see another language: {fault}")
     if lacking is not None:
         note(f"{lacking}.")

@@ -1,4 +1,4 @@
-"""Work that an interrupted command left in a study; each command of a study begins with it."""
+"""Unfinished withdrawals, which each command of a study completes first."""
 
 from pathlib import Path
 
@@ -8,7 +8,7 @@ from ui.command_line.terminal import note
 
 
 def finish_begun_withdrawals(folder: Path) -> None:
-    """Finish withdrawals that have begun, and print what cannot be done yet; the command then does its own work."""
+    """Finish withdrawals that have begun, and print what cannot be done yet."""
     try:
         pending = ExperimentFolder(folder).pending_withdrawals.read()
     except BadFile as fault:

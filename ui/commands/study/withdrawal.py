@@ -1,4 +1,4 @@
-"""`thbridge study withdraw`, and withdrawals that were interrupted."""
+"""`thbridge study withdraw`, and the completion of interrupted withdrawals."""
 
 import time
 from collections.abc import Sequence
@@ -42,27 +42,28 @@ def finish_and_report(folder: Path, pending: Sequence[PendingWithdrawal]) -> lis
             _report(one)
             note(_not_finished(folder, one))
         else:
-            note(f"The withdrawal of {one.participant}, which was interrupted, is finished.")
+            note(f"The interrupted withdrawal of {one.participant} is finished.")
     return finished
 
 
 def withdraw_participant(folder: Path, named: str | None, gone: Sequence[Path], *, yes: bool) -> None:
-    """Withdraw a participant, after a confirmation.
+    """Withdraw a participant after a confirmation.
 
     Args:
-        folder: of the study.
-        named: their id or completion code. If None, `gone` names something, and what has begun is finished.
+        folder: folder of the study.
+        named: id or completion code of the participant. If None, `gone` is given, and withdrawals that have begun are
+        finished.
         gone: exports and backups that no longer exist.
-        yes: True to ask for no confirmation.
+        yes: True to skip the confirmation.
     """
     with bad_input():
         place = ExperimentFolder(folder)
         design = place.read()
         for path in gone:
             if path.exists():
-                fail(BAD_INPUT, f"{path}: there is such a folder. The withdrawal takes care of it; omit --gone.")
+                fail(BAD_INPUT, f"{path}: this folder exists. The withdrawal deletes the data in it; omit --gone.")
             if not any([place.exports_known.remove(path), place.backups_known.remove(path)]):
-                fail(BAD_INPUT, f"{path}: no export or backup of this study was written there. Check the path.")
+                fail(BAD_INPUT, f"{path}: no export or backup of this study was written to it. Check the path.")
         pending = place.pending_withdrawals.read()
         finished = finish_and_report(folder, pending) if pending else []
         if named is None and gone:
@@ -76,34 +77,34 @@ def withdraw_participant(folder: Path, named: str | None, gone: Sequence[Path], 
         try:
             plan = plan_withdrawal(place, design, named)
         except NobodyWithdraws:
-            who = f"{named}: the study has nothing of anybody of this id or completion code."
+            who = f"{named}: the study has no data of a participant with this id or completion code."
             fail(BAD_INPUT, f"{who} `{ids}` lists the ids.")
         for line in plan_lines(place, plan):
             note(line)
-        confirm(f"Delete all of this of {plan.withdrawal.participant}?", "Nothing was deleted", yes=yes)
+        confirm(f"Delete all of this data of {plan.withdrawal.participant}?", "Nothing was deleted", yes=yes)
         installed = versions()
         one = withdraw(place, design, plan.withdrawal, installed, deviations(place, installed), _now)
     _report(one)
     if one.failed:
         fail(FAILED, _not_finished(folder, one))
-    others = "Copies made otherwise (of the folder, recordings, results, markers) are not known here"
-    note(f"{others}: delete {one.participant} there.")
+    others = "Copies made in other ways (of the folder, recordings, results, markers) are not known"
+    note(f"{others}: delete {one.participant} from them.")
 
 
 def withdraw_during(place: ExperimentFolder, conductor: Conductor, log: ExperimentLog, participant: str) -> str:
-    """Withdraw a participant while this program runs their study.
+    """Withdraw a participant while this program runs the study.
 
     Returns:
-        Sentences about what somebody still has to do; empty if there is nothing.
+        Sentences about what a person must still do; empty if nothing remains.
 
     Raises:
-        BadFile: as for `withdraw`.
+        BadFile: see `withdraw`.
     """
     design, installed = place.read(), versions()
     try:
         plan = plan_withdrawal(place, design, participant)
     except NobodyWithdraws:
-        # It was asked for twice.
+        # The withdrawal was requested twice.
         return ""
     place.pending_withdrawals.add(plan.withdrawal)
     conductor.withdraw(plan.withdrawal.participant)
@@ -123,6 +124,6 @@ def _report(one: Withdrawal) -> None:
 def _not_finished(folder: Path, one: Withdrawal) -> str:
     gone = command("study", "withdraw", folder, "--gone", "PATH")
     return (
-        f"The withdrawal of {one.participant} is not finished. Correct what is said above: the next command of this "
+        f"The withdrawal of {one.participant} is not finished. Correct the problems above; the next command on this "
         f"study tries again. If an export or a backup no longer exists anywhere: `{gone}`."
     )

@@ -21,14 +21,14 @@ from ui.command_line.terminal import out, show
 
 @dataclass(frozen=True, slots=True)
 class SuggestedPlan:
-    """Plan of a team, as it is suggested.
+    """Suggested plan of a team.
 
     Attributes:
-        planner: that made it.
-        tours: one a robot.
-        points: that the treasure of a room not yet visited brings on average, once it is named rightly.
-        best: value of the best plan; None where there are too many rooms to find it.
-        alternatives: for each robot what each next room is worth; empty for a plan that was not proven the best.
+        planner: planner that made it.
+        tours: one tour per robot.
+        points: average value of the treasure in an unvisited room, if it is identified correctly.
+        best: value of the best plan. If None, there are too many rooms to find it.
+        alternatives: for each robot, the value of each possible next room; empty if the plan is not proven best.
     """
 
     planner: TeamPlanner
@@ -39,12 +39,12 @@ class SuggestedPlan:
 
     @property
     def value(self) -> PlanValue:
-        """Rooms visited, and the energy of all moves."""
+        """Visited rooms, and the energy of all moves."""
         return PlanValue.of(self.tours)
 
     @property
     def is_proven(self) -> bool:
-        """True when it was made as the best there is."""
+        """True if the plan was proven to be the best."""
         return self.planner is TeamPlanner.JOINT and self.best is not None
 
 
@@ -52,12 +52,12 @@ def plan_of(setting: StudySetting, rooms: Collection[Room], planner: TeamPlanner
     """Return the plan by which a study's robots would visit these rooms from their start poses.
 
     Raises:
-        ValueError: more rooms than this planner can compare.
+        ValueError: there are more rooms than this planner can compare.
     """
     starts = team_starts(setting)
     question = (setting.costs, starts, rooms, setting.study.game.identify_cost)
     tours = PLANNERS[planner](*question)
-    # All kinds of treasures are equally likely in every room.
+    # In each room, all kinds of treasures are equally likely.
     points = mean(kind.points for kind in setting.templates.kinds)
     if len(set(rooms)) > most_rooms_shared_out(len(starts)):
         return SuggestedPlan(planner, tours, points, None, ())
@@ -67,7 +67,7 @@ def plan_of(setting: StudySetting, rooms: Collection[Room], planner: TeamPlanner
 
 
 def team_starts(setting: StudySetting) -> tuple[TourStart, ...]:
-    """Return where the tours of a study's robots begin, as its game reckons what they cost."""
+    """Return where the tours of a study's robots begin, with the costs that its game uses."""
     study, corridor = setting.study, tuple(setting.costs.rows[CORRIDOR.people])
     if not setting.by_position:
         return (TourStart(corridor, study.game.energy),) * study.robots
@@ -79,7 +79,7 @@ def team_starts(setting: StudySetting) -> tuple[TourStart, ...]:
 
 
 def plan_as_json(plan: SuggestedPlan) -> dict[str, object]:
-    """Return the plan as the JSON object has it."""
+    """Return the plan as a JSON object."""
     robots: list[dict[str, object]] = [
         {"robot": number_of(robot), "tour": [room.people for room in tour.rooms], "cost": tour.cost}
         for robot, tour in enumerate(plan.tours)
@@ -98,12 +98,12 @@ def plan_as_json(plan: SuggestedPlan) -> dict[str, object]:
 
 
 def show_plan(plan: SuggestedPlan, names: RoomNames) -> None:
-    """Print each robot's tour and, of a plan that is proven best, what other next rooms would cost the team."""
+    """Print each robot's tour and, for a proven plan, what other next rooms would cost the team."""
     table = Table(title=_in_words(plan.value), title_justify="left")
     for heading in ("", "tour", "energy"):
         table.add_column(heading)
     if plan.alternatives:
-        table.add_column("what other rooms first would cost the team")
+        table.add_column("extra cost for the team if another room is first")
     for robot, tour in enumerate(plan.tours):
         way = " ".join(str(room.people) for room in tour.rooms) or "stays"
         losses = [_losses(plan, robot)] if plan.alternatives else []
@@ -111,12 +111,12 @@ def show_plan(plan: SuggestedPlan, names: RoomNames) -> None:
     out.print(table)
     sent = [(at, tour.rooms[0].people) for at, tour in enumerate(plan.tours) if tour.rooms]
     told = "; ".join(f"{robot_name(at)} to {names.titled(room)}" for at, room in sent)
-    show(f"Next: {told or 'nobody goes anywhere'}.")
-    show(f"A room more or less: {plan.points:.3g} points on average, if its treasure is named rightly.")
+    show(f"Next: {told or 'all robots stay'}.")
+    show(f"Each room is worth {plan.points:.3g} points on average, if its treasure is identified correctly.")
     if plan.best is None:
-        show("Of so many rooms no plan can be proven the best: a better one may exist.")
+        show("There are too many rooms to prove a plan the best; a better one may exist.")
     elif plan.best != plan.value:
-        show(f"The best plan: {_in_words(plan.best)}.")
+        show(f"Best plan: {_in_words(plan.best)}.")
 
 
 def _as_json(value: PlanValue) -> dict[str, object]:

@@ -1,4 +1,4 @@
-"""`thbridge suggest`: where to go next."""
+"""`thbridge suggest`: suggest the next room."""
 
 import math
 from collections.abc import Collection
@@ -20,29 +20,29 @@ if TYPE_CHECKING:
 
 def suggest(
     costs: Annotated[Path | None, typer.Option(help="Cost file in the mapTimes format.")] = None,
-    at: Annotated[int | None, typer.Option(help="Where the robot stands; 0 is the corridor.", min=0)] = None,
+    at: Annotated[int | None, typer.Option(help="Room where the robot is; 0 is the corridor.", min=0)] = None,
     unvisited: Annotated[
-        str | None, typer.Option(help="Rooms still to visit, e.g. `1,2,5`; of a team by default all.")
+        str | None, typer.Option(help="Rooms still to visit, for example `1,2,5`; default for a team: all.")
     ] = None,
     team: Annotated[
-        Path | None, typer.Option(help="Study file: the joint plan of its robots from their start poses.")
+        Path | None, typer.Option(help="Study file: plan for all its robots from their start poses.")
     ] = None,
     planner: Annotated[
         TeamPlanner | None,
-        typer.Option(help="How a team shares out rooms; `joint` is the best plan.", show_default="joint"),
+        typer.Option(help="Method of sharing rooms in a team; `joint` gives the best plan.", show_default="joint"),
     ] = None,
     as_json: AsJson = False,
 ) -> None:
-    """Suggest the next room: the first of the cheapest tour of all rooms still to visit, of one robot or of a team."""
+    """Suggest the next room for a robot or a team: the first room of the cheapest tour of all rooms still to visit."""
     if team is not None:
         if costs is not None or at is not None:
-            fail(BAD_INPUT, "--team: the study says what moves cost and where robots are. Leave --costs and --at out.")
+            fail(BAD_INPUT, "--team: the study defines costs and start poses. Omit --costs and --at.")
         _suggest_to_team(team, unvisited, planner or TeamPlanner.JOINT, as_json)
         return
     if planner is not None:
-        fail(BAD_INPUT, "--planner: it shares rooms out to a team. Give --team STUDY, or leave it out.")
+        fail(BAD_INPUT, "--planner: it applies only to a team. Add --team STUDY, or omit --planner.")
     if costs is None or at is None or unvisited is None:
-        fail(BAD_INPUT, "suggest: for one robot give --costs, --at and --unvisited; for a team give --team STUDY.")
+        fail(BAD_INPUT, "suggest: for one robot, write --costs, --at and --unvisited; for a team, write --team STUDY.")
     _suggest_to_robot(costs, at, unvisited, as_json)
 
 
@@ -66,10 +66,10 @@ def _suggest_to_robot(costs: Path, at: int, unvisited: str, as_json: bool) -> No
     if isinstance(tour, RequestRefused):
         fail(FAILED, tour.sentence)
     visits_all = {*tour.rooms} == {*places} - {start}
-    # Of all rooms that can be reached the bound is not known where some cannot.
+    # A bound on a tour of the reachable rooms is not known if some rooms are unreachable.
     least = tour.cost if compared else None
     if visits_all and not compared:
-        # The bound needs scipy, whose import takes longer than most tours take to find.
+        # Only the bound needs scipy, and importing it takes longer than finding most tours.
         from thbridge.hunt.tour_bound import least_tour_cost
 
         least = least_tour_cost(matrix, start, places, tour.cost)
@@ -82,10 +82,12 @@ def _suggest_to_robot(costs: Path, at: int, unvisited: str, as_json: bool) -> No
     kind = "the cheapest" if proven else "a good"
     show(f"Next room {rooms[0]}; {kind} tour is {' '.join(map(str, rooms))} and costs {_plain(tour.cost)}.")
     if least is None:
-        show("Of so many rooms no tour can be proven the cheapest: a cheaper one may exist.")
+        show("There are too many rooms to prove a tour the cheapest; a cheaper one may exist.")
     elif not proven:
         over = 100.0 * (tour.cost / least - 1.0) if least > 0.0 else math.inf
-        show(f"No tour costs less than {least:g}, so this one is at most {over:.1f} % dearer than the cheapest.")
+        show(
+            f"No tour costs less than {least:g}, so this one is at most {over:.1f} % more expensive than the cheapest."
+        )
 
 
 def _plain(cost: float) -> float:
@@ -121,7 +123,7 @@ def _rooms(text: str, known: Collection["Room"]) -> list["Room"]:
     rooms = []
     for number in map(str.strip, text.split(",")):
         if not number.isdecimal() or (room := Room(int(number))) not in known:
-            wanted = f"Write numbers of rooms, 1 to {len(known)}, with commas between"
+            wanted = f"Write numbers of rooms, 1 to {len(known)}, separated by commas"
             fail(BAD_INPUT, f"--unvisited: {number!r} is not a room in the cost file. {wanted}.")
         rooms.append(room)
     return rooms

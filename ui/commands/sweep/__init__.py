@@ -1,1 +1,1 @@
-"""The commands of `thbridge sweep`."""
+"""Commands of `thbridge sweep`."""

@@ -1,4 +1,4 @@
-"""Engines of batches, as options choose them."""
+"""Engine of a batch, as chosen by options."""
 
 import signal
 from collections.abc import Iterator, Sequence
@@ -15,33 +15,37 @@ from ui.first_start.compiling import usable_cores
 
 
 def chosen_engine(options: EngineOptions, warm: Sequence[str], log: Path) -> Engine[TaskT]:
-    """Return the engine that options choose; ends the program where that cannot be.
+    """Return the engine that options choose; end the program if they are inconsistent.
 
     Args:
-        options: of the engine.
-        warm: modules that processes of this machine import before their first task.
-        log: folder of the files of Slurm's jobs.
+        options: options of the engine.
+        warm: modules that worker processes on this machine import before their first task.
+        log: folder for the files of Slurm jobs.
     """
     kind, scheduler, job_options = options.engine, options.scheduler, options.job_options or ()
     if kind is not EngineKind.DASK and scheduler is not None:
-        fail(BAD_INPUT, "--scheduler: only a Dask cluster has one. Add --engine dask, or leave the option out.")
+        fail(BAD_INPUT, "--scheduler: only a Dask cluster has a scheduler. Add --engine dask, or omit the option.")
     if kind is not EngineKind.SLURM and job_options:
-        fail(BAD_INPUT, "--slurm: only jobs of Slurm have such options. Add --engine slurm, or leave the option out.")
+        fail(BAD_INPUT, "--slurm: these options are only for Slurm jobs. Add --engine slurm, or omit them.")
     if kind is EngineKind.PROCESSES:
         return ProcessEngine(options.processes or usable_cores(), warm)
     if kind is EngineKind.DASK and scheduler is None:
-        fail(BAD_INPUT, "--engine dask: where is the cluster? Add --scheduler, such as tcp://127.0.0.1:8786.")
+        fail(
+            BAD_INPUT,
+            "--engine dask: the address of the cluster is missing. Add --scheduler, such as tcp://127.0.0.1:8786.",
+        )
     wrong = next((option for option in job_options if not all(option.partition("="))), None)
     if wrong is not None:
-        fail(BAD_INPUT, f"--slurm: {wrong!r} is not KEY=VALUE. Write for example --slurm partition=short.")
+        fail(BAD_INPUT, f"--slurm: {wrong!r} is not KEY=VALUE. Write, for example, --slurm partition=short.")
     try:
         if kind is EngineKind.DASK:
             from thbridge.batch.engines.dask import DaskEngine
 
             if is_open_to_others(scheduler or ""):
                 note(
-                    f"Warning: {scheduler} is another machine, and without TLS. Any machine that reaches the scheduler "
-                    "can run programs on its workers and here. Use a tls:// address; see `thbridge docs sweeps`."
+                    f"Warning: {scheduler} is another machine, reached without TLS. Any machine that reaches the "
+                    "scheduler can run programs on its workers and here. Use a tls:// address, see `thbridge docs "
+                    "sweeps`."
                 )
             return DaskEngine(scheduler or "")
         from thbridge.batch.engines.slurm import SlurmEngine
@@ -54,7 +58,7 @@ def chosen_engine(options: EngineOptions, warm: Sequence[str], log: Path) -> Eng
 
 
 def is_open_to_others(scheduler: str) -> bool:
-    """Return True for the address of a scheduler that is reached over a network without TLS."""
+    """Return True if the scheduler at this address is reached over a network without TLS."""
     scheme, separator, rest = scheduler.rpartition("://")
     if separator and scheme in {"tls", "wss", "inproc"}:
         return False
@@ -66,7 +70,7 @@ def is_open_to_others(scheduler: str) -> bool:
 
 @contextmanager
 def stopped_by_sigterm() -> Iterator[None]:
-    """Have SIGTERM, which batch systems send before they kill, do the same as Ctrl-C."""
+    """Handle SIGTERM, which batch systems send before they kill a process, like Ctrl-C."""
     before = signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
         yield

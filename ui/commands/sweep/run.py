@@ -1,4 +1,4 @@
-"""`thbridge sweep run`: the games of a design."""
+"""`thbridge sweep run`: play the games of a design."""
 
 from pathlib import Path
 from typing import Annotated
@@ -13,29 +13,29 @@ from ui.command_line.terminal import BAD_INPUT, FAILED, bad_input, command, fail
 @with_option_sets
 def sweep_run(
     design_file: Annotated[
-        Path, typer.Argument(help="The design (YAML); see `thbridge docs sweeps`.", metavar="DESIGN.yaml")
+        Path, typer.Argument(help="Design of the sweep (YAML); see `thbridge docs sweeps`.", metavar="DESIGN.yaml")
     ],
     to: Annotated[
         Path | None,
-        typer.Option("--out", help="The sweep's folder; by default named like the design.", metavar="DIR"),
+        typer.Option("--out", help="Folder of the sweep; default: named like the design.", metavar="DIR"),
     ] = None,
     *,
     engine: EngineOptions,
     shard: Annotated[
-        str | None, typer.Option(help="Play part I of N, for job arrays; all write into one folder.", metavar="I/N")
+        str | None, typer.Option(help="Play part I of N, for job arrays; all parts write to one folder.", metavar="I/N")
     ] = None,
     retry: Annotated[
-        bool, typer.Option("--retry", help="Play chunks again in which games failed, after the fault was mended.")
+        bool, typer.Option("--retry", help="Play chunks with failed games again, after the fault was fixed.")
     ] = False,
     check: Annotated[
-        bool, typer.Option("--check", help="Only check the design, and tell how many games it has.")
+        bool, typer.Option("--check", help="Only check the design, and print the number of games.")
     ] = False,
     progress: ProgressOption = ProgressKind.AUTO,
     as_json: AsJson = False,
 ) -> None:
-    """Play the games of a design, or go on where an earlier run ended.
+    """Play the games of a design, or resume an earlier run.
 
-    Ends with 1 when it was stopped, or when a game that was played again was not the same.
+    The exit code is 1 if the run was stopped, or if a repeated game gave another result.
     """
     from ui.first_start.bar import announce_start
 
@@ -56,7 +56,9 @@ def sweep_run(
 
     part = Shard() if shard is None else shard_in(shard)
     if part is None:
-        fail(BAD_INPUT, f"--shard: {shard!r} is no part of a whole. Write for example --shard 2/8, from 1/8 to 8/8.")
+        fail(
+            BAD_INPUT, f"--shard: {shard!r} is not of the form I/N. Write, for example, --shard 2/8 (from 1/8 to 8/8)."
+        )
     with bad_input():
         design = read_design(design_file)
         for doubt in design.doubts:
@@ -80,17 +82,17 @@ def sweep_run(
     except KeyboardInterrupt:
         fail(
             FAILED,
-            f"stopped; what was played is kept, and the same command goes on. See {command('sweep', 'status', root)}",
+            f"stopped; results are kept. Run the same command to resume. See {command('sweep', 'status', root)}",
         )
     if as_json:
         print_json(progress_as_json(done, root))
     else:
         show_progress(done, root)
     if done.failed:
-        note(f"{done.failed} games have no result; {command('sweep', 'status', root)} tells why.")
+        note(f"{done.failed} games produced no result. Run {command('sweep', 'status', root)} for details.")
     if done.differing:
         fail(
             FAILED,
-            f"{done.differing} of {done.verified} games that were played again were NOT the same: do not trust "
-            "these results. Look for workers with other versions or machines.",
+            f"{done.differing} of {done.verified} repeated games gave DIFFERENT results: do not trust "
+            "this sweep. Look for workers with other versions or machines.",
         )

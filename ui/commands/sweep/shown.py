@@ -1,4 +1,4 @@
-"""The run of `thbridge sweep`, with its progress."""
+"""Run of `thbridge sweep`, with its progress."""
 
 from collections.abc import Sequence
 
@@ -16,15 +16,15 @@ from ui.commands.sweep.engines import stopped_by_sigterm
 def run_shown(
     design: SweepDesign, folder: SweepFolder, engine: Engine[SweepTask], shard: Shard, *, retry: bool, tell: Tell
 ) -> SweepProgress:
-    """Run a sweep; what goes wrong is told at once. `tell` takes the progress.
+    """Run a sweep, and report problems at once. `tell` receives the progress.
 
     Raises:
-        BadFile, EngineFailed: as `run_sweep`.
-        KeyboardInterrupt: it was stopped, by Ctrl-C or SIGTERM.
+        BadFile, EngineFailed: see `run_sweep`.
+        KeyboardInterrupt: Ctrl-C or SIGTERM stopped the run.
     """
 
     def progress(now: SweepProgress, faults: Sequence[str]) -> None:
-        # Games of earlier runs tell nothing about the rate of this one.
+        # Games of earlier runs would distort the rate of this run.
         tell("games", now.played, now.games - now.before)
         for fault in faults:
             note(fault)

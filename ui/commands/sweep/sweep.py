@@ -1,4 +1,4 @@
-"""`thbridge sweep`: many games over the factors of a design; its status, its table."""
+"""`thbridge sweep`: status and table of many games over the factors of a design."""
 
 from pathlib import Path
 from typing import Annotated
@@ -9,11 +9,11 @@ from ui.command_line.options import AsJson
 from ui.command_line.outputs import STANDARD_OUTPUT, destination
 from ui.command_line.terminal import BAD_INPUT, bad_input, fail, note, print_json
 
-FolderOfSweep = Annotated[Path, typer.Argument(help="The folder of a sweep.", metavar="DIR")]
+FolderOfSweep = Annotated[Path, typer.Argument(help="Folder of a sweep.", metavar="DIR")]
 
 
 def sweep_status(folder: FolderOfSweep, as_json: AsJson = False) -> None:
-    """Tell what of a sweep is done, missing, failed and verified, and how long the rest will take."""
+    """Print how much of a sweep is done, missing, failed and verified, and the time left."""
     import dataclasses
 
     from thbridge.batch.status import status_of
@@ -31,16 +31,16 @@ def sweep_collect(
     folder: FolderOfSweep,
     to: Annotated[
         Path,
-        typer.Option(help="The table: a .csv or .parquet. `-` is standard output, as CSV.", metavar="FILE"),
+        typer.Option(help="File to write: a .csv or .parquet. `-` is standard output, as CSV.", metavar="FILE"),
     ],
 ) -> None:
-    """Make one table of all games played so far: a row a game, with its condition, factors, seed and measures."""
+    """Write one table of all games played so far: one row per game, with condition, factors, seed and measures."""
     from thbridge.batch.tables import collect, write_collected
     from thbridge.files.tables.table_files import TableFormat
 
     kind = "csv" if to == STANDARD_OUTPUT else to.suffix.lower().removeprefix(".")
     if kind not in set(TableFormat):
-        fail(BAD_INPUT, f"--to: {to} is no table. Give a file name that ends in .csv or .parquet.")
+        fail(BAD_INPUT, f"--to: {to} is not a table. Write a file name that ends in .csv or .parquet.")
     with bad_input():
         table = collect(folder)
         with destination(to, ".csv") as file:

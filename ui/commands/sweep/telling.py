@@ -1,4 +1,4 @@
-"""Designs, results and status of sweeps, for people and as JSON."""
+"""Designs, results and status of sweeps, as text and as JSON."""
 
 import dataclasses
 from datetime import timedelta
@@ -13,7 +13,7 @@ from thbridge.batch.sweep import SweepProgress
 from ui.command_line.terminal import command, note, out, show
 
 MOST_TOLD = 20
-"""Faults, or conditions, that are told; there may be thousands."""
+"""Greatest number of faults or conditions that are printed; there may be thousands."""
 
 
 def design_as_json(design: SweepDesign) -> dict[str, object]:
@@ -28,7 +28,7 @@ def design_as_json(design: SweepDesign) -> dict[str, object]:
 
 
 def _verified(design: SweepDesign) -> int:
-    """Return the number of games that are to be played again."""
+    """Return the number of games that will be repeated."""
     drawn = (
         is_drawn("verified", design.one_verified_in, condition.number, seed)
         for condition in design.conditions
@@ -38,35 +38,35 @@ def _verified(design: SweepDesign) -> int:
 
 
 def show_design(design: SweepDesign) -> None:
-    """Print what a design comes to."""
+    """Print the conditions and the number of games of a design."""
     if design.factors:
         table = Table("condition", *design.factors)
         for condition in design.conditions[:MOST_TOLD]:
             table.add_row(str(condition.number), *(condition.levels.get(factor, "") for factor in design.factors))
         out.print(table)
     if len(design.conditions) > MOST_TOLD:
-        show(f"and {len(design.conditions) - MOST_TOLD} conditions more")
+        show(f"and {len(design.conditions) - MOST_TOLD} more conditions")
     show(
         f"{len(design.conditions)} conditions, each with the same {len(design.seeds)} seeds: {design.games} games, "
-        f"of which {_verified(design)} are played again."
+        f"{_verified(design)} of them are repeated."
     )
 
 
 def progress_as_json(progress: SweepProgress, root: Path) -> dict[str, object]:
-    """Return what a run has done as the JSON object of --json."""
+    """Return the result of a run as the JSON object of --json."""
     told = dataclasses.asdict(progress)
     return told | {"cpu_seconds": round(progress.cpu_seconds, 2), "folder": str(root)}
 
 
 def show_progress(progress: SweepProgress, root: Path) -> None:
-    """Print what a run has done."""
-    before = f", {progress.before} were there before" if progress.before else ""
+    """Print the result of a run."""
+    before = f" ({progress.before} were played before)" if progress.before else ""
     died = f" {progress.deaths} workers died and were replaced." if progress.deaths else ""
     show(
-        f"{progress.played} games played{before}; {progress.verified} played again, {progress.differing} of them not "
-        f"the same. {progress.cpu_seconds:.0f} s of processor time.{died}"
+        f"{progress.played} games played{before}; {progress.verified} repeated, {progress.differing} of them with "
+        f"another result. {progress.cpu_seconds:.0f} s of processor time.{died}"
     )
-    note(f"{command('sweep', 'collect', root, '--to', 'games.csv')} makes one table, `sweep plot` figures.")
+    note(f"{command('sweep', 'collect', root, '--to', 'games.csv')} writes one table; `sweep plot` draws figures.")
 
 
 def show_status(status: SweepStatus) -> None:
@@ -77,9 +77,9 @@ def show_status(status: SweepStatus) -> None:
     for name, count in status.by_status.items():
         table.add_row(name, str(count))
     table.add_row("running", str(status.running))
-    table.add_row("left", f"{status.missing}, with those that are running")
-    table.add_row("played again", f"{status.verified} of {status.drawn}")
-    table.add_row("not the same again", str(len(status.differing)))
+    table.add_row("left", f"{status.missing}, including running games")
+    table.add_row("repeated", f"{status.verified} of {status.drawn}")
+    table.add_row("repeated with another result", str(len(status.differing)))
     table.add_row("processor time", _clock(status.cpu_seconds))
     if status.rate is not None:
         table.add_row("rate", f"{status.rate:.2f} games/s")
@@ -89,7 +89,7 @@ def show_status(status: SweepStatus) -> None:
     for sentence in (*status.differing, *status.faults)[:MOST_TOLD]:
         note(sentence)
     if len(status.versions) > 1:
-        note("Programs of different versions have played:")
+        note("Different versions of programs played these games:")
         for versions, files in status.versions.items():
             note(f"  {files} files: {versions}")
 

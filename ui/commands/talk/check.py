@@ -1,4 +1,4 @@
-"""Words of `thbridge talk check` and `talk words`."""
+"""Output of `thbridge talk check` and `talk words`."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -18,14 +18,14 @@ from thbridge.files.word_files import SHIPPED_LANGUAGES, check_words, languages_
 
 @dataclass(frozen=True, slots=True)
 class TalkCheck:
-    """Result of the check of a folder.
+    """Result of checking a folder.
 
     Attributes:
-        folder: the folder.
-        games: those that it adds or replaces; none where they have faults.
-        languages: those that it adds words to; likewise.
-        faults: of its files.
-        advice: what its languages lack.
+        folder: folder that was checked.
+        games: games that it adds or replaces; empty if they have faults.
+        languages: languages to which it adds words; likewise.
+        faults: faults of its files.
+        advice: missing parts of its languages.
     """
 
     folder: Path
@@ -35,7 +35,7 @@ class TalkCheck:
     advice: tuple[str, ...] = ()
 
     def lines(self) -> Iterator[str]:
-        """Yield what people are told."""
+        """Yield the output for people."""
         yield from map(str, self.faults)
         for game in self.games:
             yield from _game_lines(game)
@@ -46,7 +46,7 @@ class TalkCheck:
         yield f"{self.folder}: {', '.join(found)}"
 
     def as_json(self) -> Mapping[str, object]:
-        """Return what programs are told."""
+        """Return the output for programs."""
         return {
             "folder": str(self.folder),
             "games": [_game_as_json(game) for game in self.games],
@@ -66,17 +66,17 @@ class TalkCheck:
 
 
 def shipped_folder() -> Path:
-    """Return the folder of the games that come with the project."""
+    """Return the folder of the games that come with thbridge."""
     return SHIPPED_GAMES
 
 
 def rulebook_with(folders: Sequence[Path]) -> Rulebook:
-    """Return the shipped games with those of folders. Raises BadFile for faults."""
+    """Return the shipped games and those of folders. Raise BadFile for faults."""
     return read_rulebook((SHIPPED_GAMES, *(folder for folder in folders if any(folder.glob("*.yaml")))))
 
 
 def check_folder(folder: Path) -> TalkCheck:
-    """Check all that a folder holds about dialogues, beside what comes with the project: games, and words for them."""
+    """Check a folder of dialogue files, together with the shipped ones: games, and words for them."""
     faults, rulebook = FaultCollection(), read_rulebook()
     games, languages = rulebook.games, tuple[Language, ...]()
     with_words = bool(languages_in(folder))
@@ -99,18 +99,18 @@ def check_folder(folder: Path) -> TalkCheck:
 
 
 def counted(what: str, things: Sequence[object]) -> str:
-    """Return the number of things, as people say it."""
+    """Return the number of things as a phrase."""
     return f"{len(things) or 'no'} {what}{'' if len(things) == 1 else 's'}"
 
 
 def _game_lines(game: GameTable) -> Iterator[str]:
-    yield f"{game.name}, about a {game.about}; it ends after {game.most_turns} moves at the latest"
+    yield f"{game.name}, about a {game.about}; it ends after at most {game.most_turns} moves"
     names, turns = (max(map(len, column)) for column in (game.stages, [each.turn for each in game.stages.values()]))
     for name, stage in game.stages.items():
         for at, reply in enumerate(stage.replies):
             row, turn = (name, stage.turn) if at == 0 else ("", "")
             yield f"  {row:{names}}  {turn:{turns}}  {reply.locution} {reply.slot} -> {_targets(reply)}"
-    yield f"  ends: {', '.join(_ends(game))}; {DialogueEnd.STALEMATE}, when nothing legal is left to say"
+    yield f"  ends: {', '.join(_ends(game))}; {DialogueEnd.STALEMATE}, when no legal move is left"
 
 
 def _targets(reply: Reply) -> str:
@@ -153,25 +153,30 @@ def _game_as_json(game: GameTable) -> Mapping[str, object]:
 
 
 def words() -> Iterator[str]:
-    """Yield all words of files of games and of words for them, with their meanings."""
-    yield from _section("content: what a form of a locution is about", _meanings(ContentKind))
-    yield from _section("before, before_person: what must hold before a locution is said", _rules(CONDITIONS))
+    """Yield all keywords of files of games and of wordings, with their meanings."""
+    yield from _section("content: the content of a form of a locution", _meanings(ContentKind))
     yield from _section(
-        "after: what holds after it; besides, it enters the speaker's commitment store", _rules(EFFECTS)
-    )
-    yield from _section("turn: whose turn it is in a stage", _meanings(GameRole))
-    yield from _section(
-        "of: what a reply is about; in a locution, support: a form for what is said as support", _meanings(Slot)
+        "before, before_person: conditions that must hold before a locution is said", _rules(CONDITIONS)
     )
     yield from _section(
-        "next, last: the stage that follows a reply, or an end; questioned: the stage that follows when the game has "
-        "ended by the reply, and that is questioned in another game",
+        "after: conditions that hold after it; in addition, it is added to the speaker's commitment store",
+        _rules(EFFECTS),
+    )
+    yield from _section("turn: the side that moves in a stage", _meanings(GameRole))
+    yield from _section(
+        "of: the content of a reply; in a locution, support: a form for the content of support", _meanings(Slot)
+    )
+    yield from _section(
+        "next, last: the stage or the end that follows a reply; questioned: the stage that follows when the reply "
+        "ended the game, and that is questioned in another game",
         _meanings(DialogueEnd),
     )
     yield from _section(
-        "of: what a phrase says, with the reserved words for its values; of a room, £to_room£, too", _predicates()
+        "of: the belief of a phrase, with the reserved words for its values; for a room, also £to_room£", _predicates()
     )
-    yield from _section("key: lines that are said beside the moves of games, with their reserved words", _lines())
+    yield from _section(
+        "key: lines that are said in addition to the moves of games, with their reserved words", _lines()
+    )
 
 
 def _meanings(words: Iterable[TableWord]) -> list[tuple[str, str]]:

@@ -1,4 +1,4 @@
-"""Exchanges of an example played in the terminal, each side by a person or a program."""
+"""Exchanges of an example, played in the terminal by people or programs."""
 
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -16,16 +16,16 @@ from thbridge.dialogue.wording.wording import Wording
 from ui.command_line.terminal import print_json
 
 HELP = """\
-  1, 2, ...  say what stands there
-  s          all that was said by each side: their commitment stores
-  b          beliefs: of each side, and what it takes the other to believe
-  n          between dialogues: nothing more to open
-  ?          this list, and what can be said
-  q          the end"""
+    1, 2, ...  say the sentence with this number
+    s          show the commitment stores: all that each side has said
+    b          show the beliefs of each side, and what it believes about the other
+    n          between dialogues: open no more
+    ?          show this list, and what can be said
+    q          quit"""
 
 
 class Quit(Exception):  # noqa: N818 - nothing went wrong
-    """The person has had enough, or there is nothing more to read."""
+    """The person quits, or the input has ended."""
 
 
 Chooser = Callable[[Conversation, tuple[ExchangeAct, ...]], ExchangeAct | None]
@@ -36,13 +36,13 @@ class TerminalTalk:
     """Play of one exchange, shown move by move.
 
     Attributes:
-        exchange: the exchange.
-        people: the sides that are played by a person.
-        game: the only game that may be opened; None: those that the nine cases call for.
-        seed: of programs' choices among moves that the example leaves open.
-        wording: says moves as sentences.
-        show: puts a line in front of the person.
-        heard: is given each utterance.
+        exchange: exchange to play.
+        people: sides that a person plays.
+        game: only game that may be opened. If None, the nine cases determine the games.
+        seed: random seed of programs' choices among moves that the example leaves open.
+        wording: wording that turns moves into sentences.
+        show: function that prints a line.
+        heard: function that receives each utterance.
     """
 
     exchange: Exchange
@@ -55,10 +55,10 @@ class TerminalTalk:
     _now: Conversation = field(init=False)
 
     def play(self) -> None:
-        """Play the exchange to its end. Raises Quit when the person wants no more."""
+        """Play the exchange to its end. Raise Quit when the person quits."""
         exchange = self.exchange if self.game is None else replace(self.exchange, course=())
         self._now = exchange.start
-        # Two programs say what the example says, and no more.
+        # Two programs say only what the example says.
         alone = not self.people and self.game is None
         strategy = None if alone else ArguingStrategy()
         choosers: Mapping[Side, Chooser] = {
@@ -77,16 +77,16 @@ class TerminalTalk:
                     self._do(act, side)
                     break
                 if turn is not None:
-                    self.show(f"The {side} may say: {'; '.join(str(each.move) for each in possible)}")
+                    self.show(f"{side} may say: {'; '.join(str(each.move) for each in possible)}")
             else:
                 break
         if self._now.open_plays:
-            self.show("The example goes no further here.")
+            self.show("The example ends here.")
 
     def _do(self, act: ExchangeAct, side: Side) -> None:
         before, self._now = self._now, act.done(self._now, side)
         for play in self._now.plays[len(before.plays) :]:
-            inside = "" if play.parent is None else f", inside dialogue {play.parent}, which waits"
+            inside = "" if play.parent is None else f", inside dialogue {play.parent}, which is paused"
             self.show(f"{self._indent(play)}Dialogue {play.number} opens: {play.game.name} about {play.topic}{inside}")
         for utterance in self._now.record[len(before.record) :]:
             self.heard(utterance)
@@ -103,7 +103,7 @@ class TerminalTalk:
         try:
             return f'"{self.wording.sentence(move, side)}"'
         except ValueError:
-            # A lab's own locution may have no words yet.
+            # A locution of a lab may have no words yet.
             return ""
 
     def _choice_lines(self, side: Side, possible: tuple[ExchangeAct, ...], *, between: bool) -> Iterator[str]:
@@ -145,7 +145,7 @@ class TerminalTalk:
 
 
 def print_utterance(exchange: int, said: GameUtterance) -> None:
-    """Print an utterance as programs are told it, with the number of its exchange."""
+    """Print an utterance as JSON, with the number of its exchange."""
     print_json(
         {
             "exchange": exchange,
@@ -163,7 +163,7 @@ def print_utterance(exchange: int, said: GameUtterance) -> None:
 
 
 def _typed() -> str:
-    """The next line that is typed, without blanks around it. Raises Quit at the end of the input."""
+    """Return the next typed line, without blanks around it. Raise Quit at the end of the input."""
     line = sys.stdin.buffer.readline() if sys.stdin is not None else b""
     if not line:
         raise Quit
@@ -194,12 +194,12 @@ def _belief_lines(conversation: Conversation) -> Iterator[str]:
 
 def _beliefs_of(side: Side, agent: Agent) -> Iterator[str]:
     beliefs, picture = agent.beliefs, agent.picture
-    # Of what a person thinks nobody knows more than what she could put forward.
+    # The beliefs of a person are unknown, except those that she could put forward.
     yield f"the {side} {'may put forward' if agent.is_person else 'believes'}: {_listed(beliefs.origins)}"
     yield f"  rules: {_listed(beliefs.rules)}"
-    yield f"  takes the other to believe: {_listed(sorted(map(str, {*picture.held, *picture.rules})))}"
+    yield f"  believes that the other believes: {_listed(sorted(map(str, {*picture.held, *picture.rules})))}"
     if picture.unknown:
-        yield f"  takes the other not to know: {_listed(sorted(map(str, picture.unknown)))}"
+        yield f"  believes that the other does not know: {_listed(sorted(map(str, picture.unknown)))}"
 
 
 def _listed(things: Iterable[object]) -> str:

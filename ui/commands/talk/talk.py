@@ -1,4 +1,4 @@
-"""`thbridge talk`: dialogue games, played in the terminal, checked and explained."""
+"""`thbridge talk`: play, check and explain dialogue games in the terminal."""
 
 from enum import StrEnum
 from functools import partial
@@ -13,7 +13,7 @@ from ui.command_line.terminal import BAD_INPUT, bad_input, fail, note, print_jso
 
 
 class _TalkGroup(CommandGroup):
-    """The commands of `talk`, which may be left out."""
+    """Commands of `talk`; the command is optional."""
 
     paths = paths_of({"ui.commands.talk.talk:talk_": "check words"})
 
@@ -21,7 +21,7 @@ class _TalkGroup(CommandGroup):
 talk_app = typer.Typer(
     cls=_TalkGroup,
     add_completion=False,
-    help="Dialogue games between a robot and a person: who may say what, when, and how it ends.",
+    help="Dialogue games between a robot and a person: who may say what, and when, and how the dialogue ends.",
     no_args_is_help=True,
 )
 
@@ -45,27 +45,31 @@ def talk(
     context: typer.Context,
     example: Annotated[
         TalkExample | None,
-        typer.Option(help="What to talk about: jhri2015, the worked example of Sklar and Azhar (2015), or rules."),
+        typer.Option(help="Example to play: `jhri2015`, the worked example of Sklar and Azhar (2015), or `rules`."),
     ] = None,
-    exchange: Annotated[int | None, typer.Option(help="Only this exchange of the example.", min=1)] = None,
-    robot: Annotated[TalkPlayer, typer.Option(help="Who plays the robot.")] = TalkPlayer.PROGRAM,
-    human: Annotated[TalkPlayer, typer.Option(help="Who plays the person.")] = TalkPlayer.PERSON,
-    games: Annotated[Path | None, typer.Option(help="A folder of games of yours, beside the shipped ones.")] = None,
+    exchange: Annotated[int | None, typer.Option(help="Play only this exchange of the example.", min=1)] = None,
+    robot: Annotated[TalkPlayer, typer.Option(help="Player of the robot.")] = TalkPlayer.PROGRAM,
+    human: Annotated[TalkPlayer, typer.Option(help="Player of the person.")] = TalkPlayer.PERSON,
+    games: Annotated[
+        Path | None, typer.Option(help="Folder of your own games, in addition to the shipped ones.")
+    ] = None,
     game: Annotated[
-        str | None, typer.Option(help="Play this game about the example's topics, whatever the example says.")
+        str | None, typer.Option(help="Play this game about the example's topics, instead of the example's games.")
     ] = None,
-    language: Annotated[str, typer.Option(help="Of the sentences: en, de, or one of yours.")] = "en",
-    words: Annotated[Path | None, typer.Option(help="A folder of words of yours, beside the shipped ones.")] = None,
+    language: Annotated[str, typer.Option(help="Language: en, de, or one you installed.")] = "en",
+    words: Annotated[
+        Path | None, typer.Option(help="Folder of your own wordings, in addition to the shipped ones.")
+    ] = None,
     seed: Seed = 0,
     as_json: Annotated[
-        bool, typer.Option("--json", help="Print one JSON object a move on standard output, nothing else.")
+        bool, typer.Option("--json", help="Print one JSON object per move on standard output, and nothing else.")
     ] = False,
 ) -> None:
     """Play the exchanges of an example in the terminal: a person chooses among legal moves, a program follows it."""
     if context.invoked_subcommand is not None:
         return
     if example is None:
-        fail(BAD_INPUT, f"--example: nothing to talk about. Write --example {TalkExample.JHRI2015}, or see --help.")
+        fail(BAD_INPUT, f"--example: the example is missing. Write --example {TalkExample.JHRI2015}, or see --help.")
     from thbridge.dialogue.argumentation.cases import Side
     from thbridge.dialogue.examples import jhri2015
     from thbridge.dialogue.rule_examples import rules_as_topics
@@ -82,10 +86,10 @@ def talk(
             else read_language((SHIPPED_LANGUAGES, words), language, locutions=rulebook.locutions)
         )
     if game is not None and game not in rulebook.games:
-        fail(BAD_INPUT, f"--game: there is no game {game}. There are: {', '.join(sorted(rulebook.games))}.")
+        fail(BAD_INPUT, f"--game: there is no game {game}. Choose one of {', '.join(sorted(rulebook.games))}.")
     exchanges = (jhri2015 if example is TalkExample.JHRI2015 else rules_as_topics)(rulebook)
     if exchange is not None and exchange > len(exchanges):
-        fail(BAD_INPUT, f"--exchange: {exchange} is not there. The example has 1 to {len(exchanges)}.")
+        fail(BAD_INPUT, f"--exchange: {exchange} does not exist. The example has exchanges 1 to {len(exchanges)}.")
     show = note if as_json else say
     people = frozenset(
         side for side, player in ((Side.ROBOT, robot), (Side.HUMAN, human)) if player is TalkPlayer.PERSON
@@ -104,23 +108,26 @@ def talk(
 def talk_check(
     folders: Annotated[
         list[Path] | None,
-        typer.Argument(help="Folders of yours with games, or languages; by default the shipped games."),
+        typer.Argument(help="Folders with your games or languages; default: the shipped games."),
     ] = None,
     strategy: Annotated[
         str | None,
-        typer.Option(help="A strategy of yours that is installed: it is played in these and the shipped games."),
+        typer.Option(help="Installed strategy; it plays these games and the shipped ones."),
     ] = None,
     author: Annotated[
         str | None,
-        typer.Option(help="An author of wordings of yours that is installed: it words what robots say there."),
+        typer.Option(help="Installed author of wordings; it words the robots' moves in these games."),
     ] = None,
     conversations: Annotated[
-        int, typer.Option(help="How many of each kind a strategy or an author is tried in.", min=1, max=1000)
+        int,
+        typer.Option(
+            help="Number of conversations of each kind for a trial of a strategy or an author.", min=1, max=1000
+        ),
     ] = 2,
     seed: Seed = 0,
     as_json: AsJson = False,
 ) -> None:
-    """Check games, words, strategies and authors of words; of games it tells who may say what, and how they end."""
+    """Check games, wordings, strategies and authors; of games, also print who may say what, and how they end."""
     from ui.commands.talk.check import check_folder, rulebook_with, shipped_folder
 
     checked = [check_folder(folder) for folder in folders or ([] if strategy or author else [shipped_folder()])]
@@ -154,7 +161,7 @@ def talk_check(
 
 
 def talk_words() -> None:
-    """List the words of games' files, and those of files of wordings, with their meanings."""
+    """List the keywords of files of games and of wordings, with their meanings."""
     from ui.commands.talk.check import words
 
     for line in words():

@@ -1,4 +1,4 @@
-"""Report of a trial of a lab's program: its faults and figures, as sentences and as JSON."""
+"""Report of a trial of a lab's program: faults and figures, as text and as JSON."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -7,9 +7,9 @@ from thbridge.dialogue.trials.faults import TrialFault
 from ui.commands.talk.check import counted
 
 LONGEST = 5.0
-"""Seconds of wall time after which a call counts as one that never ends."""
+"""Time limit of a call, seconds of wall time."""
 MOST_SHOWN = 5
-"""Greatest number of faults that are shown with their positions."""
+"""Greatest number of faults that are printed with their positions."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -17,10 +17,10 @@ class TrialReport:
     """Report of a trial.
 
     Attributes:
-        name: of the program that was tried.
-        summary: how much was tried, as the beginning of a sentence.
-        figures: the same, for programs.
-        faults: the findings.
+        name: name of the program that was tried.
+        summary: extent of the trial, as the beginning of a sentence.
+        figures: the same for programs.
+        faults: faults that were found.
     """
 
     name: str
@@ -30,21 +30,21 @@ class TrialReport:
 
     @property
     def ok(self) -> bool:
-        """True when there is no fault."""
+        """True if there is no fault."""
         return not self.faults
 
     def lines(self) -> Iterator[str]:
-        """Yield the sentences for people."""
+        """Yield the output for people."""
         for fault in self.faults[:MOST_SHOWN]:
             times = "" if fault.times == 1 else f" ({fault.times} times)"
             yield f"{self.name}: {fault.problem}{times}. {fault.remedy}."
             yield from (f"  {line}" for line in fault.position)
         if len(self.faults) > MOST_SHOWN:
-            yield f"{self.name}: {len(self.faults) - MOST_SHOWN} more faults; mend these first"
+            yield f"{self.name}: {len(self.faults) - MOST_SHOWN} more faults; fix these first"
         yield f"{self.summary}, {counted('fault', self.faults)}"
 
     def as_json(self) -> Mapping[str, object]:
-        """Return the values for programs."""
+        """Return the output for programs."""
         faults = [
             {"problem": fault.problem, "remedy": fault.remedy, "position": fault.position, "times": fault.times}
             for fault in self.faults

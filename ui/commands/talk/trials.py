@@ -13,12 +13,12 @@ from ui.commands.talk.trial_report import LONGEST, TrialReport
 
 
 def check_strategy(name: str, rulebook: Rulebook, conversations: int, seed: int) -> TrialReport:
-    """Check the strategy that is installed under a name.
+    """Check the strategy installed under a name.
 
     Args:
-        name: of the strategy.
-        rulebook: of the games that it is to play.
-        conversations: number of those of each kind.
+        name: name of the strategy.
+        rulebook: rulebook of the games to play.
+        conversations: number of conversations of each kind.
         seed: random seed.
 
     Raises:
@@ -33,13 +33,13 @@ def check_strategy(name: str, rulebook: Rulebook, conversations: int, seed: int)
 def check_author(
     name: str, languages: Sequence[Language], rulebook: Rulebook, conversations: int, seed: int
 ) -> TrialReport:
-    """Check the author that is installed under a name.
+    """Check the author of wordings installed under a name.
 
     Args:
-        name: of the author.
-        languages: in which it is to word what robots say; without any, English.
-        rulebook: of the games.
-        conversations: number of those of each kind.
+        name: name of the author.
+        languages: languages for the robots' sentences. If empty, English.
+        rulebook: rulebook of the games.
+        conversations: number of conversations of each kind.
         seed: random seed.
 
     Raises:

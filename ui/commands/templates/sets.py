@@ -1,4 +1,4 @@
-"""Parts of the commands about template sets."""
+"""Shared parts of the commands about template sets."""
 
 import shutil
 from pathlib import Path
@@ -10,21 +10,21 @@ from ui.command_line.terminal import bad_input
 
 
 def folder_of(name: str) -> Path:
-    """The folder of the set of a name or path."""
+    """Return the folder of a set, given its name or path."""
     wanted = f"./{name}" if "/" not in name and Path(name).is_dir() else name
     with bad_input():
         return shipped().find("templates", wanted, Path())
 
 
 def read_set(name: str) -> TemplateSet:
-    """The set of a name or path."""
+    """Return the set, given its name or path."""
     folder = folder_of(name)
     with bad_input():
         return read_template_set(folder)
 
 
 def copy_set(source: Path, folder: Path) -> None:
-    """Copy a set that is going to be changed: without its words in further languages, and without its own language."""
+    """Copy a set as a start for changes, in its own language: without further languages and their words."""
     others = shutil.ignore_patterns(*languages_beside(source, (DIALOGUE_TEXT, WORDS)))
     shutil.copytree(source, folder, ignore=others, dirs_exist_ok=True)
     path = folder / SET

@@ -1,4 +1,4 @@
-"""The commands about sets of templates: treasures with their properties and pictures, and what robots say."""
+"""Commands of `thbridge templates`: sets of treasures with their properties and pictures, and robots' sentences."""
 
 from pathlib import Path
 from typing import Annotated
@@ -9,11 +9,11 @@ from ui.command_line.options import AsJson, ColourScheme, LookOption
 from ui.command_line.terminal import BAD_INPUT, bad_input, command, fail, note, print_json, say
 from ui.windows.display import why_no_window
 
-SetName = Annotated[str, typer.Argument(help="Name of a template set, or the path of its folder.")]
+SetName = Annotated[str, typer.Argument(help="Name of a template set, or path of its folder.")]
 
 
 def templates_check(name: SetName, as_json: AsJson = False) -> None:
-    """Check a template set, and tell what is in it."""
+    """Check a template set, and print what it contains."""
     from ui.commands.templates.sets import folder_of, read_set
     from ui.model.template_set.preview import NOWHERE, contents, sentences, translations
 
@@ -31,7 +31,7 @@ def templates_edit(
     folder: Annotated[Path, typer.Argument(help="Folder of a template set of your own; see `thbridge templates new`.")],
     look: LookOption = ColourScheme.SYSTEM,
 ) -> None:
-    """Edit a template set in a window: sentences, treasures and pictures, with all that robots would say."""
+    """Edit a template set in a window: sentences, treasures and pictures, with a preview of what robots say."""
     from ui.commands.templates.sets import folder_of
 
     reason = why_no_window()
@@ -50,7 +50,7 @@ def templates_edit(
 
 
 def templates_list() -> None:
-    """Name the template sets that come with the project."""
+    """List the template sets that come with thbridge."""
     from thbridge.files.resources import shipped
 
     for name in shipped().names("templates"):
@@ -58,10 +58,10 @@ def templates_list() -> None:
 
 
 def templates_new(
-    folder: Annotated[Path, typer.Argument(help="The folder to make; must not exist.")],
-    like: Annotated[str, typer.Option(help="Name or folder of the set to copy.")] = "four-properties",
+    folder: Annotated[Path, typer.Argument(help="Folder to create; must not exist.")],
+    like: Annotated[str, typer.Option(help="Name or folder of the template set to copy.")] = "four-properties",
 ) -> None:
-    """Make a template set of your own: a copy of another one in its own language, to be changed."""
+    """Create a template set of your own: a copy of another one, in its own language, for you to change."""
     from thbridge.files.disk.whole import new_folder
     from ui.commands.templates.sets import copy_set, folder_of
 
