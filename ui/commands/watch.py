@@ -18,7 +18,7 @@ def watch(
         str | None,
         typer.Argument(
             metavar="[HOST:PORT|BAG]",
-            help="Address of a running session (see `play --watch`), or path of a recording. Default: choose in the window.",
+            help="Address of a running session (see `play --watch`), or path of a recording. Default: the window asks.",
         ),
     ] = None,
     key: Annotated[

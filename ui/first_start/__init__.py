@@ -1,1 +1,1 @@
-"""The first start, which compiles the simulator: ahead of hunts, on several cores, with a bar and seconds."""
+"""The first start: compile the simulator before the hunt, on several cores, with a progress bar."""

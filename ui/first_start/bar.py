@@ -1,4 +1,4 @@
-"""A bar with seconds while the simulator is compiled: in a window, with Cancel, and on a terminal, at once."""
+"""Progress bar with elapsed seconds while the simulator is compiled: on a terminal, or in a window with Cancel."""
 
 import atexit
 import hashlib
@@ -17,22 +17,22 @@ from sim.numerics.compiled_files import cache_folder, make_folder, mark_used
 from sim.numerics.sources import ROOT, key_of
 from ui.command_line.terminal import FAILED, err, note
 
-FIRST_START = "Compiling the simulator for this machine, at its first start."
-STOPPED = "Stopped. What was compiled is kept, and the next start goes on from there."
+FIRST_START = "Compiling the simulator for this machine (first start only)."
+STOPPED = "Stopped. Compiled parts are kept, and the next start compiles the rest."
 _WINDOW = "from ui.windows.first_start import show; show()"
 
 
 def own_environment() -> dict[str, str]:
-    """Return variables for processes of ours: they find the same sources, and keep compiled code in the same folder."""
+    """Return environment variables for our child processes, so that they use the same sources and compile cache."""
     paths = os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")])
     return {**os.environ, "PYTHONPATH": paths, "NUMBA_CACHE_DIR": str(cache_folder().parent)}
 
 
 class StartBar:
-    """The bar of this program, and the processes that it can cancel.
+    """Progress bar of this program, and the processes that it can cancel.
 
     Attributes:
-        compilers: processes that compile for this one.
+        compilers: processes that compile for this program.
     """
 
     def __init__(self) -> None:
@@ -42,10 +42,10 @@ class StartBar:
         self._task = TaskID(0)
 
     def open(self, look: str | None = None) -> None:
-        """Show the bar on a terminal; if `look` names colors of windows, in a window as well."""
-        atexit.register(self.close)  # Also after an error: a terminal has no cursor meanwhile.
+        """Show the bar on a terminal; if `look` names colors of windows, also in a window."""
+        atexit.register(self.close)  # Also after an error, because the bar hides the terminal's cursor.
         if self._terminal is None and err.is_terminal:
-            what = "Compiling what is left" if is_unfinished() else "First start: compiling"
+            what = "Compiling the remaining parts" if is_unfinished() else "First start: compiling"
             columns = (TextColumn(what), BarColumn(20), MofNCompleteColumn(), TimeElapsedColumn())
             self._terminal = Progress(*columns, console=err, transient=True)
             self._task = self._terminal.add_task("", total=None)
@@ -58,7 +58,7 @@ class StartBar:
                 stdout=subprocess.PIPE,
                 stderr=subprocess.DEVNULL,
                 text=True,
-                start_new_session=True,  # Ctrl-C is for this program, which then closes the window.
+                start_new_session=True,  # Only this program handles Ctrl-C; it then closes the window.
             )
             Thread(target=self._wait_for_cancel, args=(self._window,), daemon=True).start()
 
@@ -80,12 +80,12 @@ class StartBar:
         self._window = self._terminal = None
 
     def stop_compiling(self) -> None:
-        """End the processes that compile; each file of compiled code is whole, or is not there."""
+        """Kill the processes that compile. Files of compiled code are either complete or missing."""
         for process in self.compilers:
             process.kill()
 
     def _wait_for_cancel(self, window: "subprocess.Popen[str]") -> None:
-        """End the program when people cancel. Nothing is open yet that would have to be closed."""
+        """End the program if the user cancels. At this time, nothing is open that must be closed."""
         with window:
             if window.stdout is not None and window.stdout.readline() == "cancel\n":
                 self.stop_compiling()
@@ -98,27 +98,27 @@ START_BAR = StartBar()
 
 
 def announce_start(look: str | None = None) -> None:
-    """Open the bar at once if the simulator has not been compiled here; to be called before anything else is imported.
+    """Open the bar if the simulator has not been compiled here; call this before importing anything else.
 
     Args:
-        look: colors of the window with the bar; None for a program without windows.
+        look: colors of the window with the bar. If None, there is no window.
     """
     if not _compiled_mark().exists():
         START_BAR.open(look)
 
 
 def mark_compiled() -> None:
-    """Note that all which hunts usually need was compiled, so that the next start has no bar."""
+    """Record that everything hunts usually need was compiled, so that the next start shows no bar."""
     _make_mark(_compiled_mark())
 
 
 def mark_begun() -> None:
-    """Note that compiling was begun, so that the next start finishes it."""
+    """Record that compiling has begun, so that the next start finishes it."""
     _make_mark(_begun_mark())
 
 
 def is_unfinished() -> bool:
-    """Return True if an earlier start began to compile these sources here, and did not finish."""
+    """Return True if an earlier start began to compile these sources here and did not finish."""
     return _begun_mark().exists() and not _compiled_mark().exists()
 
 
@@ -129,18 +129,18 @@ def _make_mark(mark: Path) -> None:
 
 
 def _compiled_mark() -> Path:
-    """Return a folder that exists once these sources were compiled here; it is found without loading the compiler."""
+    """Return a folder that exists if these sources were compiled here; it is found without importing the compiler."""
     return cache_folder() / f"first_start-{_key()}"
 
 
 def _begun_mark() -> Path:
-    """Return a folder that exists since a start began to compile these sources here."""
+    """Return a folder that exists if a start began to compile these sources here."""
     return cache_folder() / f"begun-{_key()}"
 
 
 @cache
 def _key() -> str:
-    """Return a key of these sources and of the versions of the compiler."""
+    """Return a hash of these sources and of the compiler's versions."""
     recorded = ROOT / "sim" / "numerics" / "signatures.jsonl"
     parts = (key_of(ROOT / "sim" / "team.py"), recorded.read_text(encoding="utf-8"), sys.version)
     versions = (version(name) for name in ("numba", "llvmlite", "numpy"))

@@ -1,4 +1,4 @@
-"""The first start, which compiles the simulator: what hunts need is compiled ahead of them, on several cores."""
+"""Compiling at the first start: kernels that hunts need are compiled before the hunt, on several cores."""
 
 import os
 import subprocess
@@ -20,27 +20,27 @@ from ui.first_start.bar import (
 )
 
 COMPILERS = 4
-"""Processes that compile, at most: each takes 200 MB."""
+"""Greatest number of processes that compile; each needs 200 MB."""
 BESIDE = 5
-"""How nice processes are that compile beside a hunt."""
+"""Niceness of processes that compile during a hunt."""
 PERIOD = 0.2
-"""Seconds between two looks at how much is compiled."""
+"""Seconds between two updates of the progress."""
 
 
 def announce_compiling() -> None:
-    """Tell that the first start takes its time, where nothing was compiled yet."""
+    """Print that the first start takes longer, if nothing was compiled yet."""
     if len(missing(before_moves=False)) == len(recorded_calls()):
         note(FIRST_START)
 
 
 def compile_ahead(*, whole_hunt: bool, look: str | None = None) -> None:
-    """Compile what a hunt usually needs, and show how far that is; Ctrl-C and Cancel end the program.
+    """Compile what a hunt usually needs, and show the progress; Ctrl-C and Cancel end the program.
 
     Args:
-        whole_hunt: return when all is done; else when the first tick can be, and the rest is compiled beside the hunt,
-            which waits for what it needs and has not. What an earlier start left is always compiled before the hunt:
-            else short hunts would leave it again and again.
-        look: colors of the window that shows it; None for no window.
+        whole_hunt: True to return when everything is compiled. False to return when the first tick can run; the rest is
+            compiled during the hunt, which waits for parts that it needs. Parts that an earlier start left are always
+            compiled before the hunt. Otherwise short hunts would leave them again and again.
+        look: colors of the window with the bar. If None, there is no window.
     """
     calls = missing(before_moves=False)
     unfinished = is_unfinished()
@@ -64,26 +64,26 @@ def compile_ahead(*, whole_hunt: bool, look: str | None = None) -> None:
 
 
 def _notice(count: int, unfinished: bool) -> str:
-    """Return what is compiled at this start, and why."""
+    """Return a sentence about the parts that this start compiles, and why."""
     total = len(recorded_calls())
     if count == total:
         return FIRST_START
-    why = ", which an earlier start has not finished" if unfinished else ""
+    why = ", which an earlier start did not finish" if unfinished else ""
     return f"Compiling {count} of {total} parts of the simulator for this machine{why}."
 
 
 def _wait_for(calls: list[str], done: dict[str, Event]) -> None:
-    """Wait until calls were compiled, and show how many are."""
+    """Wait until calls are compiled, and show their number."""
     while left := [call for call in calls if not done[call].is_set()]:
         START_BAR.show(len(calls) - len(left), len(calls))
         done[left[0]].wait(PERIOD)
 
 
 def _compiled(calls: list[str], beside: set[str]) -> dict[str, Event]:
-    """Return what is set when a call was compiled, or nobody is left who might.
+    """Return an event for each call, set when it was compiled or when no process is left to compile it.
 
-    Processes compile the calls as they are sorted. This one waits for them before it would compile one itself; those
-    beside a hunt take what time others leave.
+    Processes compile the calls in the given order. This process waits for them before it compiles one itself. Calls
+    in `beside` are compiled during the hunt, at low priority.
     """
     done = {call: Event() for call in calls}
     answered: list[str] = []
@@ -129,5 +129,5 @@ def _compiled(calls: list[str], beside: set[str]) -> dict[str, Event]:
 
 
 def usable_cores() -> int:
-    """Return the number of cores that this process may use; on macOS, that there are."""
+    """Return the number of cores that this process may use; on macOS, the number of all cores."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

@@ -1,4 +1,4 @@
-"""The program of a process that compiles ahead of a hunt, and imports nothing else."""
+"""Program of a process that compiles before a hunt; it imports nothing else."""
 
 import gc
 import signal
@@ -9,13 +9,13 @@ from sim.numerics.signatures import compile_call
 
 
 def compile_calls() -> None:
-    """Compile the calls that come in on standard input, and say so of each."""
-    # Ctrl-C is for the hunt; with it, the input ends.
+    """Compile the calls that arrive on standard input, and write an empty line after each."""
+    # Only the hunt handles Ctrl-C. When it ends, this input ends too.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    # A compiler makes few cycles, and many objects that are looked through for them: an eighth of its time.
+    # A compiler creates many objects but few cycles; searching for cycles would take an eighth of its time.
     gc.disable()
     for call in sys.stdin:
-        # A kernel that cannot be compiled so is compiled when it is called, and then says why not.
+        # A kernel that fails to compile here is compiled when it is called, and then reports why it fails.
         with suppress(Exception):
             compile_call(call)
         sys.stdout.write("\n")

@@ -1,1 +1,1 @@
-"""Hosting of participants: at a window of their own, at the keyboard in the terminal, or simulated."""
+"""Programs that run games for participants: in a window, at the terminal, or simulated."""

@@ -1,4 +1,4 @@
-"""The question at the terminal whether a person takes part, asked before anything is recorded."""
+"""Question on the terminal whether a person takes part, asked before anything is recorded."""
 
 import typer
 
@@ -11,7 +11,7 @@ from ui.model.consent_words import answer_in
 
 
 def ask_for_consent(texts: Texts, text: str) -> GiveConsent:
-    """Show the study's text and wait for a yes; a no is thanked and ends the command, as does the end of the input."""
+    """Show the study's text and wait for a yes; a no, or the end of the input, ends the command."""
     for line in text.splitlines():
         say(line)
     question = texts.text("terminal.question")

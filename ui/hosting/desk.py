@@ -1,4 +1,4 @@
-"""The researcher's desk beside a study under way: kept informed, and what it asks for is passed on."""
+"""The researcher's desk of a running study: it receives the state of the study, and its requests are carried out."""
 
 import asyncio
 from collections.abc import Callable
@@ -25,60 +25,60 @@ from ui.model.desk.messages import (
 from ui.sources.experiment import ExperimentSource
 
 GATHERED = 0.2
-"""Seconds within which events are told together."""
+"""Seconds for which events are collected before one update."""
 RENEWED = 20.0
-"""Seconds after which minutes are counted anew though nothing has happened."""
+"""Seconds after which the state is sent even without events, so that elapsed minutes stay current."""
 
 
-class DeskFailed(Exception):  # noqa: N818 - it is told as a sentence
+class DeskFailed(Exception):  # noqa: N818 - it is shown as a sentence
     """The desk cannot be kept open."""
 
 
 class StudyUnderWay(Protocol):
-    """A study that a program carries on, as its desk needs it.
+    """Running study, as its desk uses it.
 
-    What is asked for returns a sentence why it cannot be, or nothing.
+    Methods that handle a request return a sentence if they refuse it, otherwise None.
 
     Attributes:
-        changed: is called after each event of its log, and when `kiosk` or `troubles` are others.
+        changed: called after each event of the log, and when `kiosk` or `troubles` change.
     """
 
     changed: Callable[[], None]
 
     @property
     def kiosk(self) -> str:
-        """The kiosk's page now, in words."""
+        """Description of the page that the kiosk shows."""
 
     @property
     def troubles(self) -> tuple[str, ...]:
-        """Sentences about all that somebody has to look at."""
+        """Sentences about problems that a person must look at."""
 
     def admit_next(self) -> str | None:
         """Let the next person begin at the kiosk."""
 
     def note(self, text: str, participant: str) -> str | None:
-        """Take down a note, about a person or, if that is empty, nobody."""
+        """Record a note about a person or, if `participant` is empty, about no person."""
 
     def exclude(self, participant: str, reason: str) -> str | None:
-        """Decide that a run does not count."""
+        """Exclude a run from the data."""
 
     def end_run(self, participant: str, reason: str) -> str | None:
-        """End a run where it is."""
+        """End a run at its current step."""
 
     def busy_with(self, participant: str) -> str | None:
         """Return why a participant cannot withdraw now."""
 
 
 class Desk:
-    """The desk of one study.
+    """Desk of one study.
 
     Args:
-        study: what it is about; its `changed` is set here.
-        folder: of the study, whose log is shown.
-        arguments: of the window's command line.
-        troubles: sentences about what else somebody has to look at, such as those of markers.
-        command: opens the window; None: the desk's own.
-        withdraw: deletes everything of a participant, and returns what somebody still has to do.
+        study: study to show; its `changed` is set here.
+        folder: folder of the study, with its log.
+        arguments: arguments for the window's command line.
+        troubles: sentences about other problems that a person must look at, such as those of markers.
+        command: command that opens the window. If None, the desk's own.
+        withdraw: function that deletes all data of a participant, and returns what a person must still do.
 
     Raises:
         BadFile: the study cannot be read.
@@ -108,7 +108,7 @@ class Desk:
         """Keep the desk open until the researcher closes it; cancel it to close it.
 
         Raises:
-            DeskFailed: it crashes whenever it is opened.
+            DeskFailed: the window crashes each time it is opened.
         """
         async with self._window.opened():
             tasks = asyncio.create_task(self._ask()), asyncio.create_task(self._inform())
@@ -121,7 +121,7 @@ class Desk:
             for task in done:
                 task.result()
         if self._window.given_up:
-            raise DeskFailed("it crashes whenever it is opened")
+            raise DeskFailed("it crashes each time it is opened")
 
     async def _inform(self) -> None:
         while True:
@@ -145,7 +145,7 @@ class Desk:
             self._news.set()
 
     def _asked(self, request: NextParticipant | WriteNote | ExcludeRun | EndRun | WithdrawRun) -> str:
-        """Do what is asked for; return why that cannot be, or nothing."""
+        """Carry out a request; return a sentence if that is not possible, otherwise an empty text."""
         study = self._study
         try:
             match request:

@@ -1,4 +1,4 @@
-"""Games that a participant plays in a window of `thbridge play`."""
+"""Games that a participant plays in the window of `thbridge play`."""
 
 import asyncio
 import dataclasses
@@ -29,11 +29,11 @@ from ui.model.lobby import LOBBY, Offer
 from ui.model.playing.rules_sheet import rules_lines
 
 PRACTICE = Study(map="practice", templates="practice", robots=1)
-"""A hall and two rooms, with treasures that no other set has."""
+"""Map with a hall and two rooms, and treasures that no other set has."""
 
 
 def practice_setting(game: StudySetting) -> StudySetting:
-    """Return the setting of the practice game before a game, with its seed, server, sound, answers and language."""
+    """Return the setting of the practice game before a game: same seed, server, sound, answers and language."""
     study = game.study
     told = dataclasses.replace(PRACTICE.participant, sound=study.participant.sound)
     own = setting_of(dataclasses.replace(PRACTICE, seed=study.seed, server=study.server, participant=told), None)
@@ -41,12 +41,12 @@ def practice_setting(game: StudySetting) -> StudySetting:
 
 
 def offer_of(setting: StudySetting, given: bool, languages: Mapping[str, str] | None = None) -> Offer:
-    """Return the texts, the numbers of robots that may be chosen, the rules of the game, and what is agreed to.
+    """Return the offer for the start page: texts, numbers of robots, rules of the game, and the text to agree to.
 
     Args:
-        setting: its study gives them, as `participant: robots`.
-        given: True when the admin has given a number, which then is the only one.
-        languages: that the participant may choose from, by their names; None: the study has chosen.
+        setting: setting of the game; `participant: robots` of its study gives the numbers of robots.
+        given: True if an option gives a number of robots, which is then the only choice.
+        languages: languages that the participant may choose, by name. If None, the study determines the language.
     """
     study = setting.study
     game, consent = study.game, setting.consent or ""
@@ -69,14 +69,14 @@ def offer_of(setting: StudySetting, given: bool, languages: Mapping[str, str] | 
 
 @dataclass(slots=True)
 class WindowGames:
-    """Games that a participant can choose in the window, in the language chosen last.
+    """Games that a participant can start in the window, in the language chosen last.
 
     Attributes:
-        study: the study to play.
-        file: the study's file, from whose folder paths start.
-        options: options of a game; its bag None for the usual place.
-        report: True when a page is made of each recording.
-        hosts: callbacks that tell how graph, watch and MAVLink have started.
+        study: study to play.
+        file: file of the study; relative paths start from its folder.
+        options: options of a game; if its bag is None, the default path is used.
+        report: True to write a report of each recording.
+        hosts: callbacks that report how graph, watch and MAVLink have started.
     """
 
     study: Study
@@ -86,17 +86,17 @@ class WindowGames:
     hosts: StartupCallbacks
 
     def setting(self, robots: int) -> StudySetting:
-        """The study with so many robots; ends the program where that cannot be."""
+        """Return the study with this number of robots; end the program if that is not possible."""
         return setting_of(with_team_size(self.study, robots), self.file)
 
     def speak(self, offer: Offer, language: str) -> Offer:
-        """Play in another language from now on; return the offer in it."""
+        """Use another language from now on; return the offer in it."""
         talk = dataclasses.replace(self.study.dialogue, language=language)
         self.study = dataclasses.replace(self.study, dialogue=talk)
         return offer_of(self.setting(offer.usual), offer.least == offer.most, offer.languages)
 
     def game(self, robots: int) -> PlayGame:
-        """A game with so many robots, recorded."""
+        """Return a game with this number of robots, which is recorded."""
         setting = self.setting(robots)
         bag = self.options.bag or usual_bag(setting)
 
@@ -114,7 +114,7 @@ class WindowGames:
         return play
 
     def practice(self) -> PlayGame:
-        """A short game to learn how it goes; it is not recorded."""
+        """Return a short game for learning the rules, which is not recorded."""
         setting = practice_setting(self.setting(self.study.robots))
 
         async def play(visit: GameVisit) -> None:
@@ -133,7 +133,7 @@ class WindowGames:
         return play
 
     async def _played(self, setting: StudySetting, options: PlayOptions, visit: GameVisit) -> HuntOutcome | None:
-        """Play a game; None when the window left before it began."""
+        """Play a game; return None if the window was closed before it began."""
 
         def ready(where: ListeningAddress | CannotListen) -> None:
             if isinstance(where, CannotListen):
@@ -146,7 +146,7 @@ class WindowGames:
         def story(moment: TickRecord) -> None:
             print_story(moment, rooms)
 
-        # The window is answered all the while.
+        # Messages of the window are answered all the time.
         await asyncio.to_thread(compile_ahead, whole_hunt=options.rate > 0.0)
         try:
             return await hunt.play(setting, None, options, ready, story, self.hosts)
@@ -161,12 +161,12 @@ class WindowGames:
 
 
 def play_in_window(games: WindowGames, offer: Offer, arguments: tuple[str, ...] = ()) -> None:
-    """Open the window and play until the participant leaves.
+    """Open the window, and play games until the participant leaves.
 
     Args:
-        games: the games to choose from.
-        offer: numbers of robots that may be chosen.
-        arguments: of the window's command line.
+        games: games to choose from.
+        offer: offer for the start page.
+        arguments: arguments for the window's command line.
     """
     window = WindowProcess((*WINDOW, *arguments), LOBBY)
     program = host(window, offer, secrets.token_hex(8), games.game, games.practice, games.speak)
@@ -176,8 +176,8 @@ def play_in_window(games: WindowGames, offer: Offer, arguments: tuple[str, ...] 
     except ParticipantDeclined:
         fail(FAILED, NOT_TAKING_PART)
     except HuntUnfinished:
-        fail(FAILED, "stopped; what was recorded up to here is complete")
+        fail(FAILED, "stopped; the recording is complete up to this point")
     if window.given_up and answer is not Answer.NO:
-        fail(FAILED, "The window crashes whenever it is opened. Play without it: --headless, or --participant person.")
+        fail(FAILED, "The window crashes each time it is opened. Play without it: --headless, or --participant person.")
     if answer is not Answer.YES:
         fail(DECLINED, NOT_TAKING_PART)

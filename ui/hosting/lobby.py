@@ -1,4 +1,4 @@
-"""Games for a window: the start page, a practice game, and games one after the other until the participant leaves."""
+"""Sequence of games in a window: start page, practice game, and games until the participant leaves."""
 
 import asyncio
 from collections.abc import Awaitable, Callable
@@ -27,20 +27,20 @@ from ui.model.lobby import (
 )
 
 WILDCARD_ADDRESSES = {"0.0.0.0": "127.0.0.1", "::": "::1"}
-"""Addresses that a server listens on, and those at which the window finds it."""
+"""Wildcard addresses of a server, and the addresses at which a window reaches it."""
 
 LobbyWindow: TypeAlias = WindowProcess[FromHost, FromWindow]
-"""The participant's window."""
+"""Command that opens the participant's window."""
 
 
 class GameVisit:
-    """A participant at one game: joins it, and leaves it some time.
+    """Visit of a participant to one game: they join it, and leave it later.
 
     Args:
-        window: the participant's window.
+        window: window of the participant.
         token: secret by which the server recognizes the window.
         practice: True for the practice game.
-        agreed_at: time of day at which the participant agreed to take part; empty: nothing was asked.
+        agreed_at: time of day at which the participant agreed to take part; empty if there was no question.
     """
 
     def __init__(self, window: LobbyWindow, token: str, practice: bool, agreed_at: str) -> None:
@@ -50,16 +50,16 @@ class GameVisit:
         self._agreed_at = agreed_at
         self._joining: asyncio.Task[None] | None = None
         self.ended: Back | WindowClosed | None = None
-        """The message with which the participant left; None while they are there."""
+        """Message with which the participant left; None while they are in the game."""
 
     def ready(self, where: ListeningAddress) -> None:
-        """Let the window join the game that waits at this address."""
+        """Let the window join the game at this address."""
         host = WILDCARD_ADDRESSES.get(where.host, where.host)
         join = Join(host, where.port, self._token, self._practice, self._agreed_at)
         self._joining = asyncio.get_running_loop().create_task(self._window.send(join))
 
     def has_left(self) -> bool:
-        """Return True once the participant has left; called between two ticks."""
+        """Return True if the participant has left; called between two ticks."""
         request = self._window.pending_request()
         if isinstance(request, Back | WindowClosed):
             self.ended = request
@@ -67,7 +67,7 @@ class GameVisit:
 
 
 class Answer(Enum):
-    """A participant's answer to the question whether they take part; YES too where nothing was asked."""
+    """Answer of a participant to the question whether they take part; also YES if there was no question."""
 
     YES = "yes"
     NO = "no"
@@ -75,7 +75,7 @@ class Answer(Enum):
 
 
 PlayGame = Callable[[GameVisit], Awaitable[None]]
-"""Plays a game until the participant has left."""
+"""Function that plays a game until the participant has left."""
 
 
 async def host(
@@ -86,18 +86,18 @@ async def host(
     practise: Callable[[], PlayGame],
     speak: Callable[[Offer, str], Offer] | None = None,
 ) -> Answer:
-    """Play games until the participant leaves for good; nothing is played before they have agreed to take part.
+    """Play games until the participant leaves for good; no game starts before they have agreed to take part.
 
     Args:
-        window: the participant's window; it is opened here.
-        offer: numbers of robots that may be chosen, the text to agree to, and the texts of the study's language.
+        window: window of the participant; it is opened here.
+        offer: numbers of robots to choose from, text to agree to, and texts of the study's language.
         token: secret by which the server recognizes the window.
-        play: gives a game with so many robots.
-        practise: gives the practice game.
-        speak: gives an offer in another of its languages, in which games are played from then on.
+        play: function that returns a game with a given number of robots.
+        practise: function that returns the practice game.
+        speak: function that returns an offer in another language, and switches later games to it.
 
     Returns:
-        The participant's answer; a no is final, whatever the window says or does after it.
+        The participant's answer; a no is final, whatever the window sends afterwards.
     """
     agreed_at = ""
     async with window.opened():

@@ -1,4 +1,4 @@
-"""Players for TabUI, simulated or at the keyboard."""
+"""Players of TabUI: simulated, or at the keyboard."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -15,11 +15,11 @@ from ui.hosting.terminal_player import TerminalPlayer
 
 @dataclass(frozen=True, slots=True)
 class LocalPlayer:
-    """A player and its program.
+    """Player and its program.
 
     Attributes:
-        tabui: the role.
-        typed: takes in a line of the keyboard; None for a simulated participant.
+        tabui: role of the participant.
+        typed: function that receives a typed line; None for a simulated participant.
     """
 
     tabui: TabUI
@@ -27,16 +27,16 @@ class LocalPlayer:
 
 
 def player_of_bot(who: str, templates: TemplateSet, study: Study) -> LocalPlayer:
-    """Return a simulated participant with the study's seed and attitude, who knows the treasures."""
+    """Return a simulated participant with the study's seed and attitude; it knows the kinds of treasures."""
     return LocalPlayer(TabUI(build_bot(templates, who, study.seed, study.participant.attitude)), None)
 
 
 def player_of_person(texts: Texts, consent: GiveConsent | None = None) -> LocalPlayer:
-    """Return a person, who knows what the game tells, and may have agreed to take part already.
+    """Return a person, who knows only what the game shows, and may already have agreed to take part.
 
     Args:
-        texts: until the game has told those of its language.
-        consent: of a person who has agreed.
+        texts: texts that are used until the game sends those of its language.
+        consent: consent of a person who has agreed.
     """
     person = TerminalPlayer(show, lambda: tabui.room_names, lambda: tabui.texts or texts)
     tabui = TabUI(person, consent=consent)

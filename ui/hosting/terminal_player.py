@@ -1,4 +1,4 @@
-"""A person as participant in the terminal: the lines they see, and the commands they may type."""
+"""Person who takes part in the terminal: the lines they see, and the commands they can type."""
 
 import unicodedata
 from collections.abc import Callable, Sequence
@@ -52,13 +52,13 @@ from ui.model.playing.words import commander_in_words, outcome_of, verdict_words
 
 @dataclass(slots=True)
 class TerminalPlayer:
-    """A player who types. Steps that are agreed on, or need no decision, are done without asking again.
+    """Player who types. Steps that are agreed on, or need no decision, follow without another question.
 
     Attributes:
-        show: puts a line in front of the person.
-        rooms: gives the names of the map's rooms.
-        texts: gives those of the game's language.
-        declined: the person does not take part.
+        show: function that prints a line.
+        rooms: function that returns the names of the map's rooms.
+        texts: function that returns the texts of the game's language.
+        declined: True if the person does not take part.
     """
 
     show: Callable[[str], None]
@@ -83,7 +83,7 @@ class TerminalPlayer:
         return (*wanted, *follow, *sense)
 
     def type(self, line: str) -> None:
-        """Take in one typed line; a line that cannot be understood is answered with help."""
+        """Handle one typed line; a line that is not understood is answered with help."""
         view = self._view
         if view is None:
             self.show(self.texts().text("terminal.not_begun"))
@@ -92,7 +92,7 @@ class TerminalPlayer:
             self._answer_consent(line)
             return
         telling = Telling(self.texts(), self.rooms(), view, self._typed)
-        # Some keyboards and terminals send a letter with marks as two characters.
+        # Some keyboards and terminals send an accented letter as two characters.
         match unicodedata.normalize("NFC", line).split():
             case []:
                 pass
@@ -138,7 +138,7 @@ class TerminalPlayer:
                 self.show(self.texts().text("terminal.help"))
 
     def _means(self, typed: str, word: str) -> bool:
-        """Return True for one of the words that may be typed, in the game's language or in English."""
+        """Return True for a command word, in the game's language or in English."""
         return typed.casefold() in (word, self.texts().text(f"terminal.word_{word}").casefold())
 
     def _answer_consent(self, line: str) -> None:
@@ -151,7 +151,7 @@ class TerminalPlayer:
                 self.show(self.texts().text("terminal.question"))
 
     def _answer(self, view: View, choice: int) -> None:
-        """Answer the first dialogue that waits; -1 is its last answer."""
+        """Answer the first waiting dialogue; -1 is its last choice."""
         dialogue = _waiting(view)
         if dialogue is None:
             self.show(self.texts().text("terminal.nobody_waits"))
@@ -217,24 +217,24 @@ class TerminalPlayer:
 
 
 def _waiting(view: View) -> DialogueView | None:
-    """The first dialogue that waits for an answer, or None."""
+    """Return the first dialogue that waits for an answer, or None."""
     return next((dialogue for dialogue in view.dialogues if dialogue.choices), None)
 
 
 def _letters(view: View) -> dict[str, int]:
-    """The answers of the first dialogue that waits, by the letters in front of them; none where they are numbered."""
+    """Return the choices of the first waiting dialogue by their letters; empty if choices are numbered."""
     dialogue = _waiting(view) if view.has_last_word is None else None
     return {} if dialogue is None else {letter: at for at, (letter, _) in enumerate(_lettered(dialogue))}
 
 
 def _lettered(dialogue: DialogueView) -> list[tuple[str, str]]:
-    """The answers of a dialogue, each after its letter, which is its key in the window."""
+    """Return the choices of a dialogue, each after its letter, which is also its key in the window."""
     keys = map(str.lower, choice_keys(dialogue.choices))
     return list(zip(keys, dialogue.choices, strict=True))
 
 
 def _begun(properties: Sequence[TreasureProperty], words: Sequence[str]) -> TreasureProperty | None:
-    """The property whose label or name the typed words begin with, or None."""
+    """Return the property whose label or name starts with the typed words, or None."""
     typed = " ".join(words).casefold()
     return next((each for each in properties if typed.startswith((each.label.casefold(), each.name))), None)
 
@@ -249,13 +249,13 @@ def _is_number(word: str) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class Telling:
-    """Lines that a view becomes, in the language of its participant.
+    """Lines about a view, in the language of the participant.
 
     Attributes:
-        texts: of the language.
+        texts: texts of the language.
         rooms: names of the map's rooms.
-        view: the view.
-        typed: the last request that was typed, for the reason why it is refused.
+        view: view to describe.
+        typed: last typed request, to explain a refusal.
     """
 
     texts: Texts
@@ -264,7 +264,7 @@ class Telling:
     typed: ParticipantRequest | None
 
     def changes(self, before: View | None) -> list[str]:
-        """Return the changes since the view before."""
+        """Return lines about the changes since an earlier view."""
         view = self.view
         if view.consent is not None and (before is None or before.consent is None):
             return [*view.consent.splitlines(), self.texts.text("terminal.question")]
@@ -298,7 +298,7 @@ class Telling:
         return why_refused(self.texts, revealed(self.view), refusal, self.typed if asked else None)
 
     def state(self) -> list[str]:
-        """Return how things stand."""
+        """Return lines about the current state."""
         view, lines = self.view, []
         for robot in view.robots:
             driving = robot.moving_to is not None
@@ -382,7 +382,7 @@ class Telling:
         return " ".join([seen, *more, texts.text("terminal.name_it", number=number)])
 
     def _asked(self, dialogue: DialogueView, told: int = 0) -> list[str]:
-        """Lines on what waits for an answer; where robots argue, sentences from number `told` on, and the choices."""
+        """Return lines about a dialogue that waits for an answer: its choices and, from number `told` on, its sentences."""
         robot = dialogue.robot
         if not dialogue.choices:
             return [self.texts.text("window.thinking", robot=robot)]
@@ -400,7 +400,7 @@ class Telling:
         ]
 
     def _told(self, dialogue: DialogueView | LastWords, told: int) -> list[str]:
-        """Sentences of a dialogue from number `told` on."""
+        """Return the sentences of a dialogue from number `told` on."""
         who = {"robot": self.texts.text("window.robot", robot=dialogue.robot), "you": self.texts.text("window.you")}
         said = spoken(dialogue)[told:]
         return [self.texts.text("window.said", who=who[speaker], words=sentence) for speaker, sentence in said]

@@ -1,4 +1,4 @@
-"""Process of a window: started, exchanging messages, and opened again should it crash."""
+"""Process of a window: it is started, exchanges messages, and is restarted after a crash."""
 
 import asyncio
 from asyncio.subprocess import PIPE, Process
@@ -12,21 +12,21 @@ from ui.command_line.terminal import THBRIDGE, note
 from ui.model.shared.window_protocol import FromHostT, FromWindowT, WindowProtocol
 
 WINDOW = (*THBRIDGE, "tabui", "--hosted")
-"""The command that opens the participant's window."""
+"""Command that opens the participant's window."""
 
 MAX_CRASHES = 3
-"""After so many crashes in a row the window stays closed."""
+"""Number of crashes in a row after which the window is not opened again."""
 ROW_ENDS = 60.0
-"""Seconds after which a window that has stayed open so long begins a new row of crashes."""
+"""Seconds after which crashes are counted from 0 again, if the window has stayed open."""
 
 
 class WindowProcess(Generic[FromHostT, FromWindowT]):
-    """A window in a process of its own.
+    """Window in a separate process.
 
     Args:
-        command: opens the window.
-        protocol: its messages.
-        name: of it in sentences.
+        command: command that opens the window.
+        protocol: protocol of its messages.
+        name: name of the window in messages.
     """
 
     def __init__(
@@ -37,12 +37,12 @@ class WindowProcess(Generic[FromHostT, FromWindowT]):
         self._protocol = protocol
         self._process: Process | None = None
         self._requests: asyncio.Queue[FromWindowT] = asyncio.Queue()
-        # Messages to repeat to a window that is opened again.
+        # Messages to repeat if the window is opened again.
         self._kept: list[FromHostT] = []
         self.given_up = False
-        """True when it has crashed too often."""
+        """True if the window has crashed too often."""
         self.left_open = False
-        """True when it shall stay after this program. That has to end by `os._exit`: asyncio kills what it started."""
+        """True if the window stays open after this program. Then end it by `os._exit`: asyncio kills child processes."""
 
     async def send(self, message: FromHostT) -> None:
         """Send a message to the window."""
@@ -50,15 +50,15 @@ class WindowProcess(Generic[FromHostT, FromWindowT]):
         await self._write(message)
 
     async def next_request(self) -> FromWindowT:
-        """Wait for the next message of the window; its last one, `closed`, when the window is closed for good."""
+        """Wait for the next message of the window; the last one, `closed`, arrives when it is closed for good."""
         return await self._requests.get()
 
     def pending_request(self) -> FromWindowT | None:
-        """Return the message that has come already, if any."""
+        """Return a message that has already arrived, if any."""
         return None if self._requests.empty() else self._requests.get_nowait()
 
     def leave_open(self) -> None:
-        """Leave it as it is at the end of the context in which it is kept open."""
+        """Leave the window open at the end of its context."""
         self.left_open = True
 
     @asynccontextmanager
@@ -76,7 +76,7 @@ class WindowProcess(Generic[FromHostT, FromWindowT]):
         try:
             while crashes < MAX_CRASHES:
                 if crashes:
-                    note(f"The {self._name} has crashed; it is opened again.")
+                    note(f"The {self._name} has crashed. It is opened again.")
                 opened = loop.time()
                 if await self._open_once():
                     return
@@ -96,7 +96,7 @@ class WindowProcess(Generic[FromHostT, FromWindowT]):
             return await self._listen(process)
         finally:
             if process.returncode is None and not self.left_open:
-                # Closing its standard input asks it to close.
+                # The window closes when its standard input closes.
                 if process.stdin is not None:
                     process.stdin.close()
                 try:
@@ -111,7 +111,7 @@ class WindowProcess(Generic[FromHostT, FromWindowT]):
             try:
                 message = self._protocol.decode_from_window(text)
             except msgspec.DecodeError:
-                continue  # Something that a library printed.
+                continue  # Output of a library, not a message.
             if message == self._protocol.closed:
                 return True
             self._requests.put_nowait(message)
@@ -125,4 +125,4 @@ class WindowProcess(Generic[FromHostT, FromWindowT]):
             process.stdin.write(self._protocol.encode(message))
             await process.stdin.drain()
         except ConnectionError:
-            pass  # It has just gone; the window opened in its place gets the message again.
+            pass  # The window has just closed; the window that replaces it gets the message again.

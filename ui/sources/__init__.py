@@ -1,1 +1,1 @@
-"""Sources of windows: recordings, read in pieces so that no window waits for them; no Qt."""
+"""Sources of windows: recordings, read in small pieces so that windows stay responsive; without Qt."""

@@ -1,4 +1,4 @@
-"""A recording as the researcher's window shows it: any moment of it, and the log of all of it."""
+"""A recording as the researcher's window shows it: the scene at any moment, and the complete log."""
 
 from bisect import bisect_right
 from collections.abc import Callable, Collection, Generator, Iterator, Sequence
@@ -24,29 +24,29 @@ from ui.sources.numbers import TopicNumbers
 from ui.sources.rooms import rooms_of
 
 TICK_NS = 20_000_000
-"""A step of time, for recordings of other robots too."""
+"""Length of a time step in the window, also for recordings of other robots."""
 _FIRST_FRAMES = 50
-"""Messages of tf that are read to find robots that publish no odometry."""
+"""Number of tf messages that are read to find robots that publish no odometry."""
 _STATIC_MOST = 1000
-"""Messages of static frames that are read, at most."""
+"""Greatest number of messages of static frames that are read."""
 _CHUNKS_KEPT = 512
-"""Chunks whose places of tf messages are remembered."""
+"""Greatest number of chunks with remembered places of tf messages."""
 _MESSAGES_KEPT = 512
-"""Messages that are remembered."""
+"""Greatest number of remembered messages."""
 _PIECE = 100
-"""Messages in a piece of a scan, at most: some milliseconds."""
+"""Greatest number of messages in a piece of a scan, which takes some milliseconds."""
 _LOG_SHARE = 0.1
 """Share of the log in the work of a scan."""
 
 
 def open_bag(path: Path) -> Generator[float, None, "BagSource"]:
-    """Open a recording; yields the share that is done, so that whoever waits can be told, or give up.
+    """Open a recording; yield the share that is done, so that a caller can show it or cancel.
 
-    All of it takes half a second or more, the last piece most of that: a window lets a thread do it. Work that takes
-    long only the first time is done here, too.
+    Opening takes half a second or more, most of it in the last piece, so windows do it in a thread. Work that is slow
+    only the first time is also done here.
 
     Args:
-        path: a bag, or the name of a split recording.
+        path: bag, or name of a split recording.
 
     Raises:
         BadFile: see `open_index`.
@@ -55,26 +55,26 @@ def open_bag(path: Path) -> Generator[float, None, "BagSource"]:
     source = BagSource(index)
     if source.session is not None:
         source.rooms = rooms_of(source.session, path)
-        # Older recordings do not name them.
+        # Older recordings do not contain the names.
         source.log.room_names = RoomNames.of((room.room.people, room.name) for room in source.rooms)
     source.scene(source.end_ns, ShownLayers())
     return source
 
 
 class BagSource:
-    """A recording; made by `open_bag`. For one thread.
+    """Recording created by `open_bag`; for use in one thread.
 
-    All methods that read raise BadFile where the file is damaged, or gone.
+    All methods that read raise BadFile if the file is damaged or missing.
 
     Attributes:
-        session: its description of its session; None unless it is a recording of ours.
-        log: events, dialogue, lines and inputs, as far as `scan` has come.
-        series: numbers over time, likewise.
-        rooms: of its map, where that is known.
-        unreadable: sentences on topics that cannot be read.
-        topics: the type of each topic that can be drawn, by its name.
+        session: description of the session; None if thbridge did not record it.
+        log: events, dialogue, messages and inputs, as far as `scan` has read.
+        series: numbers over time, as far as `scan` has read.
+        rooms: rooms of the map, if it is known.
+        unreadable: sentences about topics that cannot be read.
+        topics: type of each topic that can be drawn, by its name.
         numbers: all topics, and the numbers in their messages.
-        map: the map that is shown in place of the recorded one; None: the recorded one.
+        map: map that is shown instead of the recorded one. If None, the recorded map is shown.
         start_ns: stamp of the first message.
         end_ns: stamp of the last message.
     """
@@ -102,20 +102,20 @@ class BagSource:
         self._index.close()
 
     def scene(self, at_ns: int, shown: ShownLayers) -> Scene:
-        """The scene at a time; before the first message as at the first, after the last as at the last."""
+        """Return the scene at a time, limited to the times of the first and the last message."""
         at_ns = min(max(at_ns, self.start_ns), self.end_ns)
         watched = SceneInputs(self._robots, self._mapped, self.series, self.log, self.rooms, self.start_ns)
         scene = self._scenes.build(_Snapshot(self, at_ns), watched, shown)
         return scene if self.map is None else replace(scene, grid=self.map)
 
     def step(self, at_ns: int, steps: int) -> int:
-        """Return the time so many ticks later, or earlier where they are negative; at most the beginning or the end."""
+        """Return the time this number of ticks later (earlier if negative), limited to the recording."""
         return min(max(at_ns + steps * TICK_NS, self.start_ns), self.end_ns)
 
     def scan(self) -> Iterator[float]:
-        """Read all messages of the log, then those of the series; yields the share that is done.
+        """Read all messages of the log, then those of the series; yield the share that is done.
 
-        A piece takes some milliseconds. At the end `log` and `series` are complete.
+        Each piece takes some milliseconds. At the end, `log` and `series` are complete.
         """
         logged = [topic for topic, msgtype in self.topics.items() if is_logged(topic, msgtype)]
         yield from self._hand_over(logged, self.log.take, 0.0, _LOG_SHARE)
@@ -125,7 +125,7 @@ class BagSource:
     def _hand_over(
         self, topics: Collection[str], take: Callable[[WatchedMessage], None], start: float, end: float
     ) -> Iterator[float]:
-        """Hand over all messages of these topics, in order of time; shares go from start to end."""
+        """Pass all messages of these topics to `take`, in the order of time; yield shares from `start` to `end`."""
         chunks = max(self._index.chunks, 1)
         for done, places in enumerate(self._index.walk(topics)):
             for number, place in enumerate(places, start=1):
@@ -142,7 +142,7 @@ class BagSource:
             return None
 
     def _discover(self) -> RobotDiscovery:
-        """Find all robots of the recording by the first messages of each topic."""
+        """Find all robots of the recording from the first messages of each topic."""
         discovery = RobotDiscovery(dict(self.topics))
         for topic, msgtype in self.topics.items():
             if msgtype in {types.ODOMETRY, types.OCCUPANCY_GRID} or msgtype in TF_TYPES:
@@ -161,12 +161,12 @@ class BagSource:
         return sorted(place for topic, chunk in chunks for place in self._index.locations(topic, chunk))[:_STATIC_MOST]
 
     def newest(self, topic: str, at_ns: int) -> RawMessage | None:
-        """The last message of a topic up to a time."""
+        """Return the last message of a topic up to a time."""
         place = self._index.last(topic, at_ns) if topic in self.topics else None
         return None if place is None else self._read(place)
 
     def frames(self, at_ns: int) -> list[WatchedMessage]:
-        """Messages that tell the frames that held at a time, oldest first."""
+        """Return the messages that define the frames at a time, oldest first."""
         held: dict[tuple[str, bytes], RawMessage] = {}
         for message in self._statics:
             if message.stamp_ns <= at_ns:
@@ -177,7 +177,7 @@ class BagSource:
         return sorted(held.values(), key=lambda message: message.stamp_ns)
 
     def _moving_at(self, topic: str, at_ns: int) -> dict[bytes, RawMessage]:
-        """The last messages of a topic of tf about each of the moving frames, by their children."""
+        """Return the last messages of a tf topic about each moving frame, by their child frames."""
         held: dict[bytes, MessageLocation] = {}
         for chunk in self._index.chunks_back(topic, at_ns, at_ns - HORIZON_NS):
             for key, places in self._frame_places_in(topic, chunk).items():
@@ -187,7 +187,7 @@ class BagSource:
         return {key: self._read(place) for key, place in held.items()}
 
     def _frame_places_in(self, topic: str, chunk: int) -> dict[bytes, list[MessageLocation]]:
-        """Places in a chunk of the messages of a topic of tf, by their children."""
+        """Return the places of a tf topic's messages in a chunk, by their child frames."""
         known = self._frame_places.get((topic, chunk))
         if known is None:
             known = {}
@@ -199,7 +199,7 @@ class BagSource:
         return known
 
     def _read(self, place: MessageLocation) -> RawMessage:
-        """Read a message that holds for some time: again and again the same object, so that it is decoded once."""
+        """Read a message, and return the same object each time, so that it is decoded only once."""
         key = (place.chunk, place.offset)
         known = self._messages.pop(key, None) or self._index.read(place)
         self._messages[key] = known
@@ -209,7 +209,7 @@ class BagSource:
 
 
 class _Unread:
-    """A message whose bytes are read on demand: of most, the stamp is enough."""
+    """Message that is read on demand; for most messages, the stamp is enough."""
 
     __slots__ = ("_index", "_place", "msgtype", "stamp_ns", "topic")
 
@@ -219,12 +219,12 @@ class _Unread:
 
     @property
     def data(self) -> bytes:
-        """Its bytes."""
+        """Bytes of the message."""
         return self._index.read(self._place).data
 
 
 class _Snapshot:
-    """The last messages of a recording at one moment."""
+    """Last messages of a recording at one moment."""
 
     def __init__(self, source: BagSource, at_ns: int) -> None:
         self._source = source
@@ -239,7 +239,7 @@ class _Snapshot:
 
 
 def _readable(index: BagIndex) -> tuple[tuple[str, ...], dict[str, str]]:
-    """Sentences on topics that cannot be read, and the types of all others by topic."""
+    """Return sentences about topics that cannot be read, and the types of all other topics."""
     problems, topics = {}, {}
     for publisher in index.publishers:
         msgtype = types.TFMESSAGE if publisher.msgtype in TF_TYPES else publisher.msgtype
@@ -248,7 +248,7 @@ def _readable(index: BagIndex) -> tuple[tuple[str, ...], dict[str, str]]:
         except KeyError:
             continue
         if publisher.md5 != md5:
-            problems[publisher.topic] = f"{publisher.topic} holds another release's {publisher.msgtype}."
+            problems[publisher.topic] = f"{publisher.topic} contains {publisher.msgtype} of another version."
         else:
             topics[publisher.topic] = publisher.msgtype
     return tuple(problems.values()), {topic: topics[topic] for topic in sorted(topics) if topic not in problems}
@@ -262,5 +262,5 @@ def _children(message: RawMessage) -> bytes:
 
 
 def is_static(topic: str) -> bool:
-    """Return True when a topic of tf tells static frames."""
+    """Return True if a tf topic contains static frames."""
     return topic.endswith("tf_static")

@@ -1,4 +1,4 @@
-"""A study with people, read from its folder as it goes on."""
+"""A running study with people, read from its folder."""
 
 from collections.abc import Callable
 
@@ -14,17 +14,17 @@ from ui.model.desk.state import ToldToDesk, desk_state
 
 
 class ExperimentSource:
-    """Follows a study's log, and tells the desk's view of it.
+    """Follower of a study's log, which returns the desk's view of it.
 
     Args:
-        folder: of the study.
-        now: the date and time of day, ISO 8601 in UTC.
+        folder: folder of the study.
+        now: function that returns the date and time of day, ISO 8601 in UTC.
 
     Attributes:
-        folder: of the study.
+        folder: folder of the study.
 
     Raises:
-        BadFile: its design cannot be read.
+        BadFile: the design cannot be read.
     """
 
     def __init__(self, folder: ExperimentFolder, now: Callable[[], str]) -> None:
@@ -38,7 +38,7 @@ class ExperimentSource:
         self._look_at_freeze()
 
     def poll(self) -> bool:
-        """Read what is new in the log; return False where nothing is."""
+        """Read new entries of the log; return False if there are none."""
         known = len(self._follower.entries)
         try:
             if not self._follower.poll():
@@ -56,11 +56,11 @@ class ExperimentSource:
         return True
 
     def state(self, shown: str, kiosk: str = "", troubles: tuple[str, ...] = (), read_only: str = "") -> DeskState:
-        """Return the desk's view; its arguments are told as `ToldToDesk` has them."""
+        """Return the desk's view; see `ToldToDesk` for the arguments."""
         troubles = (self._trouble, *troubles) if self._trouble else troubles
         told = ToldToDesk(self._now(), self._changed, kiosk, troubles, shown, read_only)
         return desk_state(self._design, self._progress, self._follower.entries[: self._progress.sequence], told)
 
     def _look_at_freeze(self) -> None:
-        """See whether all is as it was frozen; this reads all that was planned."""
+        """Compare the study with its frozen fingerprint; this reads all planned files."""
         self._changed = deviations(self.folder, versions())

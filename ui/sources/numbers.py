@@ -1,4 +1,4 @@
-"""Numbers in the messages of a recording's topics, of all types that the recording defines; read when asked for."""
+"""Numbers in the messages of a recording's topics, of all types that the recording defines; read on demand."""
 
 from collections import Counter
 from collections.abc import Collection, Iterator
@@ -14,19 +14,19 @@ from thbridge.files.tables.table_files import ListColumn, OptionalColumn, Values
 from thbridge.recording.bag.reading.index import BagIndex, IndexedConnection, MessageLocation
 
 MOST_ELEMENTS = 32
-"""Largest number of elements that are offered of an array of numbers, and of an array of messages."""
+"""Greatest number of elements that can be chosen from an array of numbers, or from an array of messages."""
 _KEYS = frozenset({SECONDS.name, RECORDED.name, INDEX.name, "row"})
-"""Columns that say which row it is."""
+"""Columns that identify a row."""
 _PIECE = 100
-"""Messages that are read at a time: some milliseconds."""
+"""Number of messages read in one piece, which takes some milliseconds."""
 _TOGETHER = 4000
-"""Messages that are decoded together, at most."""
+"""Greatest number of messages that are decoded together."""
 _NO_CURVE: tuple[FloatArray, FloatArray] = (np.empty(0), np.empty(0))
 
 
 @dataclass(frozen=True, slots=True)
 class TopicContents:
-    """A topic of a recording: its name, the type of its messages (or several), and their number."""
+    """Topic of a recording: its name, its message type or types, and the number of messages."""
 
     name: str
     msgtype: str
@@ -35,15 +35,15 @@ class TopicContents:
 
 @dataclass(frozen=True, slots=True)
 class PlottedField:
-    """A number in the messages of a topic.
+    """Number in the messages of a topic.
 
     Attributes:
-        topic: its name.
-        table: path of the array of messages that holds the number; empty where it is in the message itself.
-        column: name of the field, without wrappers such as `pose` and with its unit, as in exported tables.
-        unit: its unit; empty where it has none or it is unknown.
-        item: place in the array of messages; None where the number is in the message itself.
-        element: place in the array of numbers; None for a single number.
+        topic: name of the topic.
+        table: path of the array of messages that contains the number; empty if the message itself contains it.
+        column: name of the field with its unit, without wrappers such as `pose`, as in exported tables.
+        unit: unit; empty if there is none or it is unknown.
+        item: index in the array of messages; None if the message itself contains the number.
+        element: index in the array of numbers; None for a single number.
     """
 
     topic: str
@@ -55,14 +55,14 @@ class PlottedField:
 
     @property
     def name(self) -> str:
-        """Its name within the topic, for example "transforms[0].x_m"."""
+        """Name of the number within the topic, for example "transforms[0].x_m"."""
         item = "" if self.item is None else f"{self.table}[{self.item}]."
         return f"{item}{self.column}" if self.element is None else f"{item}{self.column}[{self.element}]"
 
 
 @dataclass(slots=True)
 class _CurveParts:
-    """A curve that is being read: pieces of times and values, joined when they are asked for."""
+    """Curve that is being read: pieces of times and values, joined on demand."""
 
     pieces: list[tuple[FloatArray, FloatArray]] = field(default_factory=list)
 
@@ -74,16 +74,16 @@ class _CurveParts:
 
 
 class TopicNumbers:
-    """The topics of a recording and the numbers in their messages. For one thread.
+    """Topics of a recording, and the numbers in their messages; for use in one thread.
 
-    All methods that read raise BadFile where the file is damaged, or gone.
+    All methods that read raise BadFile if the file is damaged or missing.
 
     Args:
-        index: of the recording.
+        index: index of the recording.
 
     Attributes:
-        topics: all topics by name, those whose messages hold no numbers included.
-        chosen: the numbers that are read and kept.
+        topics: all topics by name, including those without numbers.
+        chosen: numbers that are read and kept.
     """
 
     def __init__(self, index: BagIndex) -> None:
@@ -101,7 +101,7 @@ class TopicNumbers:
         self.share = 1.0
 
     def fields(self, topic: str) -> tuple[PlottedField, ...]:
-        """Return the numbers in the messages of a topic, by its first, its middle and its last message."""
+        """Return the numbers in the messages of a topic, found in its first, middle and last message."""
         if topic not in self._fields:
             tables = _Tables(topic, self._index.start_ns)
             for place in self._samples(topic):
@@ -111,7 +111,7 @@ class TopicNumbers:
         return self._fields[topic]
 
     def choose(self, chosen: Collection[PlottedField]) -> None:
-        """Keep the curves of these numbers, and begin to read those that are missing."""
+        """Choose numbers: keep their curves, and begin to read the missing ones."""
         self.chosen = tuple(chosen)
         unfinished = () if self._reading is None else self._reading[0]
         self._reading = None
@@ -120,7 +120,7 @@ class TopicNumbers:
         }
 
     def work(self) -> bool:
-        """Read on for some milliseconds; return False when all chosen numbers are read."""
+        """Continue reading for some milliseconds; return False if all chosen numbers are read."""
         if self._reading is None:
             missing = [each for each in self.chosen if each not in self._curves]
             if not missing:
@@ -149,7 +149,7 @@ class TopicNumbers:
         return {place for place in places if place is not None}
 
     def _read(self, topic: str, wanted: Collection[PlottedField]) -> Iterator[float]:
-        """Read the messages of a topic; yields the share that is done."""
+        """Read the messages of a topic; yield the share that is done."""
         tables, chunks, waiting = _Tables(topic, self._index.start_ns), max(self._index.chunks, 1), 0
         for done, places in enumerate(self._index.walk([topic])):
             for place in places:
@@ -171,14 +171,14 @@ class TopicNumbers:
 
 
 class _Tables:
-    """The tables of a topic, whose publishers may have several types."""
+    """Tables of a topic, which may have publishers of several types."""
 
     def __init__(self, topic: str, start_ns: int) -> None:
         self._topic, self._start_ns = topic, start_ns
         self._tables: dict[IndexedConnection, TopicTables | None] = {}
 
     def add(self, place: MessageLocation, data: bytes) -> None:
-        """Add a message; one whose type cannot be read is left out."""
+        """Add a message; a message of an unreadable type is ignored."""
         publisher = place.publisher
         if publisher not in self._tables:
             try:
@@ -190,14 +190,14 @@ class _Tables:
             tables.add(place.stamp_ns, data)
 
     def take(self) -> Iterator[TableRows]:
-        """Yield the rows of the messages that were added, then drop them."""
+        """Yield the rows of the added messages, then drop them."""
         for tables in self._tables.values():
             if tables is not None:
                 yield from tables.take(Counter())
 
 
 def _is_minor(number: PlottedField) -> bool:
-    """Return True for numbers that are rarely plotted; they come last."""
+    """Return True for numbers that are rarely plotted; they are listed last."""
     return number.column in {"seq", "stamp_ns"} or "cov_" in number.column or "covariance" in number.column
 
 
@@ -226,7 +226,7 @@ def _is_numbers(values: object) -> bool:
 
 
 def _values_of(rows: TableRows, number: PlottedField) -> tuple[FloatArray, FloatArray] | None:
-    """Return (n,) times and (n,) values of a number in some rows of its table; None where they have no such column."""
+    """Return (n,) times and (n,) values of a number in some rows of its table; None if the table lacks its column."""
     names = [column.name for column in rows.table.columns]
     if number.column not in names:
         return None
@@ -239,7 +239,7 @@ def _values_of(rows: TableRows, number: PlottedField) -> tuple[FloatArray, Float
 
 
 def _numbers(values: Values, element: int | None) -> FloatArray:
-    """Return (rows,) values of a column, or of one element of a column of arrays; NaN where there is none."""
+    """Return (rows,) values of a column, or of one element of an array column; NaN if the element does not exist."""
     match values:
         case ListColumn():
             starts = np.cumsum(values.lengths) - values.lengths

@@ -1,4 +1,4 @@
-"""The rooms of the map that a session is played on."""
+"""Rooms of the map of a session."""
 
 from pathlib import Path
 
@@ -10,13 +10,13 @@ from thbridge.study.study_file import read_study_text
 
 
 def rooms_of(session: SessionRecord, path: Path) -> tuple[MapRoom, ...]:
-    """The rooms of the map that a session's study names; none where there is no such map here.
+    """Return the rooms of the map that a session's study names; empty if the map is not available here.
 
-    It takes some tenths of a second, for the whole map is checked: a window lets a thread do it.
+    Checking the whole map takes some tenths of a second, so windows do it in a thread.
 
     Args:
-        session: what a bag or a session that runs says of itself.
-        path: of the bag; a study that names the folder of its map means it from there.
+        session: description of the session, from a bag or a running session.
+        path: path of the bag; a relative path of the map starts there.
     """
     try:
         study = read_study_text(path, session.study)

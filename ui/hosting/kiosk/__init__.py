@@ -1,1 +1,1 @@
-"""The kiosk: people go through a study with people at one computer, page after page, by the study's log alone."""
+"""The kiosk: people go through a study at one computer, page after page. Its only state is the log of the study."""

@@ -1,4 +1,4 @@
-"""Items and answers on their way between a form and the window in which it is filled in."""
+"""Conversion of items and answers between a form and its window."""
 
 from thbridge.experiment.questionnaires.form import Item, Scale
 from thbridge.experiment.questionnaires.scoring import NOT_APPLICABLE
@@ -6,11 +6,11 @@ from thbridge.experiment.store.events import JsonValue
 from ui.model.kiosk import Answer, FormItem
 
 LONGEST = 20_000
-"""Characters of a text that are taken."""
+"""Greatest number of characters of a text answer."""
 
 
 def form_item(item: Item) -> FormItem:
-    """Return what people see of an item: neither its key nor what is right."""
+    """Return what participants see of an item: neither its key nor the right answer."""
     return FormItem(
         id=item.id,
         text=item.text,
@@ -32,7 +32,7 @@ def form_item(item: Item) -> FormItem:
 
 
 def is_answer(item: Item, answer: Answer) -> bool:
-    """Return True for what an item can be answered with; None takes an answer back."""
+    """Return True for a valid answer to an item; None removes an answer."""
     if answer is None:
         return True
     if answer == NOT_APPLICABLE and item.not_applicable:
@@ -51,7 +51,7 @@ def is_answer(item: Item, answer: Answer) -> bool:
 
 
 def to_answer(given: JsonValue) -> Answer:
-    """Return an answer of the log as the window takes it."""
+    """Return an answer in the log in the form that the window uses."""
     if isinstance(given, list):
         return tuple(map(str, given))
     if isinstance(given, bool | dict):
@@ -60,5 +60,5 @@ def to_answer(given: JsonValue) -> Answer:
 
 
 def to_json(answer: Answer) -> JsonValue:
-    """Return an answer as the log takes it."""
+    """Return an answer in the form that the log uses."""
     return list(answer) if isinstance(answer, tuple) else answer

@@ -1,4 +1,4 @@
-"""Forms of a study: filled in at the kiosk, page by page."""
+"""Forms of a study at the kiosk, filled in page by page."""
 
 from thbridge.experiment.design.experiment_file import ExperimentDesign
 from thbridge.experiment.design.plan import PlannedStep
@@ -16,11 +16,11 @@ from ui.model.kiosk import (
 
 
 class FormSteps:
-    """Has the person at the kiosk fill in forms.
+    """Steps in which the person at the kiosk fills in forms.
 
     Args:
-        design: the study.
-        pages: of the kiosk.
+        design: design of the study.
+        pages: pages of the kiosk.
     """
 
     def __init__(self, design: ExperimentDesign, pages: KioskPages) -> None:
@@ -28,9 +28,9 @@ class FormSteps:
         self._pages = pages
 
     async def fill_in(self, step: PlannedStep) -> None:
-        """Have a form filled in, from the first page that is not; people go back as far as its first page.
+        """Show a form from its first incomplete page until it is filled in; the person may go back to its first page.
 
-        Nobody comes back to an item with a time limit: it is closed once they have left it.
+        A page with a time limit is closed once the person has left it.
         """
         form = self._design.forms[step.index]
         pages = list(form.pages(self._design.file.seed, self._pages.person))
@@ -46,19 +46,19 @@ class FormSteps:
                 self._pages.tell(EventKind.WENT_BACK, {"page": part})
 
     def _is_open(self, items: tuple[Item, ...]) -> bool:
-        """Return True where something of a page is not answered, or changed and not given since."""
+        """Return True if an item of a page has no answer, or an answer that was changed but not submitted."""
         given, drafts = self._pages.run.given, self._pages.run.drafts
         return any(item.id not in given or item.id in drafts or self._is_missing(item) for item in items)
 
     def _is_missing(self, item: Item) -> bool:
-        """Return True where an item still has to be answered."""
+        """Return True if an item still needs an answer."""
         run = self._pages.run
         return item.required and run.given.get(item.id) is None and item.id not in run.timed_out
 
     async def _fill_in_page(self, form: Form, items: tuple[Item, ...], part: int, parts: int, *, back: bool) -> bool:
-        """Have a page of a form filled in; False: the person goes back to the one before, whatever is answered here.
+        """Show a page of a form until it is filled in. Return False if the person goes back to the page before it.
 
-        What nobody need answer gets no answer in the end, which is one, too.
+        An optional item without an answer is recorded with an empty answer.
         """
         shown, missing = tuple(map(form_item, items)), tuple[str, ...]()
         leaves = (WentOn, WentBack) if back else (WentOn,)
@@ -84,7 +84,7 @@ class FormSteps:
                 return True
 
     async def _take(self, items: tuple[Item, ...], news: ItemNews) -> None:
-        """Take down what happened with an item."""
+        """Record what happened with an item."""
         item = next((item for item in items if item.id == news.item), None)
         if item is None or item.id in self._pages.run.timed_out:
             return
@@ -113,5 +113,5 @@ class FormSteps:
 
 
 def _is_limited(items: tuple[Item, ...]) -> bool:
-    """Return True for the page of an item with a time limit."""
+    """Return True if a page has an item with a time limit."""
     return any(item.seconds > 0.0 for item in items)

@@ -1,4 +1,4 @@
-"""Games of a study at the kiosk: shown, watched, and their results read."""
+"""Games of a study at the kiosk: show them, watch them, and show their results."""
 
 import asyncio
 import math
@@ -36,45 +36,45 @@ from ui.model.kiosk import (
 
 
 class GamesOfStudy(Protocol):
-    """Player of games, as `StudyGames` does."""
+    """Player of games, such as `StudyGames`."""
 
     async def practise(self, run: Run, step: PlannedStep, watcher: GameWatcher) -> PracticeCount:
-        """Play the practice game; return what was done in it."""
+        """Play the practice game; return the actions counted in it."""
 
     async def play(
         self, run: Run, step: PlannedStep, watcher: GameWatcher, *, goes_on: bool
     ) -> dict[str, JsonValue] | None:
-        """Play a person's game; what the log keeps of it, or None where it did not come to its end."""
+        """Play a person's game; return its entry in the log, or None if the game did not reach its end."""
 
 
 class StudyClock:
-    """The clocks of a study's events.
+    """Clocks of a study's events.
 
     Attributes:
-        simulated: seconds of simulated time while a game is played; None outside of games.
+        simulated: simulated time of the running game, seconds; None outside of games.
     """
 
     def __init__(self) -> None:
         self.simulated: float | None = None
 
     def __call__(self) -> Clocks:
-        """Return the times now."""
+        """Return the current times."""
         return Clocks(utc_now(), time.monotonic_ns(), self.simulated)
 
 
 PlayedT = TypeVar("PlayedT")
 MOST_PRACTICE = 3
-"""Practice games, at most, of a person who does not do in them what the step asks for."""
+"""Greatest number of practice games for a person who does not reach the step's goals."""
 
 
 class GameSteps:
-    """Has the person at the kiosk play games.
+    """Steps in which the person at the kiosk plays games.
 
     Args:
-        conductor: of the study's log; its clocks are `clock`.
-        pages: of the kiosk.
-        games: plays them.
-        clock: of the log's events.
+        conductor: conductor of the study, which uses `clock`.
+        pages: pages of the kiosk.
+        games: player of the games.
+        clock: clock of the log's events.
     """
 
     def __init__(self, conductor: Conductor, pages: KioskPages, games: GamesOfStudy, clock: StudyClock) -> None:
@@ -85,7 +85,7 @@ class GameSteps:
         self._token = secrets.token_hex(8)
 
     async def practise(self, step: PlannedStep) -> None:
-        """Have practice played until all is done that its step asks for, or it was played often enough."""
+        """Repeat the practice game until all goals of its step are reached, or it was played often enough."""
         for game in range(MOST_PRACTICE):
             await self._pages.show(GamePrepared(0, self._pages.texts.text("kiosk.practice_comes")))
             visit = _Visit(self._pages, self._clock, self._token, practice=True)
@@ -101,7 +101,7 @@ class GameSteps:
                 await self._pages.read(TextToRead(0, self._pages.texts.text("kiosk.once_more"), text))
 
     async def play(self, step: PlannedStep, how: ResumeRule | None) -> None:
-        """Have the game of a trial played; `how` it goes on after a crash, None where it begins."""
+        """Run the game of a trial; after a crash, `how` says how it resumes. If None, the game begins."""
         visit = _Visit(self._pages, self._clock, self._token, practice=False)
         if self._pages.run.game is None:
             goes_on = how is ResumeRule.EXACT
@@ -115,7 +115,7 @@ class GameSteps:
             await self._read_result(visit, GameRecorded(0, self._pages.texts.text("kiosk.game_ended"), text))
 
     async def _at_game(self, visit: "_Visit", game: Coroutine[object, object, PlayedT]) -> PlayedT:
-        """Play a game to its end, unless the run or the program ends before."""
+        """Play a game to its end, unless the run or the program ends first."""
         try:
             played = await game
         except ParticipantDeclined as declined:
@@ -131,7 +131,7 @@ class GameSteps:
         return played
 
     async def _read_result(self, visit: "_Visit", result: GameRecorded) -> None:
-        """Show that a game has ended until the person goes on; the window may show its end already, on its page."""
+        """Show that a game has ended until the person continues; if the window still shows the game, use that page."""
         if visit.page != self._pages.number or visit.page == 0:
             await self._pages.read(result)
             return
@@ -141,7 +141,7 @@ class GameSteps:
 
 
 class _Visit:
-    """A person at one game; see `GameWatcher` for the methods."""
+    """Visit of a person to one game; see `GameWatcher` for the methods."""
 
     def __init__(self, pages: KioskPages, clock: StudyClock, token: str, *, practice: bool) -> None:
         self._pages = pages
@@ -154,9 +154,9 @@ class _Visit:
         self._news = GameNews(0, -1)
         self._to_do: tuple[str, ...] = ()
         self.page = 0
-        """Number of the game's page; 0: it was not shown."""
+        """Number of the game's page; 0 if it was not shown."""
         self.went_on = False
-        """True once the person has gone on from the game."""
+        """True after the person has left the game."""
 
     def ready(self, where: ListeningAddress) -> None:
         agreed_at = "" if self._practice else self._pages.run.agreed_at
@@ -203,17 +203,17 @@ class _Visit:
             self._pages.tell(EventKind.RECORDING_CUT_OFF, {"bag": bag.name})
 
     def check(self) -> None:
-        """Raise what has ended more than the game."""
+        """Raise the exception that ends more than this game."""
         if self._stopped is not None:
             raise self._stopped
         self._pages.check()
 
     async def done(self) -> None:
-        """Wait until all is sent."""
+        """Wait until all messages are sent."""
         await asyncio.gather(*self._sending, return_exceptions=True)
 
     def _send(self, page: Page) -> int:
-        """Show a page soon; its number, which counts at once."""
+        """Show a page soon; return its number, which is valid at once."""
         shown = self._pages.numbered(page)
         self._say(shown)
         return shown.page

@@ -1,4 +1,4 @@
-"""Games of a study with people: played in the person's window, recorded, and gone on with after a crash."""
+"""Games of a study with people: played in the person's window, recorded, and resumed after a crash."""
 
 import asyncio
 from collections.abc import Callable, Mapping
@@ -31,7 +31,7 @@ from thbridge.timing.pace_meter import GamePace, PaceMeter
 from ui.first_start.compiling import compile_ahead
 
 SEEN_WITHIN = 10 * TICKS_PER_SECOND
-"""Ticks after the end of a game by which the window must have shown it; then it is not waited for any more."""
+"""Ticks after the end of a game for which the program waits until the window shows the end."""
 
 
 class KioskStopped(Exception):  # noqa: N818 - nothing went wrong with the program
@@ -39,45 +39,45 @@ class KioskStopped(Exception):  # noqa: N818 - nothing went wrong with the progr
 
 
 class GameWatcher(Protocol):
-    """Host of the person at a game."""
+    """Host of a person who plays a game."""
 
     def ready(self, where: ListeningAddress) -> None:
         """Let the window join the game."""
 
     def passed(self, seconds: float, lag: float, left: float) -> None:
-        """Take the times after each tick, all in seconds.
+        """Receive the times after each tick, all in seconds.
 
         Args:
             seconds: simulated time.
-            lag: by which it is behind real time.
+            lag: time by which the game is behind real time.
             left: real time until the game must end.
         """
 
     def still_to_do(self, missing: Mapping[PracticeTerm, float]) -> None:
-        """Take what must still be done in a practice game before the person may go on, before `passed` of each tick."""
+        """Receive what must still be done in a practice game, before `passed` of each tick."""
 
     def time_is_up(self) -> None:
-        """Tell the person that the time of the game is over."""
+        """Show the person that the time of the game is over."""
 
     def has_left(self) -> bool:
-        """Return True once the person goes on or away, or the run or the program ends."""
+        """Return True if the person has left the game, or the run or the program ends."""
 
     def has_seen_end(self) -> bool:
-        """Return True once the window shows the end."""
+        """Return True if the window shows the end."""
 
     def broken_off(self, bag: Path | None) -> None:
-        """Take down that a game is not gone on with; its recording, if there is one, was moved there."""
+        """Record that a game is abandoned; `bag` is where its recording was moved, or None."""
 
     def cut_off(self, bag: Path) -> None:
-        """Take down, once, that a recording ended with its program, and that its game goes on."""
+        """Record, once, that a recording ended with its program and that its game is resumed."""
 
 
 class StudyGames:
-    """Plays the games of one study.
+    """Player of the games of one study.
 
     Args:
-        folder: of the study.
-        design: the study.
+        folder: folder of the study.
+        design: design of the study.
     """
 
     def __init__(self, folder: ExperimentFolder, design: ExperimentDesign) -> None:
@@ -86,7 +86,7 @@ class StudyGames:
         self._settings = SettingCache(design.beside)
 
     async def practise(self, run: Run, step: PlannedStep, watcher: GameWatcher) -> PracticeCount:
-        """Play the practice game, which is not recorded; return what was done in it."""
+        """Play the practice game, which is not recorded; return the actions counted in it."""
         setting = setting_of_practice(self._design, self._settings, run, step)
         count = PracticeCount(step, setting)
 
@@ -101,28 +101,28 @@ class StudyGames:
     async def play(
         self, run: Run, step: PlannedStep, watcher: GameWatcher, *, goes_on: bool
     ) -> dict[str, JsonValue] | None:
-        """Play a person's game, or go on with one that was under way.
+        """Play a person's game, or resume a game that was interrupted.
 
         Args:
-            run: the person's.
-            step: a trial.
-            watcher: hosts the person.
-            goes_on: True to go on with what an earlier program began; False to begin anew.
+            run: run of the person.
+            step: step of the trial.
+            watcher: host of the person.
+            goes_on: True to resume the game of an earlier program; False to start it again.
 
         Returns:
-            What the log keeps of it; None where it did not come to its end.
+            Its entry in the log; None if the game did not reach its end.
 
         Raises:
-            BadFile: it cannot be recorded.
-            KioskStopped: by Ctrl-C or SIGTERM.
-            ParticipantDeclined: the study's own text was not agreed to.
+            BadFile: the game cannot be recorded.
+            KioskStopped: Ctrl-C or SIGTERM stopped the program.
+            ParticipantDeclined: the person did not agree to the study's own consent text.
         """
         setting = setting_of_trial(self._design, self._settings, run, step)
         if setting is None:
             return None
         bag, attempt = self._folder.bag(run.participant, step.number), run.begun.get(step.number, 1)
         if attempt > 1:
-            # The log names the recording of the time before.
+            # The log names the recording of the earlier attempt.
             bag = bag.with_stem(f"{bag.stem}-attempt-{attempt}")
         log = _inputs_of(bag)
         try:
@@ -130,7 +130,7 @@ class StudyGames:
             earlier = make_room(bag)
             if not goes_on or (earlier is not None and not log.exists()):
                 _break_off(log, bag, earlier, watcher)
-            # Also those of programs that died before they could tell.
+            # Also games of programs that died before they could record this.
             for left in moved_aside(bag):
                 watcher.cut_off(left)
             options = self._options(step, setting.study.rate, bag)
@@ -138,13 +138,13 @@ class StudyGames:
                 observer = GameObserver()
                 ended = await self._play(setting, options, watcher, observer.record)
             except GameDiffers:
-                # Of another release, or its study was changed: it cannot be the same game.
+                # The log is of another release or of a changed study, so the game cannot be reproduced.
                 make_room(bag)
                 _break_off(log, bag, earlier, watcher)
                 observer = GameObserver()
                 ended = await self._play(setting, options, watcher, observer.record)
         except OSError as error:
-            raise BadFile(bag, f"cannot be recorded ({reason_of(error)})", "Make room on the disk") from None
+            raise BadFile(bag, f"cannot be recorded ({reason_of(error)})", "Free disk space") from None
         if ended is None:
             return None
         outcome, pace = ended
@@ -161,7 +161,7 @@ class StudyGames:
         watcher: GameWatcher,
         record: Callable[[TickRecord], None],
     ) -> tuple[HuntOutcome, GamePace] | None:
-        """Play a game, each tick of which is recorded; None when it did not come to its end."""
+        """Play a game and record each tick; return None if it did not reach its end."""
         over_at, last = 0, int(options.max_seconds * TICKS_PER_SECOND)
         meter = PaceMeter()
         told = ended = False
@@ -198,18 +198,18 @@ class StudyGames:
 
 
 def _inputs_of(bag: Path) -> Path:
-    """Path of the log of inputs by which a game goes on."""
+    """Return the path of the log of inputs, with which a game is resumed."""
     return bag.with_suffix(".inputs")
 
 
 def _break_off(log: Path, bag: Path, earlier: Path | None, watcher: GameWatcher) -> None:
-    """Keep what there is of a game that is not gone on with; nothing where there is nothing.
+    """Keep the files of an abandoned game; do nothing if there are none.
 
     Args:
-        log: of its inputs.
-        bag: the recording of the game in its place.
-        earlier: its recording, moved out of the way; None: there is none.
-        watcher: is told.
+        log: log of its inputs.
+        bag: path of the recording of the game that replaces it.
+        earlier: its recording, which was moved. If None, there is none.
+        watcher: host, which is notified.
     """
     if log.exists():
         log.rename(_inputs_of(earlier or log.with_stem(f"{log.stem}-0")))

@@ -1,6 +1,6 @@
-"""The host of the kiosk: shows people one page after the other, and has all that they do in the log at once.
+"""The host of the kiosk: shows pages one after the other, and logs all actions of the person at once.
 
-It knows nothing that the log does not know. After a crash it goes on with the same person where they were.
+Its only state is the log. After a crash it resumes with the same person at the same step.
 """
 
 import asyncio
@@ -41,20 +41,20 @@ from ui.model.kiosk import (
 
 
 class KioskHost:
-    """Takes one person after the other through a study.
+    """Program that takes one person after the other through a study.
 
     Args:
-        design: the study.
-        conductor: of its log; its clocks are `clock`.
-        window: in which people go through it; opened here.
-        games: plays its games.
-        clock: of its events.
+        design: design of the study.
+        conductor: conductor of the study, which uses `clock`.
+        window: window of the kiosk; it is opened here.
+        games: player of the games.
+        clock: clock of the log's events.
 
     Raises:
         BadFile: the texts of the study's language cannot be read.
 
     Attributes:
-        study: for the researcher's desk.
+        study: interface for the researcher's desk.
     """
 
     def __init__(
@@ -76,7 +76,7 @@ class KioskHost:
         self.study = HostedStudy(conductor, self._pages)
 
     async def run(self) -> None:
-        """Take people through the study until the window is closed, or the program stopped.
+        """Take people through the study until the window is closed or the program is stopped.
 
         Raises:
             BadFile: the log or a recording cannot be written, or a text cannot be read.
@@ -84,15 +84,15 @@ class KioskHost:
         await self._host(self._people())
 
     async def preview(self, participant: str, last: int) -> None:
-        """Have a person go through their steps up to the one of this number, and close the window.
+        """Take a person through the steps up to the one with number `last`, then close the window.
 
         Raises:
-            BadFile: as for `run`.
+            BadFile: see `run`.
         """
         await self._host(self._steps_until(participant, last))
 
     async def _host(self, people: Coroutine[object, object, None]) -> None:
-        """Keep the window open while people go through something."""
+        """Keep the window open while a coroutine runs."""
         async with self._window.opened():
             await self._window.send(StudyTexts(GameTexts.of(self._texts)))
             listening = asyncio.create_task(self._pages.listen())
@@ -121,7 +121,7 @@ class KioskHost:
         self._pages.closed = True
 
     async def _end(self, *, failed: bool) -> None:
-        """Have the window close; where somebody is in the middle of the study, it stays and says so instead."""
+        """Close the window. If a person is in the middle of the study, it stays open with a message instead."""
         if self._pages.closed or not self._pages.person or self._pages.run.state is not RunState.UNDER_WAY:
             await self._window.send(CloseKiosk())
             return
@@ -130,7 +130,7 @@ class KioskHost:
         self._window.leave_open()
 
     async def _resume(self) -> None:
-        """Go on with whoever was under way when an earlier program died."""
+        """Resume the run that was in progress when an earlier program died."""
         runs = list(self._conductor.progress.runs.values())
         for run in unfinished(self._conductor.progress):
             self._pages.person = run.participant
@@ -142,7 +142,7 @@ class KioskHost:
             await self._part(self._pages.person)
 
     async def _next_run(self) -> str:
-        """Wait until the next person begins; their id."""
+        """Wait until the next person begins; return their id."""
         await self._text_steps.send_instructions(None)
         while True:
             place = self._conductor.progress.next_place()
@@ -162,7 +162,7 @@ class KioskHost:
                 return admitted.participant
 
     async def _go_through(self, participant: str, *, again: bool = False) -> None:
-        """Have a person go through all the steps that they have left; `again`: after an earlier program died."""
+        """Take a person through all remaining steps; `again` is True after an earlier program died."""
         self._pages.person = participant
         with contextlib.suppress(RunOver):
             await self._ask_recruiting_code(again=again)
@@ -171,7 +171,7 @@ class KioskHost:
         await self._part(participant)
 
     async def _begin(self) -> bool:
-        """Go through the next step; False: there is none."""
+        """Run the next step; return False if there is none."""
         self._pages.check()
         before = self._pages.run
         if before.last_outcome is StepOutcome.FAILED and not before.under_way:
@@ -186,7 +186,7 @@ class KioskHost:
         return step is not None
 
     async def _do(self, step: PlannedStep, how: ResumeRule | None) -> None:
-        """Have a person do what a step asks for; `how` it goes on after a crash, None where it begins."""
+        """Run a step; after a crash, `how` says how it resumes. If None, the step begins."""
         match step.entry.step:
             case StepKind.CONSENT:
                 await self._text_steps.consent(step)
@@ -200,7 +200,7 @@ class KioskHost:
                 await self._text_steps.read(step)
 
     async def _part(self, participant: str) -> None:
-        """Show the last pages until the person has gone."""
+        """Show the last pages until the person has left."""
         await self._debrief()
         heading, text = words.farewell(self._texts, self._conductor.progress.runs[participant])
         code = self._conductor.progress.runs[participant].code
@@ -210,7 +210,7 @@ class KioskHost:
         self._conductor.tell_of_run(EventKind.FAREWELL_READ, participant, {}, by)
 
     async def _debrief(self) -> None:
-        """Have a person who left or was excluded read what the study was about."""
+        """Show the debriefing to a person who left or was excluded."""
         run = self._pages.run
         if self._conductor.progress.next_debriefing(self._pages.person) is None:
             return
@@ -223,7 +223,7 @@ class KioskHost:
                 self._conductor.end(self._pages.person, step)
 
     async def _read_last(self, page: TextToRead) -> bool:
-        """Show a page after the end of a run until the person goes on from it; False: the researcher did, for them."""
+        """Show a page after the end of a run until the person continues. Return False if the researcher continued."""
         if not self._pages.admits:
             await self._pages.show(page)
         message: FromKiosk | Woken | None = None
@@ -244,7 +244,7 @@ class KioskHost:
             match await self._pages.next_of_run():
                 case ItemNews(what="changed" | "given", answer=answer):
                     code = answer.strip() if isinstance(answer, str) else ""
-                    # Where the window crashes, the one that is opened in its place has it.
+                    # If the window crashes, the window that replaces it has the answer.
                     await self._pages.kept(asked.id, answer)
                 case WentOn() if code:
                     break
@@ -253,7 +253,7 @@ class KioskHost:
         self._conductor.tell_of_run(EventKind.RECRUITING_CODE, self._pages.person, {"code": code}, "participant")
 
     async def _tell_of_repetition(self, run: Run) -> None:
-        """Tell somebody who failed a check that it comes again; nothing where it does not."""
+        """Show a person who failed a check that it will be repeated; do nothing if it will not."""
         check = next((step for step in run.plan[run.step - 1 :] if step.number in run.attempts), None)
         if check is None or check.number in run.failed:
             return

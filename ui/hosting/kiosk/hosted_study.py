@@ -1,4 +1,4 @@
-"""Requests of the researcher to the kiosk, and what the desk shows of it."""
+"""Interface of the kiosk for the researcher's desk: requests, and the state that the desk shows."""
 
 from collections.abc import Callable
 
@@ -11,14 +11,14 @@ from ui.hosting.kiosk.pages import KioskPages
 
 
 class HostedStudy:
-    """The kiosk as the researcher's desk sees and steers it; see `StudyUnderWay`.
+    """The kiosk as the researcher's desk sees and controls it; see `StudyUnderWay`.
 
     Args:
-        conductor: of the study's log.
-        pages: of the kiosk.
+        conductor: conductor of the study.
+        pages: pages of the kiosk.
 
     Attributes:
-        changed: called after each event of the log, and when `kiosk` or `troubles` are others.
+        changed: called after each event of the log, and when `kiosk` or `troubles` change.
     """
 
     def __init__(self, conductor: Conductor, pages: KioskPages) -> None:
@@ -33,28 +33,28 @@ class HostedStudy:
 
     @property
     def progress(self) -> Progress:
-        """Places and steps of everybody."""
+        """Places and steps of all participants."""
         return self._conductor.progress
 
     @property
     def kiosk(self) -> str:
-        """The page that is shown, in words."""
+        """Description of the page that is shown."""
         return f"{self._pages.person}: {self._pages.shown}" if self._pages.person else self._pages.shown
 
     @property
     def troubles(self) -> tuple[str, ...]:
-        """Sentences about what somebody has to look at."""
+        """Sentences about problems that a person must look at."""
         troubles = []
         if self._pages.looks_away and self._pages.person:
-            troubles.append("At the kiosk, keys and clicks go to another window.")
+            troubles.append("Another window at the kiosk receives keys and clicks. Click into the kiosk's window.")
         if self._pages.lag:
             troubles.append(words.LAGS.format(self._pages.lag))
         return tuple(troubles)
 
     def admit_next(self) -> str | None:
-        """Begin the run of the next person; else return why that cannot be."""
+        """Begin the run of the next person; return a sentence if that is not possible."""
         if under_way := unfinished(self.progress):
-            return f"{under_way[0].participant} is still under way."
+            return f"{under_way[0].participant} is still in the study."
         if isinstance(place := self.progress.next_place(), NoPlace):
             return words.NO_PLACE_TOLD[place]
         self._pages.admits = True
@@ -62,16 +62,16 @@ class HostedStudy:
         return None
 
     def note(self, text: str, participant: str) -> str | None:
-        """Take down words of the researcher."""
+        """Record a note of the researcher."""
         self._conductor.note(text, participant)
         return None
 
     def exclude(self, participant: str, reason: str) -> str | None:
-        """Decide that a run does not count; whoever is in it is told that it ends."""
+        """Exclude a run from the data; a person who is in it is informed that it ends."""
         if participant not in self.progress.runs:
-            return f"Nobody is called {participant}."
+            return f"No participant has the id {participant}."
         if self.progress.runs[participant].state is RunState.EXCLUDED:
-            return f"{participant} is excluded already."
+            return f"{participant} is already excluded."
         if other := self._other_in(reason, participant):
             return words.NAMES_OTHER.format(other)
         self._conductor.exclude(participant, reason)
@@ -79,10 +79,10 @@ class HostedStudy:
         return None
 
     def end_run(self, participant: str, reason: str) -> str | None:
-        """End a run: the person went, or cannot go on."""
+        """End a run, because the person left or cannot continue."""
         run = self.progress.runs.get(participant)
         if run is None or run.state is not RunState.UNDER_WAY:
-            return f"{participant} is not under way."
+            return f"{participant} is not in the study now."
         if other := self._other_in(reason, participant):
             return words.NAMES_OTHER.format(other)
         self._conductor.leave(participant, reason, actor="experimenter")
@@ -90,12 +90,12 @@ class HostedStudy:
         return None
 
     def busy_with(self, participant: str) -> str | None:
-        """Return why a participant cannot withdraw now: they are still at the kiosk."""
+        """Return a sentence if a participant cannot withdraw now because they are still at the kiosk."""
         run = self.progress.runs.get(participant)
         if participant == self._pages.person or (run is not None and run.state is RunState.UNDER_WAY):
-            return f"{participant} is still at the kiosk. End the run first, and let the last page be left."
+            return f"{participant} is still at the kiosk. End the run first, then leave its last page."
         return None
 
     def _other_in(self, reason: str, participant: str) -> str | None:
-        """Return who else is named in a reason, which stays when they withdraw."""
+        """Return another participant named in a reason; the reason would remain when that participant withdraws."""
         return next((other for other in self.progress.runs if other in reason and other != participant), None)

@@ -1,4 +1,4 @@
-"""Pages of the kiosk: shown to the person at it one after the other, and what is heard of them is logged at once."""
+"""Pages of the kiosk: shown to the person one after the other; the window's messages are logged at once."""
 
 import asyncio
 from collections.abc import Callable, Iterator, Mapping
@@ -35,49 +35,49 @@ from ui.model.kiosk import (
 
 
 class WindowOfKiosk(Protocol):
-    """The window, as `WindowProcess` has it."""
+    """The kiosk's window, implemented by `WindowProcess`."""
 
     async def send(self, message: ToKiosk) -> None:
         """Send a message."""
 
     async def next_request(self) -> FromKiosk:
-        """Wait for its next message."""
+        """Wait for the next message of the window."""
 
     def opened(self) -> AbstractAsyncContextManager[None]:
-        """Keep it open inside this context."""
+        """Keep the window open inside this context."""
 
     def leave_open(self) -> None:
-        """Leave it as it is after that context."""
+        """Leave the window open after that context."""
 
 
 class RunOver(Exception):  # noqa: N818 - nothing went wrong with the program
-    """The run of the person at the window has ended, or is excluded."""
+    """The run of the person at the window has ended or is excluded."""
 
 
 class Woken:
-    """Something changed without the window."""
+    """Message that something changed outside the window."""
 
 
 Page: TypeAlias = TextToRead | ConsentToAsk | FormToFill | GamePrepared | GameToJoin | GameRecorded
 
 
 class KioskPages:
-    """Pages that the person at the kiosk sees, and the window's messages about them.
+    """Pages of the kiosk, and the window's messages about them.
 
     Args:
-        conductor: of the study's log.
-        window: in which they are shown.
-        texts: of the study.
+        conductor: conductor of the study.
+        window: window that shows them.
+        texts: texts of the study.
 
     Attributes:
-        changed: called when another page is shown, or the lag is another.
-        person: id of the participant at the kiosk; empty: there is none.
-        number: of the page that is shown.
-        shown: the page in words.
-        lag: whole seconds by which a game is behind real time.
+        changed: called when another page is shown or the lag changes.
+        person: id of the participant at the kiosk; empty if there is none.
+        number: number of the shown page.
+        shown: description of the page.
+        lag: time by which a game is behind real time, whole seconds.
         looks_away: True while keys and clicks go to another window.
-        admits: True once the researcher has the next person begin.
-        closed: True once the window was closed on purpose.
+        admits: True after the researcher has let the next person begin.
+        closed: True after the window was closed on purpose.
     """
 
     def __init__(self, conductor: Conductor, window: WindowOfKiosk, texts: Texts) -> None:
@@ -92,21 +92,21 @@ class KioskPages:
 
     @property
     def run(self) -> Run:
-        """The person's run."""
+        """Run of the person at the kiosk."""
         return self._conductor.progress.runs[self.person]
 
     def note_lag(self, lag: float) -> None:
-        """Show the researcher each whole second by which the game is behind real time."""
+        """Show the researcher by how many whole seconds the game is behind real time."""
         if int(lag) != self.lag:
             self.lag = int(lag)
             self.changed()
 
     def wake(self) -> None:
-        """Have `next` look again at what has changed without the window."""
+        """Make `next` check for changes outside the window."""
         self._heard.put_nowait(Woken())
 
     async def listen(self) -> None:
-        """Hear the window; for ever."""
+        """Receive the messages of the window, without end."""
         while True:
             self._heard.put_nowait(await self.window.next_request())
 
@@ -123,31 +123,31 @@ class KioskPages:
 
     @property
     def progress(self) -> StudyProgress:
-        """The person's place among their steps."""
+        """Position of the person among their steps."""
         run = self._conductor.progress.runs.get(self.person)
         if run is None or run.state is not RunState.UNDER_WAY:
             return StudyProgress()
         return StudyProgress(*self._conductor.progress.step_count(self.person))
 
     async def kept(self, item: str, answer: Answer, *, timed_out: bool = False) -> None:
-        """Let the window know that an answer on its page is in the log."""
+        """Inform the window that an answer on its page is in the log."""
         await self.window.send(AnswerKept(self.number, item, answer, timed_out))
 
     async def read(self, page: TextToRead | GameRecorded) -> None:
-        """Show a page until the person goes on from it."""
+        """Show a page until the person continues."""
         await self.show(page)
         while not isinstance(await self.next_of_run(), WentOn):
             pass
 
     async def next(self) -> FromKiosk | Woken:
-        """Wait for what is said of the page shown, or what changed without the window."""
+        """Wait for a message about the shown page, or a change outside the window."""
         while True:
             message = self._taken(await self._heard.get())
             if message is not None:
                 return message
 
     async def next_of_run(self) -> FromKiosk | Woken:
-        """Wait likewise; raises RunOver once the person's run has ended."""
+        """Wait like `next`; raise RunOver if the person's run has ended."""
         message = await self.next()
         self.check()
         return message
@@ -158,14 +158,14 @@ class KioskPages:
             raise RunOver
 
     def waiting(self) -> Iterator[FromKiosk | Woken]:
-        """Take what `next` would return without waiting."""
+        """Yield the messages that `next` would return without waiting."""
         while not self._heard.empty():
             message = self._taken(self._heard.get_nowait())
             if message is not None:
                 yield message
 
     def _taken(self, message: FromKiosk | Woken) -> FromKiosk | Woken | None:
-        """Take what is the same on all pages; return the rest, but None for what is said of another page."""
+        """Handle messages that do not depend on the page; return others, or None for a message about another page."""
         match message:
             case KioskClosed():
                 self.closed = True
@@ -191,7 +191,7 @@ class KioskPages:
                 return message if message.page == self.number else None
 
     def tell(self, kind: EventKind, data: Mapping[str, JsonValue]) -> None:
-        """Take down what a person did, in the step under way if there is one."""
+        """Record an action of the person, in the current step if there is one."""
         step = self._conductor.progress.next_step(self.person) if self.run.under_way else None
         if step is None:
             self._conductor.tell_of_run(kind, self.person, data, "participant")

@@ -1,4 +1,4 @@
-"""Texts of a study, read at the kiosk from its files."""
+"""Texts of a study that are read at the kiosk, from files of the study."""
 
 import hashlib
 from pathlib import Path
@@ -24,12 +24,12 @@ from ui.model.kiosk import (
 
 
 class TextSteps:
-    """Has the person at the kiosk read texts.
+    """Steps in which the person at the kiosk reads texts.
 
     Args:
-        design: the study.
-        conductor: of its log.
-        pages: of the kiosk.
+        design: design of the study.
+        conductor: conductor of the study.
+        pages: pages of the kiosk.
     """
 
     def __init__(self, design: ExperimentDesign, conductor: Conductor, pages: KioskPages) -> None:
@@ -39,13 +39,13 @@ class TextSteps:
         self._instructions: tuple[PlannedStep, ...] = ()
 
     async def read(self, step: PlannedStep) -> None:
-        """Have the text of a step read."""
+        """Show the text of a step until the person continues."""
         text, markdown = self.content(step)
         heading = "" if markdown else words.step_heading(self._pages.texts, step.entry.step)
         await self._pages.read(TextToRead(0, heading, text, markdown=markdown))
 
     def content(self, step: PlannedStep) -> tuple[str, bool]:
-        """Return what is read in a step, and whether it is Markdown."""
+        """Return the text of a step, and True if it is Markdown."""
         if step.entry.text is None:
             return self._pages.texts.text("kiosk.pause_text"), False
         path = self._design.path.parent / step.entry.text
@@ -56,7 +56,7 @@ class TextSteps:
         return text, path.suffix == ".md"
 
     async def consent(self, step: PlannedStep) -> None:
-        """Have the person read a consent, and answer it; raises RunOver where they do not agree."""
+        """Show a consent until the person answers it; raise RunOver if they do not agree."""
         if self._pages.run.agrees is None:
             path = self._design.path.parent / (step.entry.text or Path())
             content = read_bytes(path)
@@ -72,10 +72,11 @@ class TextSteps:
             raise RunOver
 
     async def send_instructions(self, now: PlannedStep | None) -> None:
-        """Send the instructions that the person has read so far, if they are others than before.
+        """Send the instructions that the person has read so far, if they changed.
 
         Args:
-            now: the step under way, in which instructions for other conditions would mislead; None: nobody takes part.
+            now: current step; instructions for other conditions are left out, because they would mislead. If None, no person
+            takes part.
         """
         read: tuple[PlannedStep, ...] = ()
         if now is not None:

@@ -1,4 +1,4 @@
-"""Words of the pages that no file of a study holds: for participants from texts, for researchers in English."""
+"""Texts of the kiosk's pages: for participants from the language's texts, for researchers in English."""
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
@@ -11,33 +11,33 @@ from thbridge.experiment.store.events import JsonValue, RunState, StepOutcome
 from ui.model.kiosk import ConsentToAsk, FormToFill, GamePrepared, GameRecorded, GameToJoin, TextToRead, ToKiosk
 
 NO_PLACES = {NoPlace.FULL: "full", NoPlace.TAKEN: "taken"}
-"""Names of the texts for people who come when there is no place."""
+"""Names of the texts for people who come when no place is free."""
 
 # For the researcher
 
 NO_PLACE_TOLD = {
     NoPlace.FULL: "The study is complete.",
-    NoPlace.TAKEN: "People who are still under way have all places of the study.",
+    NoPlace.TAKEN: "All places of the study are taken by people who are still in it.",
 }
-"""Sentences on why the next person cannot begin."""
+"""Reasons why the next person cannot begin."""
 
 LAGS = "This computer is too slow: the game is {} s behind real time. Close other programs."
-"""Sentence about a lag; takes whole seconds."""
+"""Sentence about a lag in whole seconds."""
 
-NAMES_OTHER = "Do not name {} in the reason: it stays when they withdraw. A note may name them."
+NAMES_OTHER = "Do not name {} in the reason: it remains when they withdraw. Write a note instead."
 
 
 def page(shown: ToKiosk) -> str:
-    """Return a name of a page; a heading is as the participant reads it."""
+    """Return a description of a page; its heading is in the participant's language."""
     match shown:
         case TextToRead(heading=heading) | GameRecorded(heading=heading):
-            return heading or "a text"
+            return heading or "text"
         case ConsentToAsk():
             return "consent"
         case FormToFill(title=title, part=part, parts=parts):
             return f"{title}, page {part} of {parts}" if parts > 1 else title
         case GamePrepared():
-            return "a game is prepared or ends"
+            return "game starts or ends"
         case GameToJoin(practice=practice):
             return "practice game" if practice else "game"
         case _:
@@ -53,13 +53,13 @@ def headed(texts: Texts, name: str) -> tuple[str, str]:
 
 
 def no_place(texts: Texts, why: NoPlace) -> tuple[str, str]:
-    """Return heading and text for people who come when there is no place."""
+    """Return heading and text for people who come when no place is free."""
     heading, text = headed(texts, NO_PLACES[why])
     return heading, f"{text} {texts.text('kiosk.tell_researcher')}"
 
 
 def step_heading(texts: Texts, kind: StepKind) -> str:
-    """Return the heading of a text of a step."""
+    """Return the heading of a step's text."""
     return texts.text(f"kiosk.{kind}")
 
 
@@ -71,11 +71,11 @@ _AGAIN = {
 
 
 def repetition(texts: Texts, first: StepKind | None, attempts_left: int) -> str:
-    """Return the text for a person who failed a check that is tried again.
+    """Return the text for a person who failed a check that is repeated.
 
     Args:
-        texts: of the study.
-        first: kind of the step that comes before the check once more; None: none does.
+        texts: texts of the study.
+        first: kind of the step that is repeated before the check. If None, only the check is repeated.
         attempts_left: number of attempts left.
     """
     said = [texts.text("kiosk.check_failed"), texts.text(_AGAIN.get(first, "kiosk.steps_again"))]
@@ -83,17 +83,17 @@ def repetition(texts: Texts, first: StepKind | None, attempts_left: int) -> str:
 
 
 def to_do(texts: Texts, missing: Mapping[PracticeTerm, float]) -> tuple[str, ...]:
-    """Return what must still be done in a practice game, each in words; `missing` is how much."""
+    """Return sentences about what must still be done in a practice game; `missing` gives the amounts."""
     return tuple(texts.text(f"kiosk.to_do_{term}", count=math.ceil(number)) for term, number in missing.items())
 
 
 def practice_again(texts: Texts, still: Iterable[str]) -> str:
-    """Return the text for a person whose practice game ended before all was done."""
+    """Return the text for a person whose practice game ended before all goals were reached."""
     return texts.text("kiosk.still_to_do", tasks=texts.listed(still))
 
 
 def result(texts: Texts, game: Mapping[str, JsonValue] | None) -> str:
-    """Return the text after a game whose end the person does not see any more."""
+    """Return the text after a game, for a person who no longer sees its end."""
     ready = texts.text("kiosk.go_on_when_ready")
     if game is None:
         return ready
@@ -102,7 +102,7 @@ def result(texts: Texts, game: Mapping[str, JsonValue] | None) -> str:
 
 
 def results(texts: Texts, games: Sequence[tuple[int, int | None]]) -> str:
-    """Return what a debriefing says of each game: its score, and the best possible one where it is known."""
+    """Return sentences of a debriefing about each game: its score, and the best possible score if it is known."""
     told = []
     for number, (score, best) in enumerate(games, 1):
         only = len(games) == 1
@@ -112,7 +112,7 @@ def results(texts: Texts, games: Sequence[tuple[int, int | None]]) -> str:
 
 
 def before_debriefing(texts: Texts, run: Run) -> tuple[str, str]:
-    """Return heading and text of the page for a person whose run ended early, before they read the debriefing."""
+    """Return heading and text of the page before the debriefing, for a person whose run ended early."""
     heading = texts.text("kiosk.thank_you" if run.state is RunState.LEFT else "kiosk.ends_here")
     return heading, f"{_ended_early(texts, run)} {texts.text('kiosk.debrief_comes')}"
 
@@ -129,7 +129,7 @@ def farewell(texts: Texts, run: Run) -> tuple[str, str]:
     thanks, call = texts.text("kiosk.thank_you"), texts.text("kiosk.tell_researcher")
     kept = texts.text("kiosk.kept_under_code", code=run.participant)
     match run.state:
-        # A code means that they came to the end, also where their run does not count.
+        # A code shows that they reached the end, even if their run does not count.
         case _ if run.code:
             return thanks, texts.text("kiosk.completed")
         case RunState.DECLINED:
