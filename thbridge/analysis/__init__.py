@@ -1,1 +1,1 @@
-"""Analysis of recordings, ours and foreign: check, report, export, plot, convert, cut, compare."""
+"""Analysis of recordings from thbridge and other robots: check, report, export, plot, convert, cut, compare."""

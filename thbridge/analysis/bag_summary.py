@@ -16,21 +16,21 @@ from thbridge.ros.messages.types import SESSION
 
 GAP_PERIODS = 5.0
 GAP_NS = 1_000_000_000
-"""A topic has a gap where it has no message for more than this many median periods, and for at least a second. A
-latched topic has none: its last message holds until the next."""
+"""A gap is a time without messages that is longer than this many median periods, and at least a second. Latched
+topics have no gaps, because their last message stays valid until the next."""
 REGULAR = 10
 REGULAR_SHARE = 0.5
-"""Only topics with at least this many messages can have gaps, and only if number of messages times median period is at
-least this share of their time: topics that publish in bursts are left out."""
+"""A topic can have gaps only if it has at least this many messages, and if the number of messages times the median
+period is at least this share of their time span. This excludes topics that publish in bursts."""
 
 
 @dataclass(frozen=True, slots=True)
 class Gap:
-    """A gap in the messages of a regular topic.
+    """Gap in the messages of a regular topic.
 
     Attributes:
         start_ns: stamp of the last message before it.
-        seconds: its length.
+        seconds: length of the gap.
     """
 
     start_ns: int
@@ -43,15 +43,15 @@ class TopicSummary:
 
     Attributes:
         name: with its leading slash.
-        msgtype: type of its messages; several, separated by commas, where publishers disagree.
-        md5: md5 sum of the type; several, separated by commas, where publishers disagree.
+        msgtype: type of its messages; several types, separated by commas, if publishers disagree.
+        md5: md5 sum of the type; several sums, separated by commas, if publishers disagree.
         messages: number of messages.
-        latched: True when a publisher latches it.
+        latched: True if a publisher latches it.
         callers: names of its publishers.
-        hertz: inverse of the median period; None without one.
+        hertz: inverse of the median period; None if it has no period.
         start_ns: stamp of its first message, or None.
-        end_ns: stamp of its last one.
-        gaps: longest first, ten at most.
+        end_ns: stamp of its last message, or None.
+        gaps: the ten longest gaps, longest first.
     """
 
     name: str
@@ -68,7 +68,7 @@ class TopicSummary:
 
 @dataclass(frozen=True, slots=True)
 class RecordingFile:
-    """One file of a recording."""
+    """File of a recording."""
 
     path: Path
     size: int
@@ -77,11 +77,11 @@ class RecordingFile:
 
 @dataclass(frozen=True, slots=True)
 class SessionSummary:
-    """The data needed to run one of our sessions again.
+    """Data needed to replay a session recorded by thbridge.
 
     Attributes:
         seed: seed of all random numbers.
-        versions: versions of programs and libraries, and the machine; as in `SessionRecord`.
+        versions: versions of programs and libraries, and the machine; see `SessionRecord`.
         study: the resolved study file, YAML.
     """
 
@@ -95,16 +95,16 @@ class RecordingSummary:
     """Summary of a recording.
 
     Attributes:
-        path: the path as it was given.
-        parts: its files.
-        size: bytes of all files.
+        path: path as given.
+        parts: files of the recording.
+        size: size of all files, bytes.
         compression: compression of its chunks; several are separated by commas.
-        start_ns: stamp of the first message, nanoseconds; None when there is none.
-        end_ns: stamp of the last one.
-        duration: seconds between them.
-        messages: number of messages, with the latched ones that are repeated at the beginning of parts.
-        topics: the topics by name.
-        session: data of the session; None for recordings of others.
+        start_ns: stamp of the first message, nanoseconds; None if there is none.
+        end_ns: stamp of the last message, nanoseconds.
+        duration: time between the first and the last message, seconds.
+        messages: number of messages, including latched ones that are repeated at the beginning of parts.
+        topics: topics, sorted by name.
+        session: data of the session; None if thbridge did not record it.
     """
 
     path: Path
@@ -120,13 +120,13 @@ class RecordingSummary:
 
 
 def summarise(bag: Path) -> RecordingSummary:
-    """Summarise a recording by its index.
+    """Summarize a recording, using its index.
 
     Args:
-        bag: a bag, or the name of a split recording.
+        bag: bag, or name of a split recording.
 
     Raises:
-        BadFile: there is no such file, it is not a ROS 1 bag, or it is cut off or damaged.
+        BadFile: the file does not exist, is not a ROS 1 bag, or is incomplete or damaged.
     """
     files = [contents(part) for part in parts_of(bag)]
     publishers = sorted((who for file in files for who in file.publishers), key=lambda who: who.topic)
@@ -190,5 +190,5 @@ def _session(bag: Path, topics: Sequence[TopicSummary]) -> SessionSummary | None
     try:
         session = unpack_session.session(first.data)
     except ValueError:
-        return None  # of a release with other fields
+        return None  # recorded by a version with other fields
     return SessionSummary(session.seed, session.versions, session.study)

@@ -1,4 +1,4 @@
-"""Figures of a run, for the comparison of two runs whose studies differ."""
+"""Figures of a run, for comparing two runs of different studies."""
 
 from dataclasses import dataclass
 
@@ -11,15 +11,15 @@ from thbridge.ros.messages.goal_status import GoalStatusCode
 
 @dataclass(frozen=True, slots=True)
 class RobotFigures:
-    """Figures of one robot in one run; None where the data were not recorded.
+    """Figures of one robot in one run; None for data that were not recorded.
 
     Attributes:
         name: "robot1".
         error_mean: mean distance between the true and the estimated position, meters.
         error_95: 95 % quantile of this distance, meters.
-        distance: meters driven.
-        arrivals: times of its arrivals at goals, seconds.
-        energy: the energy left at the end.
+        distance: distance driven, meters.
+        arrivals: times of arrivals at goals, seconds.
+        energy: energy left at the end.
     """
 
     name: str
@@ -36,10 +36,10 @@ class RunFigures:
 
     Attributes:
         game: number of the game; None in a recording without a game.
-        seconds: its duration, simulated time.
+        seconds: duration in simulated time, seconds.
         score: points; None in a recording without a game.
         rooms_visited: number of rooms visited; None in a recording without a game.
-        robots: the robots in order.
+        robots: figures of the robots, in order.
     """
 
     game: int | None
@@ -50,7 +50,7 @@ class RunFigures:
 
 
 def figures_of(report: Report) -> RunFigures:
-    """The figures of a report."""
+    """Return the figures of a report."""
     score = report.score
     return RunFigures(
         report.game,

@@ -1,4 +1,4 @@
-"""Cuts a piece out of a recording, as a bag that can be played by itself."""
+"""Cut of a recording: a part of it as a bag that can be played on its own."""
 
 import math
 from collections.abc import Collection
@@ -18,13 +18,13 @@ from thbridge.ros.messages.types import SESSION
 
 @dataclass(frozen=True, slots=True)
 class CutRange:
-    """The times and topics to cut out.
+    """Times and topics of a cut.
 
     Attributes:
         start: seconds from the recording's first message, inclusive.
         end: seconds from the recording's first message, inclusive.
-        topics: names of the topics to copy; None for all.
-        compression: compression of the new bag; None for that of the recording.
+        topics: names of the topics to copy. If None, all topics.
+        compression: compression of the new bag. If None, that of the recording.
     """
 
     start: float = 0.0
@@ -35,13 +35,13 @@ class CutRange:
 
 @dataclass(frozen=True, slots=True)
 class CutResult:
-    """The result of a cut.
+    """Result of a cut.
 
     Attributes:
-        path: the new bag.
+        path: new bag.
         messages: number of messages in it.
-        latched: number of latched messages among them that were recorded before the piece.
-        start_ns: stamp at which the piece begins.
+        latched: number of latched messages in it that were recorded before the cut begins.
+        start_ns: stamp at which the cut begins.
         end_ns: stamp of its last message.
     """
 
@@ -53,49 +53,55 @@ class CutResult:
 
 
 def cut(bag: Path, piece: CutRange, out: Path, overwrite: bool = False) -> CutResult:
-    """Write a piece of a recording as one bag, in the order of time.
+    """Write a part of a recording as one bag, in the order of time.
 
-    Publishers keep their names, latching and definitions. The piece begins with the last latched message of each topic
-    from before it, stamped with the piece's start: so rviz gets the map and the static transforms at once, and
-    `rosbag play`, which starts at the first stamp, does not wait. Headers inside the messages stay as they were.
+    Publishers keep their names, latching and definitions. The new bag begins with the last latched message that each
+    topic published before the cut, with the start of the cut as its stamp. So rviz gets the map and the static
+    transforms at once, and `rosbag play`, which starts at the first stamp, does not wait. Headers inside messages do
+    not change.
 
     Args:
-        bag: the recording, or the name of a split one.
+        bag: recording, or name of a split recording.
         piece: times and topics.
-        out: the new bag.
+        out: new bag.
         overwrite: True to replace an existing file.
 
     Raises:
-        BadFile: the bag cannot be read or has no such time or topic, or the new one cannot be written.
+        BadFile: the bag cannot be read, has no such time or topic, or the new bag cannot be written.
     """
     found = info(bag)
     if found.start_ns is None or found.end_ns is None:
-        raise BadFile(bag, "there is no message in it", "name another bag")
+        raise BadFile(bag, "it contains no messages", "name another bag")
     _check_topics(bag, piece.topics, {topic.name for topic in found.topics})
     if not 0.0 <= piece.start < piece.end:
-        raise BadFile(bag, f"{piece.start:g} s is not before {piece.end:g} s", "give --from before --to", key="--from")
+        raise BadFile(
+            bag,
+            f"{piece.start:g} s is not before {piece.end:g} s",
+            "write a --from that is before --until",
+            key="--from",
+        )
     if piece.start > found.duration:
         problem = f"{piece.start:g} s is beyond its end"
-        raise BadFile(bag, problem, f"it lasts {found.duration:.3f} s", key="--from")
+        raise BadFile(bag, problem, f"write a time within its {found.duration:.3f} s", key="--from")
     start_ns = found.start_ns + round(piece.start * 1e9)
     end_ns = found.end_ns if math.isinf(piece.end) else found.start_ns + round(piece.end * 1e9)
     with new_file(out, bag, overwrite) as path:
         target = BagFile(path, piece.compression or compression_of(parts_of(bag)[0]))
-        # The session goes along whatever is chosen: it has the conditions of all the rest.
+        # The session is always copied, because it describes the conditions of all other data.
         sessions = {topic.name for topic in found.topics if topic.msgtype == SESSION}
         chosen = None if piece.topics is None else sessions.union(piece.topics)
         messages, latched, last_ns = _copy(bag, chosen, start_ns, end_ns, target)
         target.close()
         if not messages:
-            raise BadFile(bag, "nothing is in this piece", "choose other times or topics")
+            raise BadFile(bag, "this part contains no messages", "choose other times or topics")
     return CutResult(out, messages, latched, start_ns, last_ns)
 
 
 def _check_topics(bag: Path, wanted: Collection[str] | None, there: Collection[str]) -> None:
     lacking = sorted(set(wanted or ()) - set(there))
     if lacking:
-        problem = f"there is no topic {', '.join(lacking)} in it"
-        raise BadFile(bag, problem, "see `thbridge bag info` for those it has", key="--topics")
+        problem = f"it has no topic {', '.join(lacking)}"
+        raise BadFile(bag, problem, "`thbridge bag info` lists its topics", key="--topics")
 
 
 def _copy(

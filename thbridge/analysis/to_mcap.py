@@ -1,4 +1,4 @@
-"""Converts a recording to MCAP, the format that Foxglove prefers.
+"""Conversion of a recording to MCAP, the format that Foxglove prefers.
 
 Source: mcap.dev, the profile `ros1` and the registry of encodings. Channels have md5sum, as with `mcap convert`.
 """
@@ -25,14 +25,14 @@ STUDY = "study.yaml"
 
 @dataclass(frozen=True, slots=True)
 class McapResult:
-    """The result of a conversion.
+    """Result of a conversion.
 
     Attributes:
-        path: the MCAP file.
+        path: MCAP file.
         messages: number of messages.
         channels: number of publishers.
-        session: True when there was a session record of ours.
-        undefined: topics without a whole definition, which readers cannot decode.
+        session: True if the bag has a session record of thbridge.
+        undefined: topics without a complete definition, which readers cannot decode.
     """
 
     path: Path
@@ -47,15 +47,15 @@ def to_mcap(
 ) -> McapResult:
     """Write a recording as an MCAP file: the same bytes of each message, with definitions and publishers.
 
-    For our sessions the file also has the attachment `study.yaml` and the metadata `thbridge:session`, with seed and
-    versions.
+    For sessions of thbridge, the file also has the attachment `study.yaml` and the metadata `thbridge:session`, with
+    seed and versions.
 
     Args:
-        bag: the recording, or the name of a split one.
-        out: the new file.
+        bag: recording, or name of a split recording.
+        out: new file.
         compression: "zstd", "lz4" or "none".
         overwrite: True to replace an existing file.
-        tell: takes how far it is.
+        `tell`: receives the progress.
 
     Raises:
         BadFile: the bag cannot be read, or the file cannot be written.
@@ -72,7 +72,7 @@ def to_mcap(
 
 
 class _Conversion:
-    """An MCAP file being written."""
+    """MCAP file that is being written."""
 
     def __init__(self, file: IO[bytes], compression: CompressionType) -> None:
         self.messages = 0
@@ -94,7 +94,7 @@ class _Conversion:
         if channel is None:
             channel = self._channels[publisher] = self._channel(publisher)
         sequence = self._sequences[channel] = self._sequences.get(channel, 0) + 1
-        # A bag has only one time of a message, that of recording.
+        # A bag has only one time for each message, the time of recording.
         self._writer.add_message(channel, stamp_ns, data, publish_time=stamp_ns, sequence=sequence)
         self.messages += 1
         if publisher.msgtype == SESSION and not self.session:
@@ -121,7 +121,7 @@ class _Conversion:
         try:
             session = unpack.session(data)
         except ValueError:
-            return  # of a release with other fields; the message itself is kept
+            return  # from a version with other fields; the message itself is kept
         self._writer.add_attachment(stamp_ns, stamp_ns, STUDY, "application/yaml", session.study.encode())
         self._writer.add_metadata(METADATA, {"seed": str(session.seed), **session.versions})
         self.session = True

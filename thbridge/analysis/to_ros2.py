@@ -1,7 +1,8 @@
-"""Converts a recording to rosbag2: a folder with an MCAP file of CDR messages, and its metadata.
+"""Conversion of a recording to rosbag2: a folder with an MCAP file of CDR messages, and its metadata.
 
-Source: rosbag2's metadata.yaml, version 9; mcap.dev, the profile `ros2`. Messages get the types of ROS 2 Jazzy where it
-has them, else those that the bag defines. Fields that only ROS 2 has are 0, those that only ROS 1 has are left out.
+Source: rosbag2's metadata.yaml, version 9; mcap.dev, the profile `ros2`. Messages get the types of ROS 2 Jazzy if they
+exist, otherwise those that the bag defines. Fields that exist only in ROS 2 are 0; fields that exist only in ROS 1 are
+omitted.
 """
 
 import io
@@ -41,13 +42,13 @@ _FOREVER = QosTime(2147483647, 4294967295)
 
 @dataclass(frozen=True, slots=True)
 class Ros2Result:
-    """The result of a conversion.
+    """Result of a conversion.
 
     Attributes:
-        path: the folder.
+        path: folder that was written.
         messages: number of messages.
         left_out: topics that could not be converted.
-        broken: number of messages of other topics that are left out, for they do not fit their definition.
+        broken: number of messages of other topics that are omitted, because they do not match their definition.
     """
 
     path: Path
@@ -57,20 +58,20 @@ class Ros2Result:
 
 
 def to_ros2(bag: Path, out: Path, packed: bool = True) -> Ros2Result:
-    """Write a recording as a folder of rosbag2.
+    """Write a recording as a rosbag2 folder.
 
-    For our sessions the metadata's custom data have the study, the seed and the versions.
+    For sessions of thbridge, the metadata's custom data contain the study, the seed and the versions.
 
     Args:
-        bag: the recording, or the name of a split one.
-        out: the new folder.
-        packed: True to compress the file by zstd.
+        bag: recording, or name of a split recording.
+        out: new folder.
+        packed: True to compress the file with zstd.
 
     Raises:
         BadFile: the bag cannot be read, or the folder exists or cannot be written.
     """
     if out.exists():
-        raise BadFile(out, "there is such a folder already", "choose another one by --to, or remove it")
+        raise BadFile(out, "this folder already exists", "choose another one with --to, or remove it")
     part = out.with_name(out.name + ".part")
     try:
         shutil.rmtree(part, ignore_errors=True)
@@ -80,14 +81,14 @@ def to_ros2(bag: Path, out: Path, packed: bool = True) -> Ros2Result:
         (part / out.name).rename(out)
     except OSError as error:
         problem = f"it cannot be written ({reason_of(error)})"
-        raise BadFile(out, problem, "choose another place by --to, or make room") from error
+        raise BadFile(out, problem, "choose another place with --to, or free disk space") from error
     finally:
         shutil.rmtree(part, ignore_errors=True)
     return Ros2Result(out, *result)
 
 
 def _write(bag: Path, folder: Path, packed: bool) -> tuple[int, tuple[str, ...], int]:
-    """Write the folder; the number of messages, the topics left out, and the number of messages left out of others."""
+    """Write the folder; return the number of messages, the omitted topics, and the number of other omitted messages."""
     writer = Writer(folder, version=9, storage_plugin=StoragePlugin.MCAP)
     if packed:
         writer.set_compression(CompressionMode.STORAGE, CompressionFormat.ZSTD)
@@ -113,7 +114,7 @@ def _write(bag: Path, folder: Path, packed: bool) -> tuple[int, tuple[str, ...],
 
 
 class _Conversion:
-    """Connections and converters of a folder being written."""
+    """Connections and converters of a folder that is being written."""
 
     def __init__(self, writer: Writer) -> None:
         self._writer = writer
@@ -122,7 +123,7 @@ class _Conversion:
         self._connections: dict[tuple[str, str, bool], Connection] = {}
 
     def way_of(self, publisher: BagConnection) -> tuple[Connection, Callable[[bytes], memoryview]] | None:
-        """The connection to which a publisher's messages go, and the function that converts them; None if none can."""
+        """Return the connection for a publisher's messages, and the function that converts them; None if none can."""
         if publisher not in self._ways:
             try:
                 self._ways[publisher] = self._way(publisher)
@@ -137,7 +138,7 @@ class _Conversion:
         if target not in self._theirs.fielddefs:
             fields = ours.fielddefs.items()
             register(self._theirs, {name: own for name, own in fields if name not in self._theirs.fielddefs})
-        with redirect_stdout(io.StringIO()):  # it tells what it will do
+        with redirect_stdout(io.StringIO()):  # it prints what it does
             convert = generate_message_converter(ours, self._theirs, source, target, {}, src_is2=False, dst_is2=True)
         key = publisher.topic, target, publisher.latching is True
         if key not in self._connections:
@@ -149,7 +150,7 @@ class _Conversion:
 
 
 def _latched() -> Qos:
-    """The profile of publishers whose last message later subscribers get, too."""
+    """Return the profile of publishers whose last message is also sent to later subscribers."""
     return Qos(
         QosHistory.KEEP_LAST,
         1,
@@ -167,7 +168,7 @@ def _keep_session(writer: Writer, data: bytes) -> None:
     try:
         session = unpack.session(data)
     except ValueError:
-        return  # of a release with other fields; the message itself is kept
+        return  # from a version with other fields; the message itself is kept
     writer.set_custom_data(STUDY, session.study)
     for name, value in {"seed": str(session.seed), **session.versions}.items():
         writer.set_custom_data(f"{METADATA}:{name}", value)

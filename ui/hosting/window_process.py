@@ -42,7 +42,7 @@ class WindowProcess(Generic[FromHostT, FromWindowT]):
         self.given_up = False
         """True if the window has crashed too often."""
         self.left_open = False
-        """True if the window stays open after this program. Then end it by `os._exit`: asyncio kills child processes."""
+        """True if the window stays open after this program, which then ends by `os._exit`: asyncio kills children."""
 
     async def send(self, message: FromHostT) -> None:
         """Send a message to the window."""

@@ -19,16 +19,16 @@ from thbridge.ros.messages.identification import DefinitionSource, identified, m
 from thbridge.ros.messages.types import OCCUPANCY_GRID, OWN_TYPES, md5_of, plain_definition
 
 READERS = (BagTool.ROSBAG, BagTool.FOXGLOVE, BagTool.PLOTJUGGLER)
-"""Tools that read messages by the definition in the bag; rviz and evo have their own definitions."""
+"""Tools that decode messages with the definition in the bag; rviz and evo use their own definitions."""
 LIVE = (BagTool.ROSBAG, BagTool.RVIZ)
 """Tools that depend on live messages: rviz shows what `rosbag play` publishes."""
 MAP_PERIOD = 5.0
-"""Seconds; a map that is published at least this often needs no latching."""
+"""Seconds; a map that is published at least this often need not be latched."""
 _PART = re.compile(r"^={40,}\r?\nMSG: *(\S+)\r?$", re.MULTILINE)
 
 
 def definition_missing(bag: BagStructure) -> Iterator[Finding]:
-    """Find definitions that are empty, incomplete or unreadable: without one a message cannot be decoded."""
+    """Find definitions that are empty, incomplete or unreadable; their messages cannot be decoded."""
     for connection in _used(bag):
         problem = None
         missing = missing_types(connection.msgtype, connection.md5, connection.definition)
@@ -39,7 +39,7 @@ def definition_missing(bag: BagStructure) -> Iterator[Finding]:
             problem = "its definition has no field" if connection.msgtype in missing else str(error)
         if problem:
             what = f"{connection.msgtype}: {problem}"
-            remedy = "record it anew with the definitions of all nested types"
+            remedy = "record it again with the definitions of all nested types"
             found = identified(connection.msgtype, connection.md5, connection.definition)
             if found is not None and found.source is DefinitionSource.MD5:
                 remedy = "run `thbridge bag cut`, which writes the definition that its md5 sum names"
@@ -47,11 +47,11 @@ def definition_missing(bag: BagStructure) -> Iterator[Finding]:
 
 
 def connection_incomplete(bag: BagStructure) -> Iterator[Finding]:
-    """Find connections without a field that every one must have: rosbag and rosbags refuse the whole bag."""
+    """Find connections without a required field: rosbag and rosbags refuse the whole bag."""
     for connection in _used(bag):
         if connection.lacks:
-            what = f"its connection lacks {' and '.join(connection.lacks)}, so that rosbag and evo refuse the whole bag"
-            remedy = "run `thbridge bag reindex`, which writes what is known of the type"
+            what = f"its connection lacks {' and '.join(connection.lacks)}, so rosbag and evo refuse the whole bag"
+            remedy = "run `thbridge bag reindex`, which adds the known fields"
             yield Finding("connection-incomplete", FindingSeverity.ERROR, ALL, connection.topic, what, remedy)
 
 
@@ -64,46 +64,46 @@ def definition_twice(bag: BagStructure) -> Iterator[Finding]:
             texts.setdefault(name, set()).add(text.strip())
         twice = sorted(name for name, found in texts.items() if len(found) > 1)
         if twice:
-            what = f"the definition says different things of {', '.join(twice)}"
-            remedy = "record it anew with one definition for each type"
+            what = f"it defines {', '.join(twice)} in different ways"
+            remedy = "record it again with one definition for each type"
             yield Finding(
                 "definition-twice", FindingSeverity.ERROR, (BagTool.FOXGLOVE,), connection.topic, what, remedy
             )
 
 
 def md5_wrong(bag: BagStructure) -> Iterator[Finding]:
-    """Find wrong md5 sums, and types of other ROS releases: subscribers compare the sums and refuse both."""
+    """Find wrong md5 sums, and types of other ROS versions: subscribers compare the sums and refuse both."""
     for connection in _used(bag):
         given = md5_of(connection.msgtype, connection.definition) if connection.definition.strip() else None
         if given is not None and connection.md5 not in (given, "*"):
-            what = f"the md5 of {connection.msgtype} is {connection.md5}, and its definition gives {given}"
-            remedy = "mend it by `rosrun rosbag fix_msg_defs.py`, or record it anew"
+            what = f"the md5 of {connection.msgtype} is {connection.md5}, but its definition gives {given}"
+            remedy = "repair it with `rosrun rosbag fix_msg_defs.py`, or record it again"
             yield Finding("md5-wrong", FindingSeverity.ERROR, LIVE, connection.topic, what, remedy)
             continue
         try:
             ours = plain_definition(connection.msgtype).md5
         except KeyError:
             continue
-        # Our own types may change between our releases: that does not concern ROS's tools.
+        # Our own types may change between versions; that does not concern ROS's tools.
         if connection.msgtype not in OWN_TYPES and connection.md5 not in (ours, "*") and given is not None:
-            what = f"{connection.msgtype} has other fields than in ROS Noetic"
-            remedy = "migrate it by `rosbag fix`"
+            what = f"{connection.msgtype} has different fields than in ROS Noetic"
+            remedy = "migrate it with `rosbag fix`"
             tools = bag.tools_of(connection.topic, (BagTool.RVIZ, BagTool.EVO))
             yield Finding("other-release", FindingSeverity.WARNING, tools, connection.topic, what, remedy)
 
 
 def latching_word(bag: BagStructure) -> Iterator[Finding]:
-    """Find values of latching other than 0 and 1: rosbag latches only for 1; evo (rosbags) fails without a number."""
+    """Find values of latching other than 0 and 1: rosbag latches only for 1; evo (rosbags) requires a number."""
     for connection in _used(bag):
         if connection.latching not in (None, "", "0", "1"):
             what = f"latching is {connection.latching!r}: `rosbag play` does not latch it, and rosbags refuses the bag"
             tools = (BagTool.ROSBAG, BagTool.EVO)
-            remedy = "run `thbridge bag reindex`, which writes 0 for it"
+            remedy = "run `thbridge bag reindex`, which replaces it by 0"
             yield Finding("latching-word", FindingSeverity.ERROR, tools, connection.topic, what, remedy)
 
 
 def unlatched(bag: BagStructure) -> Iterator[Finding]:
-    """Find maps and static transforms that are not latched: subscribers that come later miss them."""
+    """Find maps and static transforms that are not latched: late subscribers miss them."""
     for topic, connections in bag.connections_by_topic().items():
         latched = all(connection.latched for connection in connections)
         types = {connection.msgtype for connection in connections}
@@ -113,8 +113,8 @@ def unlatched(bag: BagStructure) -> Iterator[Finding]:
         if latched or not (is_static or (OCCUPANCY_GRID in types and rare)):
             continue
         severity = FindingSeverity.ERROR if is_static or topic.endswith("/map") else FindingSeverity.WARNING
-        what = "it is not latched: an rviz that comes after its message, and every seek in play, goes without"
-        remedy = "record it from a latching publisher, latching=1 in its connection"
+        what = "it is not latched: an rviz that starts after its message, or a seek during play, misses it"
+        remedy = "record it from a latching publisher, with latching=1 in its connection"
         yield Finding("unlatched", severity, LIVE, topic, what, remedy)
 
 
@@ -132,10 +132,10 @@ def two_latched(bag: BagStructure) -> Iterator[Finding]:
             severity = FindingSeverity.ERROR if topic.endswith("tf_static") else FindingSeverity.WARNING
             names = ", ".join(connection.caller or "?" for connection in connections)
             what = (
-                f"{len(connections)} publishers latch it ({names}): each one's message replaces the others' "
+                f"{len(connections)} publishers latch it ({names}): the message of one replaces those of the others "
                 "in `rosbag play` before Noetic, and in Foxglove after a seek"
             )
-            remedy = "let one publisher say all of it in one message"
+            remedy = "publish all of it in one message by one publisher"
             tools = (*LIVE, BagTool.FOXGLOVE)
             yield Finding("two-latched", severity, tools, topic, what, remedy)
 
@@ -147,15 +147,15 @@ def two_types(bag: BagStructure) -> Iterator[Finding]:
         if len(kinds) > 1:
             what = f"its publishers disagree on the type: {', '.join(kinds)}"
             tools = (BagTool.ROSBAG, BagTool.RVIZ, BagTool.FOXGLOVE, BagTool.EVO)
-            yield Finding("two-types", FindingSeverity.ERROR, tools, topic, what, "give each type a topic of its own")
+            yield Finding("two-types", FindingSeverity.ERROR, tools, topic, what, "use a separate topic for each type")
 
 
 def unused(bag: BagStructure) -> Iterator[Finding]:
     """Find connections without a message: `rosbag info` may give a negative duration for such a bag."""
     for connection in bag.connections.values():
         if not bag.counts.get(connection.number) and not bag.unreadable:
-            what = "it has a connection and no message"
-            remedy = "register a topic with its first message; `thbridge bag cut` leaves it out"
+            what = "it has a connection but no messages"
+            remedy = "register a topic with its first message; `thbridge bag cut` removes the connection"
             yield Finding("unused", FindingSeverity.WARNING, (BagTool.ROSBAG,), connection.topic, what, remedy)
 
 
@@ -163,7 +163,7 @@ def unknown_connection(bag: BagStructure) -> Iterator[Finding]:
     """Find messages without a connection record, which have no topic and no type."""
     lost = sum(count for number, count in bag.counts.items() if number not in bag.connections)
     if lost:
-        what = f"{lost} messages belong to no connection of the bag"
+        what = f"{lost} messages have no connection record"
         tools = (BagTool.ROSBAG, BagTool.FOXGLOVE, BagTool.PLOTJUGGLER, BagTool.EVO)
         yield Finding(
             "unknown-source", FindingSeverity.ERROR, tools, None, what, "run `thbridge bag reindex`", None, lost
@@ -171,24 +171,24 @@ def unknown_connection(bag: BagStructure) -> Iterator[Finding]:
 
 
 def clock_recorded(bag: BagStructure) -> Iterator[Finding]:
-    """Find a recorded /clock: `rosbag play --clock` publishes its own, and time jumps between the two."""
+    """Find a recorded /clock: `rosbag play --clock` also publishes /clock, so time jumps between the two."""
     if "/clock" in bag.connections_by_topic():
-        what = "it is recorded, and `rosbag play --clock` publishes another"
-        remedy = "play the other topics only, or cut it away by `thbridge bag cut --topics`"
+        what = "it is recorded, but `rosbag play --clock` also publishes it"
+        remedy = "play only the other topics, or remove it with `thbridge bag cut --topics`"
         yield Finding("clock-recorded", FindingSeverity.WARNING, LIVE, "/clock", what, remedy)
 
 
 def no_trajectory(bag: BagStructure) -> Iterator[Finding]:
-    """Find bags without poses that change, which evo cannot use."""
+    """Find bags without changing poses, which evo cannot use."""
     moving = [source for source in bag.connections.values() if not source.topic.endswith("tf_static")]
     types = {source.msgtype for source in moving if bag.counts.get(source.number)}
     if any(bag.counts.values()) and types.isdisjoint(EVO_TYPES):
-        what = f"there is no topic to make a trajectory of: evo reads {', '.join(EVO_TYPES)}"
-        yield Finding(NO_TRAJECTORY, FindingSeverity.NOTE, (BagTool.EVO,), None, what, "record odometry or tf with it")
+        what = f"no topic contains a trajectory: evo reads {', '.join(EVO_TYPES)}"
+        yield Finding(NO_TRAJECTORY, FindingSeverity.NOTE, (BagTool.EVO,), None, what, "record odometry or tf, too")
 
 
 def _used(bag: BagStructure) -> Iterator[ConnectionRecord]:
-    """Yield the connections that have messages; of connections with equal contents only one."""
+    """Yield the connections that have messages; of connections with equal contents, yield only one."""
     seen = set()
     for connection in bag.connections.values():
         kind = (connection.topic, connection.msgtype, connection.md5, connection.definition, connection.latching)

@@ -23,18 +23,18 @@ UNIT_TOLERANCE = 1e-2
 ALL_ZERO = "all zero"
 POSES: tuple[BagTool, ...] = (BagTool.RVIZ, BagTool.FOXGLOVE, BagTool.EVO)
 PLOTTED_ARRAY = 500
-"""Longest array that PlotJuggler plots element by element by default; 100 in older versions."""
+"""Length of the longest array that PlotJuggler plots element by element by default; 100 in older versions."""
 _GROUND_TRUTH = "ground_truth"
 
 
 class MessageSizes:
-    """Finds messages whose bytes do not fit their definition: readers of the topic fail there."""
+    """Rule for messages whose bytes do not match their definition: readers of the topic fail there."""
 
     def __init__(self) -> None:
         self._off: OccurrenceCounter[tuple[str, str]] = OccurrenceCounter()
 
     def listen(self, source: ConnectionRecord) -> MessageHandler:
-        """Listen to every topic."""
+        """Check every topic."""
         topic = source.topic
 
         def check(message: CheckedMessage) -> None:
@@ -46,16 +46,16 @@ class MessageSizes:
     def findings(self, bag: BagStructure) -> Iterator[Finding]:
         """Yield one finding for each topic and fault."""
         for (topic, fault), first, count in self._off.items():
-            what = f"messages do not fit their definition: {fault}"
-            remedy = "record the topic anew, or leave it out by `thbridge bag cut --topics`"
+            what = f"messages do not match their definition: {fault}"
+            remedy = "record the topic again, or remove it with `thbridge bag cut --topics`"
             tools = bag.tools_of(topic, ALL)
             yield Finding("data-wrong", FindingSeverity.ERROR, tools, topic, what, remedy, first, count)
 
 
 class UnitQuaternions:
-    """Finds quaternions whose length is not one: tf2 ignores such transforms, rviz refuses such messages.
+    """Rule for quaternions whose length is not one: tf2 ignores such transforms, rviz refuses such messages.
 
-    A quaternion of zeros was not filled in: rviz takes it for no rotation, except in tf.
+    A quaternion of zeros was not filled in: rviz treats it as no rotation, except in tf.
     """
 
     def __init__(self) -> None:
@@ -63,7 +63,7 @@ class UnitQuaternions:
         self._tf: set[str] = set()
 
     def listen(self, source: ConnectionRecord) -> MessageHandler:
-        """Listen to every topic. The orientation of an IMU may be zero: its covariance tells that it has none."""
+        """Check every topic. The orientation of an IMU may be zero if its covariance says that it has none."""
         topic, imu = source.topic, source.msgtype == "sensor_msgs/Imu"
         if source.msgtype in TF_TYPES:
             self._tf.add(topic)
@@ -71,7 +71,7 @@ class UnitQuaternions:
         def check(message: CheckedMessage) -> None:
             for quaternion in message.reading.quaternions:
                 x, y, z, w = quaternion
-                # Written so that NaN fails it.
+                # NaN also fails this comparison.
                 if not abs(x * x + y * y + z * z + w * w - 1.0) <= UNIT_TOLERANCE:
                     fault = _fault(quaternion)
                     if not (imu and fault == ALL_ZERO):
@@ -89,8 +89,8 @@ class UnitQuaternions:
                 what += ": tf2 ignores such transforms"
             elif fault == ALL_ZERO:
                 severity, tools = FindingSeverity.WARNING, POSES[1:]
-                what += ": taken for no rotation, if at all"
-            remedy = "make their length one; no rotation is 0 0 0 1"
+                what += ": tools treat them as no rotation or refuse them"
+            remedy = "normalize them to length one; no rotation is 0 0 0 1"
             yield Finding("quaternion", severity, bag.tools_of(topic, tools), topic, what, remedy, first, count)
 
 
@@ -101,13 +101,13 @@ def _fault(quaternion: Quaternion) -> str:
 
 
 class FinitePositions:
-    """Finds points and vectors that are NaN or infinite: rviz refuses the whole message."""
+    """Rule for points and vectors that are NaN or infinite: rviz refuses the whole message."""
 
     def __init__(self) -> None:
         self._off: OccurrenceCounter[str] = OccurrenceCounter()
 
     def listen(self, source: ConnectionRecord) -> MessageHandler:
-        """Listen to every topic."""
+        """Check every topic."""
         topic = source.topic
 
         def check(message: CheckedMessage) -> None:
@@ -120,13 +120,13 @@ class FinitePositions:
         """Yield one finding for each topic."""
         for topic, first, count in self._off.items():
             what = "positions or vectors are NaN or infinite"
-            remedy = "leave out what is not known"
+            remedy = "omit unknown values"
             tools = bag.tools_of(topic, POSES)
             yield Finding("not-finite", FindingSeverity.ERROR, tools, topic, what, remedy, first, count)
 
 
 class FilledCovariances:
-    """Finds covariances that are zero in all messages of a topic, except in a simulator's ground truth."""
+    """Rule for covariances that are zero in all messages of a topic, except in a simulator's ground truth."""
 
     def __init__(self) -> None:
         self._filled: dict[str, bool] = {}
@@ -134,7 +134,7 @@ class FilledCovariances:
         self._count: dict[str, int] = {}
 
     def listen(self, source: ConnectionRecord) -> MessageHandler | None:
-        """Listen to odometry and poses with covariance."""
+        """Check odometry and poses with covariance."""
         topic = source.topic
         if source.msgtype not in (ODOMETRY, POSE_WITH_COVARIANCE) or topic.endswith(_GROUND_TRUTH):
             return None
@@ -143,7 +143,7 @@ class FilledCovariances:
             if not self._filled.get(topic, False):
                 self._first_ns.setdefault(topic, message.stamp_ns)
                 self._count[topic] = self._count.get(topic, 0) + 1
-                # In both types the first covariance is that of the pose.
+                # In both types, the first covariance is that of the pose.
                 self._filled[topic] = message.reading.covariances[:1] == [True]
 
         return check
@@ -152,8 +152,8 @@ class FilledCovariances:
         """Yield one finding for each topic."""
         for topic, filled in self._filled.items():
             if not filled:
-                what = "the covariance of its pose is zero in every message: filters that fuse it refuse or diverge"
-                remedy = "let the driver fill it in"
+                what = "the covariance of its pose is zero in every message: filters that fuse it reject it or diverge"
+                remedy = "fill in the covariance in the driver"
                 first, count = self._first_ns[topic], self._count[topic]
                 tools = (BagTool.RVIZ,)
                 yield Finding("covariance-zero", FindingSeverity.WARNING, tools, topic, what, remedy, first, count)
@@ -167,9 +167,9 @@ def _scan_fault(numbers: Numbers) -> str | None:
     if not (math.isfinite(step) and math.isfinite(span)) or step == 0.0:
         return "the angles of its beams are zero or not finite"
     wanted, found = round(span / step) + 1, numbers["ranges"]
-    # Drivers of full circles count the last beam or do not.
+    # Drivers of full circles may or may not count the last beam.
     if abs(wanted - found) > 1:
-        return f"angle_min, angle_max and angle_increment make {wanted} beams, and ranges has {found:.0f}"
+        return f"angle_min, angle_max and angle_increment give {wanted} beams, but ranges has {found:.0f}"
     if numbers["intensities"] not in (0, found):
         return f"ranges has {found:.0f} beams and intensities {numbers['intensities']:.0f}"
     return None
@@ -178,14 +178,14 @@ def _scan_fault(numbers: Numbers) -> str | None:
 def _grid_fault(numbers: Numbers) -> str | None:
     wanted, found = numbers["info.width"] * numbers["info.height"], numbers["data"]
     if wanted != found:
-        return f"width x height make {wanted:.0f} cells, and data has {found:.0f}"
+        return f"width x height give {wanted:.0f} cells, but data has {found:.0f}"
     return None
 
 
 def _rows_fault(row: str) -> Callable[[Numbers], str | None]:
     def fault(numbers: Numbers) -> str | None:
         wanted, found = numbers[row] * numbers["height"], numbers["data"]
-        return f"height x {row} make {wanted:.0f} bytes, and data has {found:.0f}" if found < wanted else None
+        return f"height x {row} give {wanted:.0f} bytes, but data has {found:.0f}" if found < wanted else None
 
     return fault
 
@@ -199,26 +199,26 @@ _AGREEMENTS: Mapping[str, tuple[tuple[str, ...], Callable[[Numbers], str | None]
 
 
 def numbers_of(msgtype: str) -> tuple[str, ...]:
-    """The fields of a message type whose numbers `ArrayLengths` and `ScanHeaders` need."""
+    """Return the fields of a message type that `ArrayLengths` and `ScanHeaders` need."""
     lengths = _AGREEMENTS[msgtype][0] if msgtype in _AGREEMENTS else ()
     return (*lengths, *(_SCAN_NUMBERS if msgtype == LASER_SCAN else ()))
 
 
 class ArrayLengths:
-    """Finds arrays whose length does not agree with the other fields of their message."""
+    """Rule for arrays whose length does not agree with other fields of their message."""
 
     def __init__(self) -> None:
         self._off: OccurrenceCounter[tuple[str, str]] = OccurrenceCounter()
 
     def listen(self, source: ConnectionRecord) -> MessageHandler | None:
-        """Listen to scans, grids, clouds and images."""
+        """Check scans, grids, clouds and images."""
         if source.msgtype not in _AGREEMENTS:
             return None
         names, fault_of = _AGREEMENTS[source.msgtype]
         topic = source.topic
 
         def check(message: CheckedMessage) -> None:
-            # A type of this name with other fields, from another release, is not checked.
+            # A type of this name with other fields, from another version, is not checked.
             if all(name in message.reading.numbers for name in names):
                 fault = fault_of(message.reading.numbers)
                 if fault is not None:
@@ -229,7 +229,7 @@ class ArrayLengths:
     def findings(self, bag: BagStructure) -> Iterator[Finding]:
         """Yield one finding for each topic and fault."""
         for (topic, fault), first, count in self._off.items():
-            remedy = "mend the driver that fills them in"
+            remedy = "correct the driver that fills them in"
             tools = (BagTool.RVIZ, BagTool.FOXGLOVE)
             yield Finding("length-wrong", FindingSeverity.ERROR, tools, topic, fault, remedy, first, count)
 
@@ -238,18 +238,18 @@ _SCAN_NUMBERS = ("range_min", "range_max", "time_increment", "scan_time", f"rang
 
 
 def _scan_header_faults(numbers: Numbers) -> Iterator[tuple[FindingSeverity, str]]:
-    """Yield what a scan's header says that cannot be, or that its ranges contradict.
+    """Yield impossible values in a scan's header, and values that its ranges contradict.
 
-    Sources: REP 117 (Informational Distance Measurements); laser_geometry, which drops ranges outside of range_min
-    and range_max, and adds time_increment to stamps; amcl, which takes range_max for what it does not see.
+    Sources: REP 117 (Informational Distance Measurements); laser_geometry, which drops ranges outside range_min to
+    range_max, and adds time_increment to stamps; amcl, which treats range_max as no hit.
     """
     error, warning = FindingSeverity.ERROR, FindingSeverity.WARNING
     least, most = numbers["range_min"], numbers["range_max"]
     for name in ("range_min", "range_max"):
         if math.isnan(numbers[name]):
-            yield error, f"{name} is not a number, so that no range is valid"
+            yield error, f"{name} is not a number, so no range is valid"
     if least >= most:
-        yield error, "range_min is not below range_max, so that no range is valid"
+        yield error, "range_min is not below range_max, so no range is valid"
     if least < 0.0 <= most:
         yield warning, "range_min is negative"
     for name in ("time_increment", "scan_time"):
@@ -260,18 +260,18 @@ def _scan_header_faults(numbers: Numbers) -> Iterator[tuple[FindingSeverity, str
     if numbers[f"ranges{LEAST}"] < 0.0:
         yield (
             warning,
-            "some ranges are negative: ROS writes inf for nothing seen, NaN for no measurement",
+            "some ranges are negative: in ROS, inf means no obstacle, and NaN no measurement",
         )
 
 
 class ScanHeaders:
-    """Finds scans whose header contradicts itself or its ranges."""
+    """Rule for scans whose header contradicts itself or its ranges."""
 
     def __init__(self) -> None:
         self._off: OccurrenceCounter[tuple[str, FindingSeverity, str]] = OccurrenceCounter()
 
     def listen(self, source: ConnectionRecord) -> MessageHandler | None:
-        """Listen to scans."""
+        """Check scans."""
         if source.msgtype != LASER_SCAN:
             return None
         topic = source.topic
@@ -286,19 +286,19 @@ class ScanHeaders:
     def findings(self, bag: BagStructure) -> Iterator[Finding]:
         """Yield one finding for each topic and fault."""
         for (topic, severity, fault), first, count in self._off.items():
-            remedy = "mend the driver that fills it in"
+            remedy = "correct the driver that fills it in"
             tools = (BagTool.RVIZ, BagTool.FOXGLOVE)
             yield Finding("scan-header", severity, tools, topic, fault, remedy, first, count)
 
 
 class LongArrays:
-    """Finds arrays too long for PlotJuggler's default setting."""
+    """Rule for arrays that are too long for PlotJuggler's default setting."""
 
     def __init__(self) -> None:
         self._longest: dict[str, int] = {}
 
     def listen(self, source: ConnectionRecord) -> MessageHandler:
-        """Listen to every topic."""
+        """Check every topic."""
         topic = source.topic
 
         def check(message: CheckedMessage) -> None:
@@ -311,8 +311,8 @@ class LongArrays:
         """Yield one finding for all topics."""
         if self._longest:
             told = ", ".join(f"{topic} ({length})" for topic, length in sorted(self._longest.items()))
-            what = f"it plots {PLOTTED_ARRAY} elements of an array unless told otherwise, and there are more in {told}"
-            remedy = "raise its maximum array size, or leave these topics out"
+            what = f"by default it plots {PLOTTED_ARRAY} elements of an array, but there are more in {told}"
+            remedy = "raise its maximum array size, or omit these topics"
             yield Finding("long-array", FindingSeverity.NOTE, (BagTool.PLOTJUGGLER,), None, what, remedy)
 
 

@@ -1,4 +1,4 @@
-"""Values of a check: tools, severities, findings, the structure of a bag; and the interface of rules."""
+"""Values of a check: tools, severities, findings, structure of a bag; and the interface of rules."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -19,7 +19,7 @@ K = TypeVar("K")
 
 
 class BagTool(StrEnum):
-    """A tool for which bags are checked. `rosbag` stands for info, play, check, reindex and the topics of play."""
+    """Tool for which bags are checked. `rosbag` means info, play, check, reindex and the topics that play publishes."""
 
     ROSBAG = "rosbag"
     RVIZ = "rviz"
@@ -29,7 +29,7 @@ class BagTool(StrEnum):
 
 
 class FindingSeverity(StrEnum):
-    """Severity: a tool fails or shows wrong data (error), it loses something (warning), or a hint (note)."""
+    """Severity: a tool fails or shows wrong data (error), it loses data (warning), or it has a hint (note)."""
 
     ERROR = "error"
     WARNING = "warning"
@@ -41,26 +41,26 @@ TF_TYPES = (TFMESSAGE, "tf/tfMessage")
 POINT = "geometry_msgs/PointStamped"
 STAMPED_POSES = (ODOMETRY, POSE_WITH_COVARIANCE, "geometry_msgs/PoseStamped", "geometry_msgs/TransformStamped", POINT)
 EVO_TYPES = (*STAMPED_POSES, *TF_TYPES)
-"""Message types from which evo makes trajectories (evo, file_interface.py)."""
+"""Message types that evo reads as trajectories (evo, file_interface.py)."""
 
 
 NO_TRAJECTORY = "no-trajectory"
-"""Rule that finds bags of which evo reads nothing."""
+"""Rule for bags from which evo reads nothing."""
 
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """A problem of a bag for some tools.
+    """Problem of a bag for some tools.
 
     Attributes:
         rule: short name of the rule that found it.
         severity: its severity.
-        tools: the tools concerned.
-        topic: the topic, or None when it concerns the whole bag.
-        what: the problem as a sentence, without its full stop.
-        remedy: the remedy as a clause, without its full stop.
-        first_ns: record stamp of the first message concerned, or None when it concerns no message.
-        count: number of messages concerned; 0 when it concerns no message.
+        tools: tools concerned.
+        topic: topic, or None if it concerns the whole bag.
+        what: problem as a sentence, without its full stop.
+        remedy: remedy as a clause, without its full stop.
+        first_ns: record stamp of the first message concerned, or None if it concerns no message.
+        count: number of messages concerned; 0 if it concerns no message.
     """
 
     rule: str
@@ -75,14 +75,14 @@ class Finding:
 
 @dataclass(slots=True)
 class ScannedChunk:
-    """A chunk, with the messages counted in it.
+    """Chunk, with the number of its messages.
 
     Attributes:
-        chunk: its record.
+        chunk: record of the chunk.
         counts: number of its messages by connection.
-        indexed: number of messages by connection, by the index data records behind the chunk.
-        start_ns: least stamp in it, or None when it has no message.
-        end_ns: greatest stamp.
+        indexed: number of messages by connection, according to the index data records after the chunk.
+        start_ns: least stamp in it, or None if it has no message.
+        end_ns: greatest stamp in it, likewise.
     """
 
     chunk: ChunkRecord
@@ -94,18 +94,18 @@ class ScannedChunk:
 
 @dataclass(frozen=True, slots=True)
 class BagStructure:
-    """All of a bag except the contents of its messages.
+    """Bag without the contents of its messages.
 
     Attributes:
-        header: the first record; None when it cannot be read.
-        connections: every connection by its number.
+        header: first record; None if it cannot be read.
+        connections: connections by number.
         counts: number of messages read, by connection.
-        chunks: the chunks, in the order of the file.
-        index: the chunk info records of the index.
+        chunks: chunks in the order of the file.
+        index: chunk info records of the index.
         indexed_connections: number of connection records in the index.
         unreadable: bytes that cannot be read.
-        start_ns: least stamp of all messages; None when there are none.
-        end_ns: greatest stamp.
+        start_ns: least stamp of all messages; None if there are none.
+        end_ns: greatest stamp, likewise.
     """
 
     header: BagHeaderRecord | None
@@ -124,12 +124,12 @@ class BagStructure:
         return 0.0 if self.start_ns is None or self.end_ns is None else (self.end_ns - self.start_ns) / 1e9
 
     def tools_of(self, topic: str, tools: tuple[BagTool, ...]) -> tuple[BagTool, ...]:
-        """Those of the given tools that read a topic: evo reads only some types."""
+        """Return the given tools that read a topic: evo reads only some types."""
         types = {source.msgtype for source in self.connections.values() if source.topic == topic}
         return tools if types.intersection(EVO_TYPES) else tuple(tool for tool in tools if tool is not BagTool.EVO)
 
     def connections_by_topic(self) -> dict[str, list[ConnectionRecord]]:
-        """The connections of each topic, without those that have no message."""
+        """Return the connections of each topic, without those that have no messages."""
         topics: dict[str, list[ConnectionRecord]] = {}
         for source in self.connections.values():
             if self.counts.get(source.number):
@@ -139,12 +139,12 @@ class BagStructure:
 
 @dataclass(frozen=True, slots=True)
 class CheckedMessage:
-    """A message with the values that rules check.
+    """Message with the values that rules check.
 
     Attributes:
         stamp_ns: time of recording.
-        reading: the values; empty when the message or its definition cannot be read.
-        fault: why its bytes do not fit its type, as a clause; None when they do, or when that is not known.
+        reading: values; empty if the message or its definition cannot be read.
+        fault: reason why its bytes do not match its type, as a clause; None if they do, or if that is unknown.
     """
 
     stamp_ns: int
@@ -156,10 +156,10 @@ MessageHandler = Callable[[CheckedMessage], None]
 
 
 class MessageRule(Protocol):
-    """A rule that reads messages; a new one is made for each bag."""
+    """Rule that reads messages; a new object is created for each bag."""
 
     def listen(self, source: ConnectionRecord) -> MessageHandler | None:
-        """Return the function that takes each message of a connection; None to skip the connection."""
+        """Return the function that receives each message of a connection; None to skip the connection."""
         ...
 
     def findings(self, bag: BagStructure) -> Iterator[Finding]:
@@ -168,7 +168,7 @@ class MessageRule(Protocol):
 
 
 class OccurrenceCounter(Generic[K]):
-    """Counts occurrences by key, and keeps the stamp of the first of each."""
+    """Counter of occurrences by key, with the stamp of the first of each."""
 
     def __init__(self) -> None:
         self._seen: dict[K, tuple[int, int]] = {}

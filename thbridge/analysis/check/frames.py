@@ -1,4 +1,4 @@
-"""Rules about coordinate frames: their names, the tree of transforms, and frames of messages outside it.
+"""Rules about coordinate frames: names, the tree of transforms, and frames of messages outside it.
 
 Source: geometry2, tf2/buffer_core.cpp (transforms that setTransform ignores, errors of lookups).
 """
@@ -21,7 +21,7 @@ from thbridge.ros.names import frame_name
 
 SHOWN = (BagTool.RVIZ, BagTool.FOXGLOVE)
 FIXED_FRAMES = ("map", "world", "odom")
-"""Frames that tools take for the fixed frame, in this order."""
+"""Frames that tools use as the fixed frame, in this order."""
 SHOWN_TYPES = frozenset(
     {"visualization_msgs/Marker"}
     | {f"nav_msgs/{name}" for name in ("GridCells", "OccupancyGrid", "Odometry", "Path")}
@@ -33,13 +33,13 @@ SHOWN_TYPES = frozenset(
 )
 """Message types that tools show at a position in space."""
 FRAMELESS_TYPES = frozenset({"mavros_msgs/Mavlink"})
-"""Message types with other names than frames in their headers, for example the name of a MAVLink link."""
+"""Message types whose headers contain other names than frames, for example the name of a MAVLink link."""
 LATE_NS = 1_000_000_000
-"""A beginning without transforms that is not longer than this is usual."""
+"""Longest time without transforms at the beginning that is normal."""
 
 
 class SlashedFrames:
-    """Finds frames with a leading slash: tf2 refuses to look them up.
+    """Rule for frames with a leading slash: tf2 refuses to look them up.
 
     In transforms tf2 drops the slash; Foxglove drops it everywhere.
     """
@@ -49,7 +49,7 @@ class SlashedFrames:
         self._tf: set[str] = set()
 
     def listen(self, source: ConnectionRecord) -> MessageHandler | None:
-        """Listen to every topic that has frames."""
+        """Check every topic that has frames."""
         topic = source.topic
         if source.msgtype in FRAMELESS_TYPES:
             return None
@@ -70,7 +70,7 @@ class SlashedFrames:
         """Yield one finding for each topic and frame."""
         for (topic, frame), first, count in self._slashed.items():
             if topic in self._tf:
-                severity, tools, harm = FindingSeverity.WARNING, (BagTool.EVO,), "evo knows it by this name only"
+                severity, tools, harm = FindingSeverity.WARNING, (BagTool.EVO,), "evo knows it only by this name"
             else:
                 severity, tools, harm = (
                     FindingSeverity.ERROR,
@@ -78,13 +78,13 @@ class SlashedFrames:
                     "tf2 refuses such names, and rviz shows nothing",
                 )
             what = f"the frame {frame!r} begins with a slash: {harm}"
-            remedy = f"call it {frame_name(frame)!r}"
+            remedy = f"name it {frame_name(frame)!r}"
             yield Finding("frame-slash", severity, tools, topic, what, remedy, first, count)
 
 
 @dataclass(slots=True)
 class _Edge:
-    """A transform between a child and a parent: its topic, first time stamp, and first message."""
+    """Transform between a child and a parent: its topic, first time stamp, and first message."""
 
     topic: str
     first_ns: int
@@ -94,7 +94,7 @@ class _Edge:
 
 @dataclass(slots=True)
 class _Use:
-    """A frame in the messages of a topic: their number, and the stamps of the first."""
+    """Frame in the messages of a topic: their number, and the stamps of the first."""
 
     received_ns: int
     stamp_ns: int
@@ -103,7 +103,7 @@ class _Use:
 
 
 class TransformTree:
-    """Finds faults in the tree of transforms: gaps, loops, two parents, late transforms."""
+    """Rule for faults in the tree of transforms: gaps, loops, two parents, late transforms."""
 
     def __init__(self) -> None:
         self._edges: dict[str, dict[str, _Edge]] = {}
@@ -114,7 +114,7 @@ class TransformTree:
         self._unnamed: OccurrenceCounter[str] = OccurrenceCounter()
 
     def listen(self, source: ConnectionRecord) -> MessageHandler | None:
-        """Listen to transforms, and to every topic that has frames."""
+        """Check transforms, and every topic that has frames."""
         if source.msgtype in FRAMELESS_TYPES:
             return None
         return self._transforms(source) if source.msgtype in TF_TYPES else self._users(source)
@@ -163,11 +163,11 @@ class TransformTree:
     def findings(self, bag: BagStructure) -> Iterator[Finding]:
         """Yield faults of the tree, and frames of messages that are not connected to it."""
         for (topic, edge), first, count in self._bad.items():
-            what = f"a transform {edge} is ignored: two different names are needed"
+            what = f"a transform {edge} is ignored: it needs two different names"
             yield Finding("tf-names", FindingSeverity.ERROR, SHOWN, topic, what, "name both frames", first, count)
         for topic, first, count in self._unnamed.items():
-            what = "the header names no frame: nobody knows where to show it"
-            remedy = "let the driver fill in frame_id"
+            what = "the header names no frame, so tools do not know where to show the message"
+            remedy = "fill in frame_id in the driver"
             yield Finding("frame-empty", FindingSeverity.ERROR, SHOWN, topic, what, remedy, first, count)
         yield from self._two_parents()
         looped = self._loop()
@@ -184,10 +184,10 @@ class TransformTree:
             names = " and ".join(repr(name) for name in parents)
             last = max(parents.values(), key=lambda edge: edge.received_ns)
             mixed = len({edge.static for edge in parents.values()}) > 1
-            # One change may be intended, for example when an object is handed over.
+            # A single change may be intended, for example when a robot hands over an object.
             severity = FindingSeverity.ERROR if mixed or switches.get(child, 0) > 1 else FindingSeverity.WARNING
-            what = f"the frame {child!r} hangs on {names} by turns: the tree breaks at each change"
-            remedy = "let one publisher say where it is, on one parent"
+            what = f"the parent of frame {child!r} alternates between {names}: the tree breaks at each change"
+            remedy = "let one publisher send it, with one parent"
             first, count = last.received_ns, switches.get(child, 0)
             yield Finding("tf-two-parents", severity, SHOWN, last.topic, what, remedy, first, count)
 
@@ -198,8 +198,8 @@ class TransformTree:
                 if above in chain:
                     ring = [*chain[chain.index(above) :], above]
                     edge = self._edges[chain[-1]][above]
-                    what = f"transforms go round: {' -> '.join(ring)}"
-                    remedy = "take one of them out"
+                    what = f"transforms form a loop: {' -> '.join(ring)}"
+                    remedy = "remove one of them"
                     return Finding("tf-loop", FindingSeverity.ERROR, SHOWN, edge.topic, what, remedy, edge.received_ns)
                 chain.append(above)
         return None
@@ -210,7 +210,7 @@ class TransformTree:
         return frame
 
     def _since_ns(self, frame: str) -> int:
-        """Time from which the frame is connected to its root."""
+        """Return the time from which the frame is connected to its root."""
         since = 0
         while frame in self._above:
             since = max(since, self._edges[frame][self._above[frame]].first_ns)
@@ -234,37 +234,37 @@ class TransformTree:
         for (topic, name), use in self._uses.items():
             frame = frame_name(name)
             if self._root(frame) != fixed:
-                what = f"nothing joins its frame {frame!r} to {fixed!r}"
+                what = f"no transform connects its frame {frame!r} to {fixed!r}"
                 if self._root(frame) != frame:
-                    what += f", it hangs on {self._root(frame)!r}"
-                remedy = "record /tf and /tf_static with it, base to sensor included"
+                    what += f"; its root is {self._root(frame)!r}"
+                remedy = "record /tf and /tf_static, too, including base to sensor"
                 severity = FindingSeverity.ERROR if use.shown else FindingSeverity.WARNING
                 yield Finding("tf-missing", severity, SHOWN, topic, what, remedy, use.received_ns, use.count)
             elif (late := self._since_ns(frame) - use.stamp_ns) > 0:
                 severity = FindingSeverity.WARNING if late > LATE_NS else FindingSeverity.NOTE
                 what = f"its first message is {late / 1e9:.3f} s older than the first transforms of {frame!r}"
-                remedy = "begin to record transforms before the sensors"
+                remedy = "start to record transforms before the sensors"
                 yield Finding("tf-late", severity, SHOWN, topic, what, remedy, use.received_ns, 1)
 
     def _no_tree(self) -> Iterator[Finding]:
         shown = {frame_name(frame): use for (_, frame), use in self._uses.items() if use.shown}
         if len(shown) > 1:
-            what = f"there are no transforms in the bag, and its messages are in frames {', '.join(sorted(shown))}"
+            what = f"there are no transforms in the bag, but its messages are in frames {', '.join(sorted(shown))}"
             first = min(use.received_ns for use in shown.values())
             yield Finding(
-                "tf-missing", FindingSeverity.ERROR, SHOWN, None, what, "record /tf and /tf_static with it", first
+                "tf-missing", FindingSeverity.ERROR, SHOWN, None, what, "record /tf and /tf_static, too", first
             )
 
 
 class CompleteStaticTransforms:
-    """Finds static transforms missing in the last message of /tf_static, the only one that late subscribers get."""
+    """Rule for static transforms missing in the last message of /tf_static, the only one that late subscribers get."""
 
     def __init__(self) -> None:
         self._children: dict[int, set[str]] = {}
         self._last: dict[int, tuple[int, set[str]]] = {}
 
     def listen(self, source: ConnectionRecord) -> MessageHandler | None:
-        """Listen to the topics of static transforms."""
+        """Check the topics of static transforms."""
         if source.msgtype not in TF_TYPES or not source.topic.endswith("tf_static"):
             return None
         children_of = self._children.setdefault(source.number, set())
@@ -281,8 +281,8 @@ class CompleteStaticTransforms:
         for number, (stamp_ns, last) in self._last.items():
             lacking = sorted(self._children[number] - last)
             if lacking:
-                what = f"its last message lacks {', '.join(lacking)}, and replaces the one that had them"
-                remedy = "say all static transforms in one message"
+                what = f"its last message lacks {', '.join(lacking)}, and replaces an earlier one with them"
+                remedy = "send all static transforms in one message"
                 tools = (BagTool.ROSBAG, BagTool.RVIZ)
                 topic = bag.connections[number].topic
                 yield Finding("static-partial", FindingSeverity.ERROR, tools, topic, what, remedy, stamp_ns, 1)

@@ -1,4 +1,4 @@
-"""Runs all rules over the records of a bag and collects their findings."""
+"""Application of all rules to the records of a bag."""
 
 from collections.abc import Iterable
 from contextlib import suppress
@@ -32,13 +32,13 @@ _ORDER = tuple(FindingSeverity)
 
 @dataclass(frozen=True, slots=True)
 class Judgement:
-    """The result of a check.
+    """Result of a check.
 
     Attributes:
-        findings: the problems, worst first.
+        findings: findings, most severe first.
         messages: number of messages read.
         seconds: time from the first message to the last.
-        start_ns: stamp of the first message; None when there is none.
+        start_ns: stamp of the first message; None if there is none.
     """
 
     findings: tuple[Finding, ...]
@@ -47,18 +47,18 @@ class Judgement:
     start_ns: int | None
 
     def worst(self, tool: BagTool) -> FindingSeverity | None:
-        """The worst severity for a tool; None without findings."""
+        """Return the worst severity for a tool; None without findings."""
         mine = {finding.severity for finding in self.findings if tool in finding.tools}
         return next((severity for severity in _ORDER if severity in mine), None)
 
     @property
     def ok(self) -> bool:
-        """True when there is no finding of severity error."""
+        """True if there is no finding of severity error."""
         return all(finding.severity is not FindingSeverity.ERROR for finding in self.findings)
 
 
 def judge(records: Iterable[BagRecord]) -> Judgement:
-    """Check a bag by its records, as `scan` reads them."""
+    """Check a bag, given its records as `scan` reads them."""
     reader = _BagReader()
     for record in records:
         reader.take(record)
@@ -71,7 +71,7 @@ def judge(records: Iterable[BagRecord]) -> Judgement:
 
 
 class _ConnectionReader:
-    """One connection: reads its messages and passes them to the rules."""
+    """Reader of one connection, which decodes its messages and passes them to the rules."""
 
     def __init__(self, source: ConnectionRecord, rules: Iterable[MessageRule]) -> None:
         self._handlers = [handle for rule in rules if (handle := rule.listen(source)) is not None]
@@ -80,7 +80,7 @@ class _ConnectionReader:
         self._layout: MessageReader | None = None
 
     def _begin(self, data: bytes) -> None:
-        """Choose a layout for all messages by the first."""
+        """Choose a layout for all messages, using the first one."""
         self._begun = True
         kind = self._source.msgtype
         found = identified(kind, self._source.md5, self._source.definition) or by_name(kind, data)
@@ -101,7 +101,7 @@ class _ConnectionReader:
 
 
 class _BagReader:
-    """Collects the structure of a bag from its records, and passes messages to the rules."""
+    """Collector of a bag's structure from its records, which passes messages to the rules."""
 
     def __init__(self) -> None:
         rules = (*times.RULES, *frames.RULES, *contents.RULES)
@@ -116,7 +116,7 @@ class _BagReader:
         self._tears: list[UnreadableSpan] = []
 
     def take(self, record: BagRecord) -> None:
-        """Take in the next record of the file."""
+        """Add the next record of the file."""
         match record:
             case MessageRecord():
                 self._take_message(record)
@@ -129,7 +129,7 @@ class _BagReader:
                 if number not in self._sources:
                     self._sources[number] = record
                     self._readers[number] = _ConnectionReader(record, self.rules)
-                # Connection records after the last chunk and its index data belong to the index at the file's end.
+                # Connection records after the last chunk and its index data belong to the index at the end of the file.
                 self._indexed_sources.add(number)
             case ChunkRecord():
                 self._chunks.append(ScannedChunk(record, {}, {}))
@@ -155,7 +155,7 @@ class _BagReader:
             reader.handle(record)
 
     def structure(self) -> BagStructure:
-        """The structure, after the last record."""
+        """Return the structure, after the last record."""
         starts = [known.start_ns for known in self._chunks if known.start_ns is not None]
         ends = [known.end_ns for known in self._chunks if known.end_ns is not None]
         return BagStructure(

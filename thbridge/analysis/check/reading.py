@@ -1,6 +1,7 @@
-"""Reads the values that rules check from messages of any type, by the definition in the bag.
+"""Reader of the values that rules check, for messages of any type, using the definition in the bag.
 
-Only headers, frames, quaternions and the like are decoded; the rest is skipped, so a million messages take seconds.
+Only headers, frames, quaternions and similar values are decoded. The rest is skipped, so that a million messages take
+seconds.
 """
 
 import math
@@ -37,27 +38,27 @@ _THREE = Struct("<3d")
 _FOUR = Struct("<4d")
 
 LEAST = ":least"
-"""Ending of the name by which the least element of an array is asked for."""
+"""Suffix of the name that requests the least element of an array."""
 
 Fields = Mapping[str, Sequence[tuple[str, object]]]
-"""The fields of each type, with rosbags' names of types and rosbags' description of each field's type."""
+"""Fields of each type, with rosbags' names of types and rosbags' description of each field's type."""
 
 
-class UnreadableMessage(ValueError):  # noqa: N818 - it names the fault of a message
-    """The bytes are not a message of the type; the text says why, as a clause."""
+class UnreadableMessage(ValueError):  # noqa: N818 - the name describes the fault of a message
+    """The bytes are not a message of the type; the text gives the reason as a clause."""
 
 
 @dataclass(slots=True)
 class Reading:
-    """The values that rules check in one message.
+    """Values that rules check in one message.
 
     Attributes:
         headers: stamp in nanoseconds and frame of every std_msgs/Header, outermost first.
-        children: every field `child_frame_id`, in the message's order.
-        quaternions: all quaternions; of an array only the one whose length is farthest from one.
-        finite: True when all points and vectors are finite.
-        covariances: for every field `covariance`, True when it has other numbers than zeros.
-        numbers: the numbers asked for, by dotted name; of arrays the length, and by `LEAST` the least finite element.
+        children: fields `child_frame_id`, in the message's order.
+        quaternions: all quaternions; of an array, only the one whose length differs most from one.
+        finite: True if all points and vectors are finite.
+        covariances: for each field `covariance`, True if it is not all zero.
+        numbers: requested numbers, by dotted name; for arrays the length, and with `LEAST` the least finite element.
         longest: length of the longest array.
     """
 
@@ -71,17 +72,17 @@ class Reading:
 
 
 class _Step(Protocol):
-    """Reads or skips some fields: takes the offset of the first, returns the offset behind the last."""
+    """Function that reads or skips fields, given the offset of the first; it returns the offset after the last."""
 
     def __call__(self, data: bytes, at: int, into: Reading) -> int: ...
 
 
 class MessageReader:
-    """Reads messages of one type.
+    """Reader of messages of one type.
 
     Args:
         msgtype: for example "nav_msgs/Odometry".
-        text: its full definition.
+        text: full definition of the type.
         numbers: dotted names of the numbers and arrays to read.
 
     Raises:
@@ -95,7 +96,7 @@ class MessageReader:
         self._steps = self._message(name, "", ())
 
     def read(self, data: bytes) -> Reading:
-        """Read a message. Raises UnreadableMessage: it is shorter or longer than its type."""
+        """Read a message. Raise UnreadableMessage if it is shorter or longer than its type."""
         into = Reading()
         at = 0
         try:
@@ -116,7 +117,7 @@ class MessageReader:
             raise ValueError(f"{name} contains itself")
         if name == _QUATERNION:
             return [_read_quaternion]
-        # A magnetic field or an acceleration that was not measured may be NaN, a position must not.
+        # A magnetic field or an acceleration that was not measured may be NaN; a position must not.
         if name in _VECTORS and not any(outer.startswith("sensor_msgs/") for outer in above):
             return [_read_vector]
         steps: list[_Step] = []
@@ -146,7 +147,7 @@ class MessageReader:
                 return [self._array(element, count, path, above)]
             case (4, (element, _)):
                 return [self._array(element, None, path, above)]
-        raise ValueError(f"{path} is of a kind that is not known")
+        raise ValueError(f"{path} has an unknown kind")
 
     def _array(self, element: object, count: int | None, path: str, above: tuple[str, ...]) -> _Step:
         steps = self._field("", element, f"{path}[]", above)
@@ -161,13 +162,13 @@ class MessageReader:
 
 
 def fields_of(msgtype: str, text: str) -> Fields:
-    """The fields of a type and of all types within it.
+    """Return the fields of a type and of all types within it.
 
     Raises:
         ValueError: the text cannot be parsed, or lacks a type that it names.
     """
     types = types_in(msgtype, text)
-    store_of(types)  # it finds further faults, in names
+    store_of(types)  # it also checks names
     fields: dict[str, Sequence[tuple[str, object]]] = {name: described for name, (_, described) in types.items()}
     missing = missing_types(fields)
     if missing:
@@ -176,7 +177,7 @@ def fields_of(msgtype: str, text: str) -> Fields:
 
 
 def missing_types(fields: Fields) -> list[str]:
-    """Types that are named and not defined, with ROS 1's names."""
+    """Return the types that are used but not defined, with ROS 1 names."""
     named = (_inner(described) for members in fields.values() for _, described in members)
     lacking = {name for name in named if name is not None and name not in fields and name not in _TIMES}
     return sorted(name.replace("/msg/", "/") for name in lacking)
@@ -234,7 +235,7 @@ class _Covariance:
 
     def __call__(self, data: bytes, at: int, into: Reading) -> int:
         end = at + self.size
-        # A covariance that was not filled in has only zero bytes.
+        # A covariance that was not filled in consists of zero bytes.
         into.covariances.append(any(data[at:end]))
         return end
 
@@ -250,7 +251,7 @@ class _Number:
 
 
 def _counted(data: bytes, at: int, count: int | None, asked: str | None, into: Reading) -> tuple[int, int]:
-    """Length of an array, and offset of its elements; notes the length in the reading."""
+    """Return the length of an array, and the offset of its elements; store the length in the reading."""
     if count is None:
         (count,) = _COUNT.unpack_from(data, at)
         at += 4
@@ -262,7 +263,7 @@ def _counted(data: bytes, at: int, count: int | None, asked: str | None, into: R
 
 @dataclass(frozen=True, slots=True)
 class _Block:
-    """An array of elements of one size, which is skipped."""
+    """Array of elements of one size, which is skipped."""
 
     size: int
     count: int | None
@@ -275,7 +276,7 @@ class _Block:
 
 @dataclass(frozen=True, slots=True)
 class _Least:
-    """An array of float32, of which the least finite element is read."""
+    """Array of float32; only its least finite element is read."""
 
     size: int
     count: int | None
@@ -294,7 +295,7 @@ class _Least:
 
 @dataclass(frozen=True, slots=True)
 class _Records:
-    """An array of elements of one size, with vectors and quaternions at fixed offsets in them."""
+    """Array of elements of one size, with vectors and quaternions at fixed offsets."""
 
     size: int
     vectors: tuple[int, ...]
@@ -323,7 +324,7 @@ class _Records:
 
 
 def _places(steps: Sequence[_Step]) -> tuple[int, tuple[int, ...], tuple[int, ...]] | None:
-    """Size of an element, and offsets of its vectors and quaternions; None when its size is not fixed."""
+    """Return the size of an element, and the offsets of its vectors and quaternions; None if its size varies."""
     at = 0
     vectors, quaternions = [], []
     for step in steps:
@@ -342,7 +343,7 @@ def _places(steps: Sequence[_Step]) -> tuple[int, tuple[int, ...], tuple[int, ..
 
 @dataclass(frozen=True, slots=True)
 class _Loop:
-    """An array of elements of different sizes."""
+    """Array of elements of different sizes."""
 
     steps: tuple[_Step, ...]
     count: int | None
@@ -350,7 +351,7 @@ class _Loop:
 
     def __call__(self, data: bytes, at: int, into: Reading) -> int:
         count, at = _counted(data, at, self.count, self.asked, into)
-        # Each element takes at least one byte, so a forged count is found at once.
+        # Each element has at least one byte, so an invalid count is found at once.
         if at + count > len(data):
             raise UnreadableMessage("it ends too early")
         for _ in range(count):

@@ -7,31 +7,31 @@ from thbridge.analysis.check.finding import ALL, BagStructure, BagTool, Finding,
 HEADER_BYTES = 4096
 """Header and padding of the first record as ROS 1 writes it (rosbag, bag.py, _FILE_HEADER_LENGTH)."""
 ROS_LZ4_FLAGS = 0x64
-"""FLG of the frames that roslz4 reads: version 1, independent blocks, checksum of the content."""
+"""FLG of frames that roslz4 can read: version 1, independent blocks, checksum of the content."""
 OVERLAP_SHARE = 0.25
-CUT = "run `thbridge bag cut` on it, which sorts"
+CUT = "run `thbridge bag cut` on it, which sorts the messages"
 REINDEX = "run `thbridge bag reindex`"
 
 
 def index_missing(bag: BagStructure) -> Iterator[Finding]:
-    """Find bags without an index, whose writer was killed: no tool opens them."""
+    """Find bags without an index, because the writer was killed: no tool opens them."""
     if bag.header is None or bag.header.index_pos == 0:
         yield Finding(
             "no-index", FindingSeverity.ERROR, ALL, None, "the bag has no index: its writer was killed", REINDEX
         )
     elif not bag.unreadable and bag.header.chunks and not bag.index:
-        problem = "the first record names an index, and there is none"
+        problem = "the first record names an index, but there is none"
         yield Finding("no-index", FindingSeverity.ERROR, ALL, None, problem, REINDEX)
 
 
 def index_wrong(bag: BagStructure) -> Iterator[Finding]:
-    """Find an index that does not agree with the chunks: readers miss messages or read wrong ones."""
+    """Find an index that does not match the chunks: readers miss messages or read wrong ones."""
     if bag.header is None or not bag.index:
         return
     if (bag.header.connections, bag.header.chunks) != (bag.indexed_connections, len(bag.index)):
         problem = (
-            f"the first record says {bag.header.connections} connections and {bag.header.chunks} chunks, "
-            f"the index has {bag.indexed_connections} and {len(bag.index)}"
+            f"the first record names {bag.header.connections} connections and {bag.header.chunks} chunks, "
+            f"but the index has {bag.indexed_connections} and {len(bag.index)}"
         )
         yield Finding("index-wrong", FindingSeverity.ERROR, ALL, None, problem, REINDEX)
     indexed = {entry.position: entry.counts for entry in bag.index}
@@ -42,7 +42,7 @@ def index_wrong(bag: BagStructure) -> Iterator[Finding]:
     ]
     if wrong:
         position = wrong[0].chunk.position
-        problem = f"the index of {len(wrong)} chunks does not have the messages in them, first at byte {position}"
+        problem = f"the index of {len(wrong)} chunks does not match their messages, first at byte {position}"
         yield Finding("index-wrong", FindingSeverity.ERROR, ALL, None, problem, REINDEX, wrong[0].start_ns)
 
 
@@ -52,14 +52,14 @@ def unreadable_bytes(bag: BagStructure) -> Iterator[Finding]:
         first = bag.unreadable[0]
         lost = sum(tear.lost for tear in bag.unreadable)
         problem = f"{lost} bytes cannot be read, first at byte {first.position}: {first.problem}"
-        yield Finding("torn", FindingSeverity.ERROR, ALL, None, problem, f"{REINDEX}; what cannot be read is lost")
+        yield Finding("torn", FindingSeverity.ERROR, ALL, None, problem, f"{REINDEX}; unreadable data are lost")
 
 
 def header_padding(bag: BagStructure) -> Iterator[Finding]:
-    """Find a first record of another length than ROS's: rosbag overwrites it and part of the first chunk."""
+    """Find a first record with another length than ROS's: rosbag overwrites it and part of the first chunk."""
     if bag.header is not None and bag.header.length != HEADER_BYTES:
         problem = (
-            f"the first record takes {bag.header.length} bytes where ROS 1 makes it {HEADER_BYTES}: "
+            f"the first record has {bag.header.length} bytes, but ROS 1 writes {HEADER_BYTES}: "
             "`rosbag reindex` and appending would overwrite the first chunk"
         )
         yield Finding(
@@ -72,13 +72,13 @@ def encrypted(bag: BagStructure) -> Iterator[Finding]:
     if bag.header is not None and bag.header.encryptor:
         problem = f"the bag is encrypted ({bag.header.encryptor})"
         tools = (BagTool.FOXGLOVE, BagTool.EVO)
-        yield Finding("encrypted", FindingSeverity.ERROR, tools, None, problem, "decrypt it by `rosbag decrypt`")
+        yield Finding("encrypted", FindingSeverity.ERROR, tools, None, problem, "decrypt it with `rosbag decrypt`")
 
 
 def chunk_order(bag: BagStructure) -> Iterator[Finding]:
-    """Find chunks that are not in order of time: `rosbag info` takes start and end from the first and last chunk.
+    """Find chunks that are not in the order of time: `rosbag info` uses the first and the last chunk for start and end.
 
-    Foxglove's reader begins at the start of the first chunk, and leaves out all messages before it.
+    Foxglove's reader starts at the beginning of the first chunk, and omits all messages before it.
     """
     if not bag.index or bag.start_ns is None:
         return
@@ -87,10 +87,10 @@ def chunk_order(bag: BagStructure) -> Iterator[Finding]:
         return
     problem = (
         "chunks are empty or not in the order of time: "
-        f"`rosbag info` says it lasts {(last.end_ns - first.start_ns) / 1e9:.1f} s where it does {bag.seconds:.1f} s"
+        f"`rosbag info` reports {(last.end_ns - first.start_ns) / 1e9:.1f} s instead of {bag.seconds:.1f} s"
     )
     if first.start_ns > bag.start_ns:
-        problem += f", and Foxglove leaves out all before {(first.start_ns - bag.start_ns) / 1e9:.1f} s"
+        problem += f", and Foxglove omits all messages before {(first.start_ns - bag.start_ns) / 1e9:.1f} s"
         yield Finding("chunk-order", FindingSeverity.ERROR, (BagTool.ROSBAG, BagTool.FOXGLOVE), None, problem, CUT)
     else:
         yield Finding("chunk-order", FindingSeverity.WARNING, (BagTool.ROSBAG,), None, problem, CUT)
@@ -108,10 +108,12 @@ def chunks_overlap(bag: BagStructure) -> Iterator[Finding]:
 
 
 def lz4_frames(bag: BagStructure) -> Iterator[Finding]:
-    """Find LZ4 frames that roslz4 cannot unpack: it needs independent blocks and a checksum of the whole content."""
+    """Find LZ4 frames that roslz4 cannot decompress: it needs independent blocks and a checksum of all content."""
     other = [known for known in bag.chunks if known.chunk.lz4_flags not in (None, ROS_LZ4_FLAGS)]
     if other:
-        problem = f"{len(other)} chunks are LZ4 frames that ROS cannot unpack, first at byte {other[0].chunk.position}"
+        problem = (
+            f"{len(other)} chunks are LZ4 frames that ROS cannot decompress, first at byte {other[0].chunk.position}"
+        )
         tools = (BagTool.ROSBAG, BagTool.RVIZ, BagTool.PLOTJUGGLER)
         remedy = "run `thbridge bag cut --compression lz4` on it"
         yield Finding("lz4-frames", FindingSeverity.ERROR, tools, None, problem, remedy, other[0].start_ns)

@@ -1,4 +1,4 @@
-"""Rules about time stamps: of the recording, and in headers."""
+"""Rules about time stamps, of records and of headers."""
 
 from collections import Counter
 from collections.abc import Iterator
@@ -18,20 +18,20 @@ from thbridge.analysis.check.structure import CUT
 from thbridge.recording.bag.reading.scan import ConnectionRecord
 
 TF_CACHE = 10.0
-"""Seconds for which tf2 keeps transforms (tf2, buffer_core.h, DEFAULT_CACHE_TIME)."""
+"""Seconds that tf2 keeps transforms (tf2, buffer_core.h, DEFAULT_CACHE_TIME)."""
 LATE, LEAST_LATE = 0.25, 5
-"""Seconds between stamp and recording that are much, and messages of a topic that say so. Drivers and filters take
-less; at half a meter a second they are 12 cm."""
+"""Large difference between stamp and recording, seconds, and the number of messages that must have it. Drivers and
+filters need less time; at 0.5 m/s it is 12 cm."""
 
 
 class StampZero:
-    """Finds messages recorded at time zero, which `rosbag play` drops."""
+    """Rule for messages recorded at time zero, which `rosbag play` drops."""
 
     def __init__(self) -> None:
         self._zero: OccurrenceCounter[str] = OccurrenceCounter()
 
     def listen(self, source: ConnectionRecord) -> MessageHandler:
-        """Listen to every topic."""
+        """Check every topic."""
         topic = source.topic
 
         def check(message: CheckedMessage) -> None:
@@ -43,7 +43,7 @@ class StampZero:
     def findings(self, bag: BagStructure) -> Iterator[Finding]:
         """Yield one finding for each topic."""
         for topic, first, count in self._zero.items():
-            what = "messages are stamped 0, and `rosbag play` drops them"
+            what = "messages have record stamp 0, so `rosbag play` drops them"
             remedy = "start the clock above zero"
             yield Finding(
                 "stamp-zero", FindingSeverity.ERROR, (BagTool.ROSBAG, BagTool.RVIZ), topic, what, remedy, first, count
@@ -51,7 +51,7 @@ class StampZero:
 
 
 class BackInTime:
-    """Finds messages that are not in order of time in the file."""
+    """Rule for messages that are not in the order of time in the file."""
 
     def __init__(self) -> None:
         self._latest_ns = 0
@@ -60,7 +60,7 @@ class BackInTime:
         self._worst_ns = 0
 
     def listen(self, source: ConnectionRecord) -> MessageHandler:
-        """Listen to every topic; the order counts over all of them."""
+        """Check the order of messages over all topics."""
         return self._check
 
     def _check(self, message: CheckedMessage) -> None:
@@ -76,16 +76,16 @@ class BackInTime:
     def findings(self, bag: BagStructure) -> Iterator[Finding]:
         """Yield one finding for the bag."""
         if self._count:
-            what = f"messages are out of the order of time, by up to {self._worst_ns / 1e9:.3f} s"
+            what = f"messages are not in the order of time, by up to {self._worst_ns / 1e9:.3f} s"
             tools = (BagTool.ROSBAG, BagTool.PLOTJUGGLER)
             yield Finding("back-in-time", FindingSeverity.WARNING, tools, None, what, CUT, self._first_ns, self._count)
 
 
 class HeaderStampOffset:
-    """Finds headers whose stamps are far from the time of recording: tools mix the two times.
+    """Rule for headers whose stamps differ much from the time of recording: tools mix the two times.
 
-    Latched topics are left out, for their messages may be old when a recording begins; and static transforms, which
-    hold at all times, whatever their stamps (tf2, buffer_core.cpp).
+    Latched topics are not checked, because their messages may be older than the recording. Static transforms are not
+    checked either, because they hold at all times, whatever their stamps (tf2, buffer_core.cpp).
     """
 
     def __init__(self) -> None:
@@ -93,7 +93,7 @@ class HeaderStampOffset:
         self._worst_ns: dict[str, int] = {}
 
     def listen(self, source: ConnectionRecord) -> MessageHandler | None:
-        """Listen to every topic that is neither latched nor of static transforms."""
+        """Check every topic that is neither latched nor has static transforms."""
         if _is_sent_once(source):
             return None
         topic = source.topic
@@ -114,19 +114,20 @@ class HeaderStampOffset:
         for topic, first, count in self._far.items():
             off = self._worst_ns[topic] / 1e9
             what = (
-                f"headers are up to {abs(off):.1f} s {'after' if off > 0 else 'before'} the time of recording, "
-                f"more than the {TF_CACHE:.0f} s that tf2 remembers"
+                f"header stamps are up to {abs(off):.1f} s {'after' if off > 0 else 'before'} the time of recording, "
+                f"more than the {TF_CACHE:.0f} s that tf2 keeps transforms"
             )
-            remedy = "record with one clock: `use_sim_time` for the recorder too where the robots have it"
+            remedy = "record with one clock: set `use_sim_time` for the recorder if the robots have it"
             tools = (BagTool.RVIZ, BagTool.FOXGLOVE, BagTool.PLOTJUGGLER)
             yield Finding("header-far", FindingSeverity.WARNING, tools, topic, what, remedy, first, count)
 
 
 class RecordedLate:
-    """Finds topics whose stamps are far from the time of recording: tools that go by the latter pair them wrongly.
+    """Rule for topics whose stamps differ from the time of recording: tools that use the latter match messages wrongly.
 
-    They are recorded late, or stamped ahead of it, which one clock cannot give. Latched topics and static transforms
-    are left out, as by `HeaderStampOffset`, which finds greater differences; so are transforms that amcl stamps ahead.
+    Such messages are recorded late, or stamped later than their recording, which is impossible with one clock. Latched
+    topics and static transforms are not checked, as in `HeaderStampOffset`, which finds greater differences. Transforms
+    that amcl stamps ahead are not checked either.
     """
 
     def __init__(self) -> None:
@@ -135,7 +136,7 @@ class RecordedLate:
         self._sum_ns: Counter[tuple[str, bool]] = Counter()
 
     def listen(self, source: ConnectionRecord) -> MessageHandler | None:
-        """Listen to every topic that is neither latched nor of static transforms."""
+        """Check every topic that is neither latched nor has static transforms."""
         if _is_sent_once(source):
             return None
         topic, may_be_ahead = source.topic, source.msgtype in TF_TYPES
@@ -153,7 +154,7 @@ class RecordedLate:
         return check
 
     def findings(self, bag: BagStructure) -> Iterator[Finding]:
-        """Yield one finding for each topic of which most messages are late, or ahead."""
+        """Yield one finding for each topic whose messages are mostly late, or mostly ahead."""
         for (topic, late), first, count in self._off.items():
             if count < LEAST_LATE or 2 * count <= self._count[topic]:
                 continue
@@ -164,15 +165,15 @@ class RecordedLate:
                 tools: tuple[BagTool, ...] = (BagTool.FOXGLOVE, BagTool.PLOTJUGGLER)
             else:
                 rule, what = "stamped-ahead", f"stamps are {seconds:.2f} s after the time of recording on average"
-                remedy = "set the clocks of all computers by one server (NTP, chrony) and record again"
+                remedy = "synchronize the clocks of all computers (NTP, chrony), and record again"
                 tools = (BagTool.RVIZ, BagTool.FOXGLOVE, BagTool.PLOTJUGGLER, BagTool.EVO)
             yield Finding(rule, FindingSeverity.WARNING, tools, topic, what, remedy, first, count)
 
 
 class TrajectoryStamps:
-    """Finds header stamps that are zero, go back or repeat: evo needs rising ones.
+    """Rule for header stamps that are zero, decrease or repeat: evo needs increasing stamps.
 
-    Of transforms, only stamps of zero count: one topic has those of many frames.
+    For transforms, only stamps of zero count, because one topic has many frames.
     """
 
     def __init__(self) -> None:
@@ -182,7 +183,7 @@ class TrajectoryStamps:
         self._latest_ns: dict[str, int] = {}
 
     def listen(self, source: ConnectionRecord) -> MessageHandler | None:
-        """Listen to the types that evo reads."""
+        """Check the types that evo reads."""
         if source.msgtype not in EVO_TYPES or source.topic.endswith("tf_static"):
             return None
         topic, has_frames = source.topic, source.msgtype in TF_TYPES
@@ -212,20 +213,20 @@ class TrajectoryStamps:
         tools: tuple[BagTool, ...] = (BagTool.EVO,)
         for (topic, has_frames), first, count in self._zero.items():
             what = (
-                "transforms are stamped 0: tf2 has none for later messages"
+                "transforms are stamped 0: tf2 cannot use them for later messages"
                 if has_frames
                 else "headers are stamped 0: evo has no time for them"
             )
-            remedy = "let the driver stamp its messages"
+            remedy = "set the stamps in the driver"
             concerned = (BagTool.RVIZ, BagTool.FOXGLOVE, BagTool.EVO) if has_frames else tools
             yield Finding("header-zero", FindingSeverity.ERROR, concerned, topic, what, remedy, first, count)
         for topic, first, count in self._back.items():
-            what = "stamps of headers go back: evo's check fails, and its association is wrong"
-            remedy = "let one publisher speak on the topic, with one clock"
+            what = "header stamps decrease: evo's check fails, and it matches poses wrongly"
+            remedy = "let one publisher use the topic, with one clock"
             yield Finding("header-back", FindingSeverity.ERROR, tools, topic, what, remedy, first, count)
         for topic, first, count in self._again.items():
-            what = "headers repeat the stamp before them: evo computes no speeds"
-            remedy = "leave out what is said twice"
+            what = "header stamps repeat: evo cannot compute speeds"
+            remedy = "omit repeated messages"
             yield Finding("header-repeated", FindingSeverity.WARNING, tools, topic, what, remedy, first, count)
 
 

@@ -1,1 +1,1 @@
-"""Export of recordings as tables: messages decoded into columns, by the definitions in the bag."""
+"""Export of recordings as tables: messages decoded into columns, using the definitions in the bag."""

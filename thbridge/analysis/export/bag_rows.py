@@ -1,4 +1,4 @@
-"""Rows of the tables of a bag: the messages that are chosen, with what else is needed to read them."""
+"""Rows of a bag's tables: the chosen messages, and other messages needed to interpret them."""
 
 from collections.abc import Collection, Iterator
 from pathlib import Path
@@ -22,23 +22,23 @@ def rows_of_bag(
     tables: Collection[str] | None = None,
     tell: Tell = untold,
 ) -> Iterator[TableRows]:
-    """Yield the rows of a recording's tables in pieces; those of one table are in order.
+    """Yield the rows of a recording's tables in pieces; the rows of one table are in order.
 
     Args:
-        bag: the bag, or the name of a split recording.
-        exported: the summary to fill.
-        topics: names of the topics to export; None for all.
-        start: seconds after the recording's beginning.
-        until: seconds after the recording's beginning; None for its end.
-        tables: names of the tables to make, with the tables of their lists; None for all.
-        tell: takes how far it is.
+        bag: bag, or name of a split recording.
+        exported: summary to fill.
+        topics: names of the topics to export. If None, all topics.
+        start: start of the export, seconds from the beginning of the recording.
+        until: end of the export, seconds from the beginning of the recording. If None, its end.
+        tables: names of the tables to create, including tables of lists. If None, all tables.
+        `tell`: receives the progress.
 
     Raises:
         BadFile: the bag cannot be read.
     """
     found = info(bag)
     first_ns = found.start_ns or 0
-    # The session is read whatever is chosen: without its conditions no table can be used. So are the names of rooms.
+    # The session and the names of rooms are always read: without the conditions, no table can be used.
     sessions = frozenset(topic.name for topic in found.topics if topic.msgtype == SESSION)
     read = None if topics is None else sessions.union(topics, {ROOMS} & {topic.name for topic in found.topics})
 

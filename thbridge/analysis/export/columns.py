@@ -1,7 +1,7 @@
-"""The columns of a message type: names, units, meanings, and functions that read their values from gathered rows.
+"""Columns of a message type: names, units, meanings, and functions that read their values from gathered rows.
 
 A column's name is the path of its field (`pose.pose.position.x`) without wrappers such as `pose`, and with the unit:
-`x_m`. Where two names would be equal, both keep the whole path.
+`x_m`. If two names would be equal, both keep the whole path.
 """
 
 from collections import Counter
@@ -38,14 +38,14 @@ from thbridge.files.tables.table_files import Column, ListColumn, Values
 WRAPPERS = frozenset(
     {"header", "pose", "position", "orientation", "twist", "transform", "translation", "rotation", "point", "vector"}
 )
-"""Fields that only wrap other fields, and are left out of names."""
+"""Fields that only wrap other fields, and are omitted from names."""
 AXES = ("x", "y", "z", "roll", "pitch", "yaw")
 """Axes in the order of ROS's covariances."""
 MOST_COLUMNS = 64
-"""Largest array of fixed size that gets a column for each element; longer ones are one column of lists."""
+"""Length of the largest fixed-size array with a column for each element; longer arrays become one column of lists."""
 
 _COVARIANCES = {"geometry_msgs/PoseWithCovariance": False, "geometry_msgs/TwistWithCovariance": True}
-"""Types with a covariance of 6 x 6; the value is True when it is one of speeds."""
+"""Types with a 6 x 6 covariance; the value is True if it is a covariance of speeds."""
 _QUATERNION = "geometry_msgs/Quaternion"
 _HEADER_FRAME = FieldStep("std_msgs/Header", "frame_id")
 _CHILD_FRAME = FieldStep("nav_msgs/Odometry", "child_frame_id")
@@ -54,12 +54,12 @@ _SPATIAL = frozenset(
     | set(_COVARIANCES)
 )
 _OF_CHILD = FieldStep("nav_msgs/Odometry", "twist")
-"""The only field of common types that is in the child frame and not in the header's frame."""
+"""Only field of common types that is in the child frame, not in the header's frame."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ColumnReader:
-    """A column, with the function that reads its values from rows."""
+    """Column, with the function that reads its values from rows."""
 
     column: Column
     values: Callable[[GatheredRows], Values]
@@ -67,15 +67,15 @@ class ColumnReader:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _NewColumn:
-    """A column whose name is not chosen yet.
+    """Column whose name is not yet determined.
 
     Attributes:
         path: path of the value in the message.
-        ending: words that replace the last word of the path in the name; () keeps it.
+        ending: words that replace the last word of the path in the name. If empty, the word is kept.
         kind: type of its values.
         unit: unit of its values.
         meaning: meaning of its values.
-        values: reads them from rows.
+        values: function that reads the values from rows.
     """
 
     path: Path
@@ -86,7 +86,7 @@ class _NewColumn:
     values: Callable[[GatheredRows], Values]
 
     def name(self, whole: bool) -> str:
-        """Its name; `whole` keeps the wrappers."""
+        """Return its name; if `whole`, include the wrappers."""
         own = self.ending or (self.path[-1].field,)
         wraps = [step.field for step in self.path[:-1] if whole or step.field not in WRAPPERS]
         if self.ending and self.ending[0] in {"cov", "std"}:
@@ -98,12 +98,12 @@ class _NewColumn:
 
 
 def fields_of(record: MessageLayout, reserved: Iterable[str], outer_frame: str = "") -> tuple[ColumnReader, ...]:
-    """The columns of a message type. Arrays of messages in it are separate tables.
+    """Return the columns of a message type. Arrays of messages in it become separate tables.
 
     Args:
-        record: the layout of the type.
-        reserved: names that are already taken.
-        outer_frame: the column of the parent table with the frame.
+        record: layout of the type.
+        reserved: names that are already used.
+        outer_frame: column of the parent table that contains the frame.
     """
     drafts = [draft for index, part in enumerate(record.parts) for draft in _drafts(index, part)]
     count = Counter(draft.name(whole=False) for draft in drafts)
@@ -133,7 +133,7 @@ def fields_of(record: MessageLayout, reserved: Iterable[str], outer_frame: str =
 
 
 def _frame_column(path: Path, frames: dict[tuple[Path, bool], str], outer: str) -> str:
-    """The column with the frame of a value; "" for values that are not spatial."""
+    """Return the column with the frame of a value; "" for values that are not spatial."""
     if not any(step.msgtype in _SPATIAL for step in path):
         return ""
     of_child = _OF_CHILD in path
@@ -201,7 +201,7 @@ def _element(whole: Callable[[GatheredRows], Array], element: int) -> Callable[[
 
 
 def _covariance(leaf: FixedValue, whole: Callable[[GatheredRows], Array]) -> Iterator[_NewColumn]:
-    """Yield columns of the standard deviations of x, y and yaw, then of all 36 covariances."""
+    """Yield columns with the standard deviations of x, y and yaw, then with all 36 covariances."""
     units = words.axis_units(_COVARIANCES[leaf.path[-1].msgtype])
     for axis in (0, 1, 5):
         meaning = f"standard deviation of {AXES[axis]}"
@@ -228,12 +228,12 @@ def _deviation(whole: Callable[[GatheredRows], Array], axis: int) -> Callable[[G
 
 
 def _yaw(index: int, run: FixedBlock, position: int) -> _NewColumn:
-    """The column of the yaw of a quaternion, whose w is at a position of the block."""
+    """Return the column of the yaw of a quaternion; its w is at a position of the block."""
 
     def values(rows: GatheredRows) -> Values:
         table = rows.run(index, run)
         x, y, z, w = (table[str(position - 3 + axis)] for axis in range(4))
-        with np.errstate(over="ignore", invalid="ignore"):  # of quaternions that are none
+        with np.errstate(over="ignore", invalid="ignore"):  # for invalid quaternions
             yaw: NDArray[np.float64] = elementary_arrays.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
         return yaw
 

@@ -1,4 +1,4 @@
-"""Tables of dialogues in which robots argued: `dialogue_games`, and `dialogue_beliefs`, held before and after moves."""
+"""Tables of argumentation dialogues: `dialogue_games`, and `dialogue_beliefs` with beliefs before and after moves."""
 
 from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
@@ -16,45 +16,59 @@ from thbridge.files.tables.table_files import Column, Values
 from thbridge.ros.messages.session_records import DialogueMoveRecord, DialogueStateRecord
 from thbridge.ros.messages.types import DIALOGUE_MOVE, DIALOGUE_STATE
 
-_ROBOT = Column("robot", "int32", "", "counts from 1")
+_ROBOT = Column("robot", "int32", "", "number of the robot, from 1")
 _TALK = Column("talk", "int64", "", "number of the dialogue of utterances, from 1")
 GAMES = Table(
     "dialogue_games",
     "/dialogue/moves, /dialogue/states",
     "",
-    "dialogue games of robots that argued; t_s is that of the first move",
+    "dialogue games of robots that argue; t_s is the time of the first move",
     (
         _ROBOT,
         SECONDS,
         _TALK,
         Column("dialogue", "int32", "", "number of the dialogue game, from 1, unique among those of its robot"),
-        Column("parent", "int32", "", "number of the game that waits for this one; 0: none"),
+        Column("parent", "int32", "", "number of the game that is paused for this one; 0 if there is none"),
         Column("game_", "string", "", 'name of the game, for example "persuasion"'),
-        Column("topic", "string", "", 'what it is about, for example "next(Robot1, Room3)"'),
+        Column("topic", "string", "", 'topic, for example "next(Robot1, Room3)"'),
         Column("opener", "string", "", '"robot" or "human"'),
-        Column("end", "string", "", 'for example "agreement"; "unfinished": it went on when the recording ended'),
-        Column("moves", "int32", "", "number of moves, without those that followed by themselves"),
-        Column("challenges", "int32", "", "number of challenges in it and in the games that wait for it"),
-        Column("gave_in", "string", "", "who accepted in the end what that side had held out against; empty: nobody"),
-        Column("until_s", "float64", "s", "since the beginning of the recording, of its last move"),
-        Column("replied_s", "float64", "s", "that the participant took for her moves, without the first of a game"),
+        Column(
+            "end", "string", "", 'for example "agreement"; "unfinished" if it had not ended when the recording ended'
+        ),
+        Column("moves", "int32", "", "number of moves, without those that follow automatically"),
+        Column("challenges", "int32", "", "number of challenges in it and in the games that are paused for it"),
+        Column(
+            "gave_in",
+            "string",
+            "",
+            "side that finally accepted a statement that it had opposed before; empty if neither did",
+        ),
+        Column("until_s", "float64", "s", "time of its last move since the beginning of the recording"),
+        Column(
+            "replied_s",
+            "float64",
+            "s",
+            "time that the participant needed for her moves, without the first move of a game",
+        ),
     ),
 )
 BELIEFS = Table(
     "dialogue_beliefs",
     "/dialogue/moves, /dialogue/states",
     "",
-    "what robots that argued believed before and after their moves and the participant's; t_s is that of the moves",
+    "beliefs of robots that argue, before and after moves of either side; t_s is the time of the moves",
     (
         _ROBOT,
         SECONDS,
         _TALK,
-        Column("holder", "string", "", '"robot", or "human": what the robot takes the participant to believe'),
-        Column("literal", "string", "", "what is believed, a literal or a rule"),
-        Column("source", "string", "", 'where the robot has it from; of the participant "held", or "unknown" to her'),
-        Column("as_of_s", "float64", "s", "simulated time at which it was so; nan: not told"),
-        Column("confidence", "float64", "", "of whoever sensed or computed it, 0 to 1; nan: not told"),
-        Column("change", "string", "", "kept (before and after), gained, lost; first: after the first moves of a talk"),
+        Column("holder", "string", "", '"robot", or "human" for beliefs that the robot attributes to the participant'),
+        Column("literal", "string", "", "the belief: a literal or a rule"),
+        Column("source", "string", "", 'source of the belief; for the participant "held", or "unknown" to her'),
+        Column("as_of_s", "float64", "s", "simulated time of the belief; nan if not reported"),
+        Column("confidence", "float64", "", "confidence of the sensor or computation, 0 to 1; nan if not reported"),
+        Column(
+            "change", "string", "", "kept (before and after), gained, lost; first: after the first moves of a dialogue"
+        ),
     ),
 )
 NAMES = (GAMES.name, BELIEFS.name)
@@ -67,12 +81,12 @@ class _Change(StrEnum):
     GAINED = "gained"
     LOST = "lost"
     FIRST = "first"
-    """Evidence is looked at anew before each talk, so that what was held before its first move is not recorded."""
+    """Evidence is evaluated again before each dialogue, so beliefs before its first move are not recorded."""
 
 
 @dataclass(frozen=True, slots=True)
 class _HeldBelief:
-    """Belief in a state: of whom, from where, as of when, how sure."""
+    """Belief in a state: holder, literal, source, time, confidence."""
 
     holder: str
     literal: str
@@ -86,7 +100,7 @@ _Row = tuple[object, ...]
 
 
 class DialogueTables:
-    """Collects moves and states of dialogues from the rows of other tables for tables of their own."""
+    """Collector of moves and states of dialogues, from the rows of other tables."""
 
     def __init__(self) -> None:
         self._gatherers: defaultdict[int, DialogueGatherer] = defaultdict(DialogueGatherer)
@@ -114,12 +128,12 @@ class DialogueTables:
         try:
             self._gatherers[game].take_state(state)
         except ValueError:
-            # What another release has written may be exported, though not read.
+            # States written by another version may be exported although they cannot be read here.
             return
         self._states[game, state.robot, time] = state.json
 
     def pieces(self) -> Iterator[TableRows]:
-        """Yield the tables' rows, those of a game together; none without moves."""
+        """Yield the tables' rows, with the rows of a game together; none without moves."""
         if self._turns:
             yield _rows(
                 GAMES,
@@ -147,7 +161,7 @@ class DialogueTables:
 
 
 def _held(portrait: DialoguePortrait) -> dict[_Key, _HeldBelief]:
-    """Beliefs of a robot, and those it takes the participant to have."""
+    """Return the beliefs of a robot, and its beliefs about the participant."""
     held = [_HeldBelief("robot", each.literal, each.source, each.at, each.confidence) for each in portrait.sigma]
     held += [_HeldBelief("robot", rule, "rule") for rule in portrait.rules]
     held += [_HeldBelief("human", literal, "held") for literal in portrait.held]

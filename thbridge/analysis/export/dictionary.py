@@ -1,4 +1,4 @@
-"""Files beside exported tables: the data dictionary, a README, and the session's seed, study and versions."""
+"""Files next to exported tables: the data dictionary, a README, and the session's seed, study and versions."""
 
 import csv
 import io
@@ -11,7 +11,7 @@ HEADER = ("table", "column", "type", "unit", "frame", "meaning")
 
 
 def dictionary_csv(exported: ExportSummary) -> str:
-    """The text of dictionary.csv: every column of every table."""
+    """Return the text of dictionary.csv: each column of each table."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(HEADER)
@@ -24,7 +24,7 @@ def dictionary_csv(exported: ExportSummary) -> str:
 
 
 def session_json(exported: ExportSummary, bag: str, start_ns: int, duration: float) -> str:
-    """The text of session.json: seed, study and versions of the session; null for recordings of others."""
+    """Return the text of session.json: seed, study and versions; null if thbridge did not record the session."""
     session = exported.session
     values = {
         "bag": bag,
@@ -41,7 +41,7 @@ def session_json(exported: ExportSummary, bag: str, start_ns: int, duration: flo
 
 
 def readme(exported: ExportSummary, bag: str, start_ns: int, duration: float) -> str:
-    """The text of README.md: the tables in the folder, and their conventions."""
+    """Return the text of README.md: the tables in the folder, and their conventions."""
     rows = [
         f"| `{name}` | {_cell(table.source)} | {_cell(table.msgtype)} | {count} | {_cell(table.meaning)} |"
         for name, (table, count) in sorted(exported.tables.items())
@@ -51,10 +51,10 @@ def readme(exported: ExportSummary, bag: str, start_ns: int, duration: float) ->
         [
             f"# Tables of {bag}",
             "",
-            f"{duration:.1f} s from {start_ns} ns. `dictionary.csv` says what each column is, its unit and its frame;",
-            "`session.json` what the session was run with.",
+            f"{duration:.1f} s from {start_ns} ns. `dictionary.csv` explains each column, with its unit and frame;",
+            "`session.json` describes the session: seed, study, versions.",
             "",
-            "| table | from | a row is | rows | |",
+            "| table | source | type of a row | rows | meaning |",
             "|---|---|---|---|---|",
             *rows,
             *notices,
@@ -73,13 +73,13 @@ _CONVENTIONS = (
     "Conventions:",
     "",
     "* SI units and radians; a column's name ends with its unit. Angles are counterclockwise. Stamps are nanoseconds.",
-    "* `t_s` is the time of recording since the beginning; `stamp_ns` the stamp that the message itself carries.",
-    "* Beside each quaternion (`qx` to `qw`) stands its `yaw_rad`; beside each covariance (36 columns",
-    "  `..._cov_ROW_COLUMN`) the standard deviations of x, y and yaw.",
-    "* Arrays of numbers are list columns in Parquet, and numbers with blanks between in CSV. Bytes are base64 in CSV.",
-    "* Arrays of messages are tables of their own, `TABLE.FIELD`: `row` is the row of `TABLE` they belong to, `index`",
-    "  the place in the array. Where a message is nothing but one array (tf), the elements are the topic's own rows.",
-    "* Plain values in the JSON of game events are columns `event_...`. Robots count from 1, 0 is none.",
+    "* `t_s` is the time of recording since the beginning; `stamp_ns` is the stamp in the message itself.",
+    "* Each quaternion (`qx` to `qw`) has a column with its `yaw_rad`; each covariance (36 columns",
+    "  `..._cov_ROW_COLUMN`) has columns with the standard deviations of x, y and yaw.",
+    "* Arrays of numbers are list columns in Parquet, and numbers separated by blanks in CSV. Bytes are base64 in CSV.",
+    "* Arrays of messages are separate tables, `TABLE.FIELD`: `row` is the row of `TABLE` they belong to, `index`",
+    "  the index in the array. If a message consists of one array (tf), its elements are the topic's rows.",
+    "* Simple values in the JSON of game events are columns `event_...`. Robots are numbered from 1; 0 means none.",
     f"* {SENTENCE}",
-    "* `nan` in CSV and NaN in Parquet: not measured, or not a number in the message itself.",
+    "* `nan` in CSV and NaN in Parquet mean: not measured, or not a number in the message itself.",
 )

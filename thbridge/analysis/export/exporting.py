@@ -1,4 +1,4 @@
-"""Conversion of a recording to tables while it is read; of what was read only open row groups stay in memory."""
+"""Conversion of a recording to tables while it is read; only open row groups stay in memory."""
 
 import re
 from collections import Counter
@@ -20,11 +20,11 @@ from thbridge.ros.messages.session_records import SessionRecord
 from thbridge.ros.messages.types import GAME_EVENT, UTTERANCE
 
 PIECE = 4 << 20
-"""Bytes of a topic's messages that are converted to rows together, at most."""
+"""Greatest number of bytes of a topic's messages that are converted to rows together."""
 LONGEST_TOPIC = 100
-"""Characters of a topic that its table's name has at most, and a digest."""
+"""Greatest number of characters of a topic in its table's name; longer topics are cut and get a digest."""
 HELD = 48 << 20
-"""Bytes of all topics' messages that wait for others of their topic; beyond, those of one topic are converted."""
+"""Bytes of all waiting messages above which the messages of one topic are converted."""
 
 
 @dataclass(slots=True)
@@ -33,10 +33,10 @@ class ExportSummary:
 
     Attributes:
         tables: each table by name, with its number of rows.
-        frames: the frame of a column's values, by table and column.
-        session: the session record; None in recordings of others.
+        frames: frame of a column's values, by table and column.
+        session: session record; None if thbridge did not record it.
         rooms: names of the map's rooms.
-        notices: sentences on what could not be exported.
+        notices: sentences about data that could not be exported.
     """
 
     tables: dict[str, tuple[Table, int]] = field(default_factory=dict)
@@ -53,14 +53,14 @@ def export(
     games: Sequence[GameStart] = (),
     tables: Collection[str] | None = None,
 ) -> Iterator[TableRows]:
-    """Yield the rows of every topic in pieces; those of one table are in order.
+    """Yield the rows of every topic in pieces; the rows of one table are in order.
 
     Args:
         recorded: messages, oldest first: publisher, stamp of recording, bytes.
-        start_ns: the stamp from which `t_s` counts.
-        exported: the summary to fill; its names of rooms stand beside their numbers.
-        games: beginnings of the recording's games; with any, every table has a column with the number of the game.
-        tables: names of the tables to make, with those of their lists; None for all.
+        start_ns: stamp from which `t_s` counts.
+        exported: summary to fill; its names of rooms are added next to room numbers.
+        games: beginnings of the recording's games. If there are any, each table has a column with the game's number.
+        tables: names of the tables to create, including tables of lists. If None, all tables.
     """
     numbered = _GameNumbers(games, start_ns)
     topics: dict[tuple[str, str, str], TopicTables | None] = {}
@@ -96,19 +96,19 @@ def export(
 
 
 def _bytes_of_a_column(gathered: TopicTables) -> float:
-    """Bytes that wait for each column. Files keep a kilobyte for each column of each piece until they are closed."""
+    """Return the bytes that wait for each column. Files need a kilobyte per column and piece until they are closed."""
     return gathered.size / gathered.columns
 
 
 def _taken(gathered: TopicTables, broken: Counter[str], numbered: "_GameNumbers") -> Iterator[TableRows]:
-    """Yield the rows of a topic with the numbers of games; messages that cannot be read are counted by sentence."""
+    """Yield the rows of a topic with the numbers of games; count messages that cannot be read, by sentence."""
     lost: Counter[str] = Counter()
     yield from map(numbered.of, gathered.take(lost))
     broken.update({f"{gathered.topic}: {problem}": count for problem, count in lost.items()})
 
 
 def _with_room_names(piece: TableRows, rooms: RoomNames) -> TableRows:
-    """Return the rows of our own messages about rooms with the column of names; other rows as they are."""
+    """Return rows of thbridge's messages about rooms with a column of room names; other rows are unchanged."""
     table = piece.table
     at = next((index for index, column in enumerate(table.columns, start=1) if column.name == "room"), None)
     if at is None or table.msgtype not in {GAME_EVENT, UTTERANCE}:
@@ -119,11 +119,11 @@ def _with_room_names(piece: TableRows, rooms: RoomNames) -> TableRows:
 
 
 class _GameNumbers:
-    """Adds the number of the game to the rows of tables.
+    """Column with the number of the game, added to the rows of tables.
 
     Args:
         games: beginnings of games, oldest first.
-        start_ns: the stamp from which `t_s` counts.
+        start_ns: stamp from which `t_s` counts.
     """
 
     def __init__(self, games: Sequence[GameStart], start_ns: int) -> None:
@@ -131,7 +131,7 @@ class _GameNumbers:
         self._numbers = np.array([0, *(game.number for game in games)], dtype=np.int64)
 
     def of(self, piece: TableRows) -> TableRows:
-        """Return the rows with the column, before that of time; as they are in a recording without games."""
+        """Return the rows with the column before that of time; unchanged in a recording without games."""
         if not len(self._starts):
             return piece
         table = piece.table
@@ -144,22 +144,24 @@ class _GameNumbers:
 
 def _begun(publisher: BagConnection, names: set[str], start_ns: int, notices: list[str]) -> TopicTables | None:
     if not publisher.definition.strip() and publisher.md5 != EMPTY_MD5:
-        notices.append(f"{publisher.topic} is left out: the bag has no definition of {publisher.msgtype}.")
+        notices.append(f"{publisher.topic} is omitted: the bag has no definition of {publisher.msgtype}.")
         return None
     try:
         record = layout_of(publisher.msgtype, publisher.definition)
     except ValueError as error:
-        notices.append(f"{publisher.topic} is left out: {error}.")
+        notices.append(f"{publisher.topic} is omitted: {error}.")
         return None
     if publisher.source is not DefinitionSource.BAG:
-        why = "which its md5 sum names" if publisher.source is DefinitionSource.MD5 else "which its messages fit"
-        taken = f"that of {publisher.msgtype} in ROS Noetic is taken, {why}"
-        notices.append(f"{publisher.topic}: the bag has no whole definition of its type; {taken}.")
+        why = (
+            "because its md5 sum matches" if publisher.source is DefinitionSource.MD5 else "because its messages match"
+        )
+        taken = f"the definition of {publisher.msgtype} in ROS Noetic is used, {why}"
+        notices.append(f"{publisher.topic}: the bag has no complete definition of its type; {taken}.")
     return TopicTables(_file_name(publisher.topic, names), publisher.topic, record, start_ns)
 
 
 def session_in(data: bytes) -> SessionRecord | None:
-    """The session record in a message; None when another release of thbridge recorded it, with other fields."""
+    """Return the session record in a message; None if another version with other fields recorded it."""
     try:
         return unpack.session(data)
     except ValueError:
@@ -167,7 +169,7 @@ def session_in(data: bytes) -> SessionRecord | None:
 
 
 def rooms_in(data: bytes) -> RoomNames:
-    """The names of rooms in a message; none in one that cannot be read."""
+    """Return the names of rooms in a message; empty if it cannot be read."""
     try:
         return RoomNames.of(unpack.room_labels(data).items())
     except ValueError:
@@ -175,12 +177,12 @@ def rooms_in(data: bytes) -> RoomNames:
 
 
 def table_name(topic: str) -> str:
-    """The name of a topic's table: "/robot1/move_base/goal" gives robot1_move_base_goal; long names are cut off."""
+    """Return the name of a topic's table: "/robot1/move_base/goal" gives robot1_move_base_goal; long names are cut."""
     return re.sub(r"[^A-Za-z0-9_]+", "_", short_name(topic, LONGEST_TOPIC)).strip("_") or "topic"
 
 
 def _file_name(topic: str, taken: set[str]) -> str:
-    """A table's name, unique also without regard to case."""
+    """Return a table's name that is unique, also without regard to case."""
     base = table_name(topic)
     name, number = base, 2
     while name.lower() in taken:

@@ -25,14 +25,14 @@ def export_bag(
     """Write the tables of a recording, its data dictionary, a README and its session.json.
 
     Args:
-        bag: the bag, or the name of a split recording.
-        folder: the folder to write; made if it is missing.
+        bag: bag, or name of a split recording.
+        folder: folder to write; it is created if missing.
         formats: formats of the tables.
-        topics: names of the topics to export; None for all.
-        start: seconds after the recording's beginning.
-        until: seconds after the recording's beginning; None for its end.
-        tables: names of the tables to write, with the tables of their lists; None for all.
-        tell: takes how far it is.
+        topics: names of the topics to export. If None, all topics.
+        start: start of the export, seconds from the beginning of the recording.
+        until: end of the export, seconds from the beginning of the recording. If None, its end.
+        tables: names of the tables to write, including tables of lists. If None, all tables.
+        `tell`: receives the progress.
 
     Raises:
         BadFile: the bag cannot be read, or the folder is not empty or cannot be written.
@@ -40,7 +40,7 @@ def export_bag(
     found, exported = info(bag), ExportSummary()
     first_ns = found.start_ns or 0
 
-    with new_folder(folder, "choose another folder by --to", empty=True) as new:
+    with new_folder(folder, "choose another folder with --to", empty=True) as new:
         files = TableFiles(new, formats)
         try:
             for piece in rows_of_bag(bag, exported, topics, start, until, tables, tell):

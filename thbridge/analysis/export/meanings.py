@@ -1,6 +1,6 @@
-"""Units and meanings of message fields, for ROS's common types and for ours.
+"""Units and meanings of message fields, for ROS's common types and thbridge's types.
 
-Units are those of REP 103 and of the comments in ROS's definitions. Fields of other types have no unit and no meaning.
+Units are those of REP 103 and of the comments in ROS's definitions. Fields of other types have no unit or meaning.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -11,7 +11,7 @@ from thbridge.ros.messages.types import OWN_TEXTS
 
 
 class FieldMeaning(NamedTuple):
-    """Unit of all numbers in a field ("" where it has none or several), and meaning of the field."""
+    """Unit of all numbers in a field ("" if there is none or several), and meaning of the field."""
 
     unit: str
     meaning: str
@@ -23,7 +23,7 @@ _STATUS = FieldMeaning("", "0 pending, 1 active, 2 preempted, 3 succeeded, 4 abo
 
 
 def _comments_of(text: str) -> Iterator[tuple[str, FieldMeaning]]:
-    """Yield the fields of a definition with their comments as meanings."""
+    """Yield the fields of a definition, with their comments as meanings."""
     for line in text.splitlines():
         declared, _, comment = line.partition("#")
         if words := declared.split():
@@ -32,9 +32,9 @@ def _comments_of(text: str) -> Iterator[tuple[str, FieldMeaning]]:
 
 MEANINGS: Mapping[str, Mapping[str, FieldMeaning]] = {
     "std_msgs/Header": {
-        "seq": FieldMeaning("", "number of the message, from its publisher; often 0"),
-        "stamp": FieldMeaning("", "time that the values are of; in ours, simulated time that begins at 1 s"),
-        "frame_id": FieldMeaning("", "frame that the values are in"),
+        "seq": FieldMeaning("", "sequence number of the message, set by its publisher; often 0"),
+        "stamp": FieldMeaning("", "time of the values; in thbridge's recordings, simulated time that begins at 1 s"),
+        "frame_id": FieldMeaning("", "frame of the values"),
     },
     "std_msgs/String": {"data": FieldMeaning("", "the text")},
     "std_msgs/Float64": {"data": FieldMeaning("", "the number")},
@@ -56,133 +56,137 @@ MEANINGS: Mapping[str, Mapping[str, FieldMeaning]] = {
         "angular": FieldMeaning("rad/s2", "turning acceleration"),
     },
     "geometry_msgs/Wrench": {"force": FieldMeaning("N", "force"), "torque": FieldMeaning("N m", "torque")},
-    "geometry_msgs/Transform": {"translation": FieldMeaning("m", "place of the child frame")},
-    "geometry_msgs/TransformStamped": {"child_frame_id": FieldMeaning("", "frame whose pose this is")},
+    "geometry_msgs/Transform": {"translation": FieldMeaning("m", "position of the child frame")},
+    "geometry_msgs/TransformStamped": {"child_frame_id": FieldMeaning("", "frame described by this pose")},
     "geometry_msgs/PointStamped": {"point": FieldMeaning("m", "the point")},
     "nav_msgs/Odometry": {
-        "child_frame_id": FieldMeaning("", "frame whose pose this is, and that the speeds are in"),
+        "child_frame_id": FieldMeaning("", "frame of this pose and of the speeds"),
         "pose": FieldMeaning("", "pose of the base"),
         "twist": FieldMeaning("", "speeds of the base"),
     },
     "mavros_msgs/Mavlink": {
-        "header": FieldMeaning("", "its frame_id is the name of the link, in ours"),
-        "framing_status": FieldMeaning("", "1 whole, 2 wrong checksum, 3 wrong signature"),
+        "header": FieldMeaning("", "in thbridge's recordings, its frame_id is the name of the link"),
+        "framing_status": FieldMeaning("", "1 valid, 2 wrong checksum, 3 wrong signature"),
         "magic": FieldMeaning("", "first byte: 253 MAVLink 2, 254 MAVLink 1"),
         "len": FieldMeaning("", "bytes of the payload"),
-        "incompat_flags": FieldMeaning("", "what a receiver has to know, a bit each"),
-        "compat_flags": FieldMeaning("", "what a receiver need not know, a bit each"),
-        "seq": FieldMeaning("", "the sender's count on this link, 0 to 255"),
-        "sysid": FieldMeaning("", "system that sends"),
-        "compid": FieldMeaning("", "component of it that sends"),
-        "msgid": FieldMeaning("", "kind of message"),
-        "checksum": FieldMeaning("", "of the frame"),
-        "payload64": FieldMeaning("", "payload, eight bytes a number, little-endian; zeros after it"),
-        "signature": FieldMeaning("", "of a signed frame, left out in ours"),
+        "incompat_flags": FieldMeaning("", "flags that a receiver must understand"),
+        "compat_flags": FieldMeaning("", "flags that a receiver may ignore"),
+        "seq": FieldMeaning("", "sender's sequence number on this link, 0 to 255"),
+        "sysid": FieldMeaning("", "id of the sending system"),
+        "compid": FieldMeaning("", "id of the sending component"),
+        "msgid": FieldMeaning("", "id of the message type"),
+        "checksum": FieldMeaning("", "checksum of the frame"),
+        "payload64": FieldMeaning("", "payload, eight bytes per number, little-endian, padded with zeros"),
+        "signature": FieldMeaning("", "signature of a signed frame; omitted in thbridge's recordings"),
     },
     "mavros_msgs/State": {
-        "connected": FieldMeaning("", "its software answers"),
-        "armed": FieldMeaning("", "its motors obey"),
-        "guided": FieldMeaning("", "it goes where it is told"),
-        "manual_input": FieldMeaning("", "it goes as a hand drives it"),
-        "mode": FieldMeaning("", "name of its mode"),
+        "connected": FieldMeaning("", "its software responds"),
+        "armed": FieldMeaning("", "its motors are enabled"),
+        "guided": FieldMeaning("", "it drives to commanded goals"),
+        "manual_input": FieldMeaning("", "it is driven by hand"),
+        "mode": FieldMeaning("", "name of the mode"),
         "system_status": FieldMeaning("", "code of MAV_STATE"),
     },
     "nav_msgs/MapMetaData": {
         "map_load_time": FieldMeaning("", "when the map was loaded"),
-        "resolution": FieldMeaning("m", "side of a cell"),
-        "width": FieldMeaning("", "cells in a row"),
+        "resolution": FieldMeaning("m", "size of a cell"),
+        "width": FieldMeaning("", "number of cells in a row"),
         "height": FieldMeaning("", "rows"),
         "origin": FieldMeaning("", "pose of the lower left corner of the first cell"),
     },
     "nav_msgs/OccupancyGrid": {
-        "data": FieldMeaning("", "cells by rows from the lower left: 0 free to 100 occupied, -1 unknown"),
+        "data": FieldMeaning("", "cells by rows from the lower left: 0 (free) to 100 (occupied), -1 is unknown"),
     },
     "nav_msgs/Path": {"poses": FieldMeaning("", "points of the path, from its start")},
-    "geometry_msgs/PoseArray": {"poses": FieldMeaning("", "the poses; of a particle filter, its particles")},
+    "geometry_msgs/PoseArray": {"poses": FieldMeaning("", "the poses; for a particle filter, its particles")},
     "sensor_msgs/LaserScan": {
         "angle_min": FieldMeaning("rad", "angle of the first beam"),
         "angle_max": FieldMeaning("rad", "angle of the last beam"),
         "angle_increment": FieldMeaning("rad", "angle from one beam to the next"),
         "time_increment": FieldMeaning("s", "time from one beam to the next"),
         "scan_time": FieldMeaning("s", "time from one scan to the next"),
-        "range_min": FieldMeaning("m", "nearest that counts"),
-        "range_max": FieldMeaning("m", "farthest that counts"),
-        "ranges": FieldMeaning("m", "range of each beam; in ours inf: nothing in range, nan: the beam was lost"),
-        "intensities": FieldMeaning("", "intensity of each beam, if the laser has them"),
+        "range_min": FieldMeaning("m", "least valid range"),
+        "range_max": FieldMeaning("m", "greatest valid range"),
+        "ranges": FieldMeaning(
+            "m", "range of each beam; in thbridge's recordings, inf: nothing in range, nan: the beam was lost"
+        ),
+        "intensities": FieldMeaning("", "intensity of each beam, if the laser measures it"),
     },
     "sensor_msgs/Range": {
         "field_of_view": FieldMeaning("rad", "width of the beam"),
-        "min_range": FieldMeaning("m", "nearest that counts"),
-        "max_range": FieldMeaning("m", "farthest that counts"),
+        "min_range": FieldMeaning("m", "least valid range"),
+        "max_range": FieldMeaning("m", "greatest valid range"),
         "range": FieldMeaning("m", "the range"),
     },
     "sensor_msgs/Imu": {
         "angular_velocity": FieldMeaning("rad/s", "turning speed"),
-        "linear_acceleration": FieldMeaning("m/s2", "acceleration, gravity among it"),
-        "orientation_covariance": FieldMeaning("rad2", "covariance by rows; -1 first: there is no orientation"),
+        "linear_acceleration": FieldMeaning("m/s2", "acceleration, including gravity"),
+        "orientation_covariance": FieldMeaning(
+            "rad2", "covariance by rows; if the first value is -1, there is no orientation"
+        ),
         "angular_velocity_covariance": FieldMeaning("rad2/s2", "covariance by rows"),
         "linear_acceleration_covariance": FieldMeaning("m2/s4", "covariance by rows"),
     },
     "sensor_msgs/JointState": {
         "name": FieldMeaning("", "names of the joints"),
-        "position": FieldMeaning("", "rad, or m of sliding joints"),
-        "velocity": FieldMeaning("", "rad/s, or m/s of sliding joints"),
-        "effort": FieldMeaning("", "N m, or N of sliding joints"),
+        "position": FieldMeaning("", "rad, or m for sliding joints"),
+        "velocity": FieldMeaning("", "rad/s, or m/s for sliding joints"),
+        "effort": FieldMeaning("", "N m, or N for sliding joints"),
     },
     "sensor_msgs/NavSatFix": {
-        "latitude": FieldMeaning("deg", "north of the equator"),
-        "longitude": FieldMeaning("deg", "east of Greenwich"),
-        "altitude": FieldMeaning("m", "above the ellipsoid"),
-        "position_covariance": FieldMeaning("m2", "covariance east, north, up, by rows"),
+        "latitude": FieldMeaning("deg", "latitude, positive north of the equator"),
+        "longitude": FieldMeaning("deg", "longitude, positive east of Greenwich"),
+        "altitude": FieldMeaning("m", "altitude above the ellipsoid"),
+        "position_covariance": FieldMeaning("m2", "covariance of east, north, up, by rows"),
     },
     "sensor_msgs/MagneticField": {"magnetic_field": FieldMeaning("T", "magnetic field")},
     "sensor_msgs/Temperature": {
         "temperature": FieldMeaning("degC", "temperature"),
-        "variance": FieldMeaning("", "its variance"),
+        "variance": FieldMeaning("", "variance"),
     },
     "sensor_msgs/FluidPressure": {
         "fluid_pressure": FieldMeaning("Pa", "pressure"),
-        "variance": FieldMeaning("", "its variance"),
+        "variance": FieldMeaning("", "variance"),
     },
     "sensor_msgs/BatteryState": {
         "voltage": FieldMeaning("V", "voltage"),
         "temperature": FieldMeaning("degC", "temperature"),
         "current": FieldMeaning("A", "current, negative while discharging"),
-        "charge": FieldMeaning("", "what is left: Ah; in our hunts the game's energy"),
-        "capacity": FieldMeaning("", "what the last full charge was: Ah; in our hunts the game's energy"),
-        "design_capacity": FieldMeaning("", "capacity when new: Ah; in our hunts the game's energy"),
+        "charge": FieldMeaning("", "charge that is left: Ah; in thbridge's hunts, the game's energy"),
+        "capacity": FieldMeaning("", "charge when last full: Ah; in thbridge's hunts, the game's energy"),
+        "design_capacity": FieldMeaning("", "capacity when new: Ah; in thbridge's hunts, the game's energy"),
         "percentage": FieldMeaning("", "share that is left, 0 to 1"),
         "power_supply_status": FieldMeaning("", "0 unknown, 1 charging, 2 discharging, 3 not charging, 4 full"),
         "power_supply_health": FieldMeaning("", "0 unknown, 1 good; others are faults"),
         "power_supply_technology": FieldMeaning(
             "", "0 unknown, 1 NiMH, 2 Li-ion, 3 Li-polymer, 4 LiFe, 5 NiCd, 6 LiMn"
         ),
-        "present": FieldMeaning("", "whether there is a battery"),
+        "present": FieldMeaning("", "true if there is a battery"),
         "cell_voltage": FieldMeaning("V", "voltage of each cell"),
         "cell_temperature": FieldMeaning("degC", "temperature of each cell"),
-        "location": FieldMeaning("", "where the battery is; in ours the name of the robot"),
-        "serial_number": FieldMeaning("", "of the battery"),
+        "location": FieldMeaning("", "place of the battery; in thbridge's recordings, the name of the robot"),
+        "serial_number": FieldMeaning("", "serial number of the battery"),
     },
     "rosgraph_msgs/Log": {
         "level": FieldMeaning("", "1 debug, 2 info, 4 warning, 8 error, 16 fatal"),
-        "name": FieldMeaning("", "the node"),
-        "msg": FieldMeaning("", "what it says"),
-        "file": FieldMeaning("", "file of the program"),
-        "function": FieldMeaning("", "function there"),
-        "line": FieldMeaning("", "line there"),
+        "name": FieldMeaning("", "name of the node"),
+        "msg": FieldMeaning("", "text of the message"),
+        "file": FieldMeaning("", "source file"),
+        "function": FieldMeaning("", "function in the source file"),
+        "line": FieldMeaning("", "line in the source file"),
         "topics": FieldMeaning("", "topics that the node publishes"),
     },
     "rosgraph_msgs/Clock": {"clock": FieldMeaning("", "simulated time")},
-    "actionlib_msgs/GoalStatusArray": {"status_list": FieldMeaning("", "goals of late, and how they stand")},
+    "actionlib_msgs/GoalStatusArray": {"status_list": FieldMeaning("", "recent goals, and their states")},
     "geometry_msgs/PolygonStamped": {"polygon": FieldMeaning("", "the outline")},
     "geometry_msgs/Polygon": {"points": FieldMeaning("", "corners")},
     "diagnostic_msgs/DiagnosticArray": {"status": FieldMeaning("", "states of the parts")},
     "diagnostic_msgs/DiagnosticStatus": {
         "level": FieldMeaning("", "0 ok, 1 warning, 2 error, 3 stale"),
-        "name": FieldMeaning("", "the part"),
-        "message": FieldMeaning("", "how it is"),
-        "hardware_id": FieldMeaning("", "its hardware"),
-        "values": FieldMeaning("", "what it measured"),
+        "name": FieldMeaning("", "name of the part"),
+        "message": FieldMeaning("", "state of the part in words"),
+        "hardware_id": FieldMeaning("", "hardware of the part"),
+        "values": FieldMeaning("", "measured values"),
     },
     "std_msgs/ColorRGBA": {
         "r": FieldMeaning("", "red, 0 to 1"),
@@ -190,72 +194,72 @@ MEANINGS: Mapping[str, Mapping[str, FieldMeaning]] = {
         "b": FieldMeaning("", "blue, 0 to 1"),
         "a": FieldMeaning("", "opacity, 0 to 1"),
     },
-    "diagnostic_msgs/KeyValue": {"key": FieldMeaning("", "what"), "value": FieldMeaning("", "how much")},
+    "diagnostic_msgs/KeyValue": {"key": FieldMeaning("", "name of the value"), "value": FieldMeaning("", "the value")},
     "actionlib_msgs/GoalID": {
-        "stamp": FieldMeaning("", "when the goal was set"),
+        "stamp": FieldMeaning("", "time at which the goal was set"),
         "id": FieldMeaning("", "name of the goal"),
     },
-    "actionlib_msgs/GoalStatus": {"status": _STATUS, "text": FieldMeaning("", "why, for people")},
+    "actionlib_msgs/GoalStatus": {"status": _STATUS, "text": FieldMeaning("", "reason, for people")},
     "move_base_msgs/MoveBaseGoal": {"target_pose": FieldMeaning("", "pose to reach")},
-    "move_base_msgs/MoveBaseFeedback": {"base_position": FieldMeaning("", "where the robot is")},
+    "move_base_msgs/MoveBaseFeedback": {"base_position": FieldMeaning("", "pose of the robot")},
     "visualization_msgs/Marker": {
-        "ns": FieldMeaning("", "namespace; in ours the name of the thing"),
+        "ns": FieldMeaning("", "namespace; in thbridge's recordings, the name of the thing"),
         "type": FieldMeaning("", "shape, by rviz's numbers"),
         "action": FieldMeaning("", "0 add, 2 delete, 3 delete all"),
         "id": FieldMeaning("", "number of the marker in its namespace"),
-        "pose": FieldMeaning("", "place of the marker"),
-        "color": FieldMeaning("", "colour, 0 to 1"),
-        "lifetime": FieldMeaning("", "how long it is shown; 0: for ever"),
-        "frame_locked": FieldMeaning("", "whether it moves with its frame"),
-        "points": FieldMeaning("", "corners, in the marker's own place"),
-        "colors": FieldMeaning("", "colour of each point, 0 to 1"),
+        "pose": FieldMeaning("", "pose of the marker"),
+        "color": FieldMeaning("", "color, 0 to 1"),
+        "lifetime": FieldMeaning("", "time that it is shown; 0 means forever"),
+        "frame_locked": FieldMeaning("", "true if it moves with its frame"),
+        "points": FieldMeaning("", "corners, relative to the marker's pose"),
+        "colors": FieldMeaning("", "color of each point, 0 to 1"),
         "text": FieldMeaning("", "text of the marker"),
-        "mesh_resource": FieldMeaning("", "its mesh"),
-        "mesh_use_embedded_materials": FieldMeaning("", "whether the mesh brings its colours"),
+        "mesh_resource": FieldMeaning("", "file of its mesh"),
+        "mesh_use_embedded_materials": FieldMeaning("", "true if the mesh contains its colors"),
         "scale": FieldMeaning("m", "size"),
     },
     **{msgtype: dict(_comments_of(text)) for msgtype, text in OWN_TEXTS.items()},
 }
 
 TOPICS: Mapping[str, str] = {
-    "/thbridge/session": "what the session was run with",
-    "/tf": "frames that move: map to odom by the localiser, odom to base by odometry",
-    "/tf_static": "frames that stay",
+    "/thbridge/session": "settings of the session",
+    "/tf": "moving frames: map to odom from the localizer, odom to base from odometry",
+    "/tf_static": "static frames",
     "/map": "the map",
-    "/map_metadata": "size and place of the map",
+    "/map_metadata": "size and position of the map",
     "/sendRobots": "raw %%goto lines, as in the system of 2016",
     "/success": "raw %%error lines, as in the system of 2016",
-    "/hunt/events": "every event of the game",
-    "/hunt/score": "how the game stands, at each change",
-    "/hunt/wizard": "robots that a researcher speaks for, and what waits for that, at each change",
-    "/watch/status": "what the watch door told whoever captured this",
-    "/things": "outlines of things in the way",
-    "/hunt/rooms": "the names of rooms, each where robots go in it",
-    "/dialogue/utterances": "everything said in a dialogue",
-    "/dialogue/moves": "moves in dialogue games, where robots argue",
-    "/dialogue/states": "what a robot that argues believes and makes of it, at each change",
-    "/inputs": "every line that people and foreign programs sent",
+    "/hunt/events": "all events of the game",
+    "/hunt/score": "state of the game, at each change",
+    "/hunt/wizard": "robots for which a researcher speaks, and waiting sentences, at each change",
+    "/watch/status": "status that the watch server sent to the program that captured this",
+    "/things": "outlines of obstacles",
+    "/hunt/rooms": "names of rooms, each at its goal",
+    "/dialogue/utterances": "all utterances of dialogues",
+    "/dialogue/moves": "moves in dialogue games, if robots argue",
+    "/dialogue/states": "beliefs and dialogue state of a robot that argues, at each change",
+    "/inputs": "all lines that people and other programs sent",
     "/clock": "simulated time",
-    "/rosout": "what nodes log",
-    "odom": "odometry: where the wheels say the robot is",
-    "base_pose_ground_truth": "where the robot was in truth",
+    "/rosout": "log messages of nodes",
+    "odom": "odometry: pose of the robot according to its wheels",
+    "base_pose_ground_truth": "true pose of the robot",
     "scan": "scans of the laser",
     "base_scan": "scans of the laser",
-    "amcl_pose": "where the localiser holds the robot to be, at each update",
-    "believed_pose": "where the robot believed to be, at each scan",
+    "amcl_pose": "pose estimated by the localizer, at each update",
+    "believed_pose": "pose that the robot believed, at each scan",
     "position_error": "distance of the believed from the true pose, at each scan, m",
     "heading_error": "angle from the true to the believed heading, at each scan, rad",
-    "lost": "whether the localiser holds itself to be lost",
+    "lost": "true if the localizer considers itself lost",
     "p_wrong": "probability that the localizer's pose is more than 1 m or 0.5 rad off, at each update",
-    "particlecloud": "the localiser's particles, at each update",
-    "initialpose": "where people said the robot is",
-    "cmd_vel": "speeds that the robot was told to drive",
-    "battery": "what is left in the battery",
+    "particlecloud": "particles of the localizer, at each update",
+    "initialpose": "pose of the robot given by a person",
+    "cmd_vel": "commanded speeds",
+    "battery": "state of the battery",
     "goal": "goals that were set",
-    "cancel": "goals that were cancelled",
-    "status": "how goals stand",
-    "feedback": "how goals come on",
-    "result": "how goals ended",
+    "cancel": "goals that were canceled",
+    "status": "states of goals",
+    "feedback": "progress of goals",
+    "result": "results of goals",
     "plan": "paths of the global planner",
     "local_plan": "paths of the local planner",
     "global_plan": "part of the global path that the local planner follows",
@@ -271,7 +275,7 @@ _SUFFIXES = {
 
 
 def unit_of(path: Path) -> str:
-    """Unit of the value at the end of a path: that of the nearest field with a unit; "" without one."""
+    """Return the unit of the value at the end of a path: that of the nearest field with a unit; "" if there is none."""
     for step in reversed(path):
         if (meaning := MEANINGS.get(step.msgtype, {}).get(step.field)) and meaning.unit:
             return meaning.unit
@@ -279,21 +283,21 @@ def unit_of(path: Path) -> str:
 
 
 def meaning_of(path: Path) -> str:
-    """Meaning of a value, from the outermost field to the innermost: "speeds of the base: turning speed: about z"."""
+    """Return the meaning of a value, from the outermost to the innermost field: "speeds of the base: turning speed"."""
     meanings = (MEANINGS.get(step.msgtype, {}).get(step.field) for step in path)
     return ": ".join(dict.fromkeys(meaning.meaning for meaning in meanings if meaning and meaning.meaning))
 
 
 def topic_meaning(topic: str) -> str:
-    """Contents of a topic; "" where they are unknown."""
+    """Return the contents of a topic; "" if they are unknown."""
     return TOPICS.get(topic) or TOPICS.get(topic.rpartition("/")[2], "")
 
 
 def suffix_of(unit: str) -> str:
-    """A unit as suffix of a column's name: "m/s2" gives "m_s2"."""
+    """Return a unit as suffix of a column's name: "m/s2" gives "m_s2"."""
     return _SUFFIXES.get(unit, unit.replace("/", "_").replace(" ", "_").lower())
 
 
 def axis_units(speeds: bool) -> Sequence[str]:
-    """Units of x, y, z, roll, pitch, yaw, or of their speeds."""
+    """Return the units of x, y, z, roll, pitch, yaw, or of their speeds."""
     return (*["m/s" if speeds else "m"] * 3, *["rad/s" if speeds else "rad"] * 3)

@@ -1,7 +1,7 @@
 """The table `poses`: true, estimated and odometry poses of all robots at common times.
 
-Poses are kept until the end of the recording, 40 bytes each, on disk but for the latest: only then it is known which
-topic has the truth and which an estimate. Then those of one robot are in memory.
+Poses are kept until the end of the recording (40 bytes each, all but the latest on disk), because only then it is
+known which topic has the truth and which an estimate. Then the poses of one robot at a time are in memory.
 """
 
 from collections.abc import Iterator
@@ -23,8 +23,8 @@ _NEEDED = {"t_s", "recorded_ns", "stamp_ns", "frame_id", "x_m", "y_m", "yaw_rad"
 _TRANSFORM = "geometry_msgs/TransformStamped"
 _KINDS = (
     ("true", "true pose"),
-    ("estimated", "pose that the robot believed in"),
-    ("odometry", "pose by odometry alone"),
+    ("estimated", "pose that the robot believed"),
+    ("odometry", "pose from odometry alone"),
 )
 _COLUMNS = (
     Column("robot", "string", "", "name of the robot"),
@@ -32,10 +32,10 @@ _COLUMNS = (
         "t_s",
         "float64",
         "s",
-        "since the beginning of the recording, by headers; by the time of recording if a notice says so",
+        "time since the beginning of the recording, from headers; from the time of recording if a notice says so",
     ),
     *(
-        Column(f"{kind}_{value}_{unit}", "float64", unit, f"{meaning}: {value}; nan: not known then")
+        Column(f"{kind}_{value}_{unit}", "float64", unit, f"{meaning}: {value}; nan if unknown")
         for kind, meaning in _KINDS
         for value, unit in (("x", "m"), ("y", "m"), ("yaw", "rad"))
     ),
@@ -48,7 +48,7 @@ TABLE = Table(
 
 
 class PosesTable:
-    """Collects poses from the rows of other tables for a table of all robots."""
+    """Collector of poses from the rows of other tables, for one table of all robots."""
 
     def __init__(self) -> None:
         self._series = SeriesByTopic()
@@ -60,7 +60,7 @@ class PosesTable:
         if table.msgtype not in {ODOMETRY, POSE_WITH_COVARIANCE, POSE_STAMPED, _TRANSFORM} or not piece.rows:
             return
         named = {column.name: values for column, values in zip(table.columns, piece.values, strict=True)}
-        # Poses in arrays were not recorded by themselves, and types of others may have these names, too.
+        # Poses in arrays are not recorded separately, and types of other packages may have these column names, too.
         if not named.keys() >= _NEEDED:
             return
         times, recorded, stamps = (np.asarray(named[name]) for name in ("t_s", "recorded_ns", "stamp_ns"))
@@ -86,11 +86,11 @@ class PosesTable:
                 edge.rows.frombytes(self._series.plausible(topic, rows[pairs == pair], times=2).tobytes())
 
     def notices(self) -> tuple[str, ...]:
-        """Sentences on poses that are left out, and on their times; complete when all pieces were taken."""
+        """Sentences about omitted poses, and about times; complete after `pieces` is exhausted."""
         return tuple(f"poses: {sentence}" for sentence in (*self._series.left_out_sentences(), *self._notices))
 
     def pieces(self) -> Iterator[TableRows]:
-        """Yield the table's rows, robot by robot; nothing when there were no poses."""
+        """Yield the table's rows, robot by robot; nothing if there were no poses."""
         for track in self._series.tracks(0.0):
             self._notices += (
                 *track.faults,

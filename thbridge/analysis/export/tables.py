@@ -1,4 +1,4 @@
-"""The tables of a topic: one row a message, and a separate table for each array of messages within them."""
+"""Tables of a topic: one row per message, and a separate table for each array of messages within them."""
 
 from array import array
 from collections import Counter
@@ -17,36 +17,36 @@ from thbridge.files.tables.table_files import Column, Values
 from thbridge.json_text import json_of
 from thbridge.ros.messages.types import GAME_EVENT
 
-SECONDS = Column("t_s", "float64", "s", "since the beginning of the recording, when the message was recorded")
+SECONDS = Column("t_s", "float64", "s", "time of recording since the beginning of the recording")
 GAME = Column("game", "int64", "", "number of the game; 0 before the first")
-ROOM_NAME = Column("room_name", "string", "", "name of the room; empty where it has none of its own")
-RECORDED = Column("recorded_ns", "int64", "ns", "when the message was recorded; in ours, simulated time")
-INDEX = Column("index", "int64", "", "place in its array, from 0")
+ROOM_NAME = Column("room_name", "string", "", "name of the room; empty if it has none")
+RECORDED = Column("recorded_ns", "int64", "ns", "time of recording; in thbridge's recordings, simulated time")
+INDEX = Column("index", "int64", "", "index in its array, from 0")
 EVENT = "event_"
-"""Beginning of the names of columns that come from an event's JSON."""
+"""Prefix of the names of columns that come from an event's JSON."""
 HAS_COLUMNS = frozenset({"v", "event", "robot", "room"})
-"""Keys of the JSON that get no column: they have one in ROS's numbering, or are format details."""
+"""Keys of the JSON that get no column, because ROS's numbering has one or they describe the format."""
 LONGEST_TABLE = 200
-"""Characters of a table's name at most, without the digest that longer ones get: names of files end at 255."""
+"""Greatest length of a table's name, without the digest of longer names: file names have at most 255 characters."""
 MOST_FRAMES = 3
-"""Largest number of frames that the dictionary lists for a column; if there are more, it names the column with them."""
+"""Greatest number of frames that the dictionary lists for a column; with more, it names the column of the frames."""
 
 
 def short_name(name: str, longest: int) -> str:
-    """A name that files can have; of one that is longer than so many characters its beginning and a digest."""
+    """Return a name that files can have: a name that is too long is cut and gets a digest."""
     return name if len(name) <= longest else f"{name[:longest]}_{sha256(name.encode()).hexdigest()[:8]}"
 
 
 @dataclass(frozen=True, slots=True)
 class Table:
-    """The description of a table.
+    """Description of a table.
 
     Attributes:
         name: name of its file, without suffix.
-        source: the topic, and the field when the table is for an array within its messages.
+        source: topic and, for an array within its messages, the field.
         msgtype: message type of a row.
-        meaning: a phrase for people; "" where it is unknown.
-        columns: the columns in order.
+        meaning: meaning for people; "" if unknown.
+        columns: columns in order.
     """
 
     name: str
@@ -61,9 +61,9 @@ class TableRows:
     """Some rows of a table.
 
     Attributes:
-        table: the table.
+        table: description of the table.
         rows: number of rows.
-        values: values of the columns, in their order.
+        values: values of the columns, in order.
     """
 
     table: Table
@@ -72,18 +72,18 @@ class TableRows:
 
 
 class TopicTables:
-    """Converts the messages of one topic and type to tables.
+    """Converter of the messages of one topic and type to tables.
 
     Args:
-        name: name of the first table; those of arrays within it are called NAME.FIELD.
-        topic: the topic, with its leading slash.
-        record: the layout of the type.
+        name: name of the first table; tables of arrays within it are called NAME.FIELD.
+        topic: topic, with its leading slash.
+        record: layout of the type.
         start_ns: beginning of the recording.
 
     Attributes:
-        topic: the topic.
+        topic: topic, with its leading slash.
         columns: number of columns of all its tables.
-        size: bytes of the messages that were added and not taken; 0 for game events, whose columns are known only at
+        size: bytes of the messages that were added and not taken; 0 for game events, whose columns are only known at
             the end of the recording.
     """
 
@@ -105,7 +105,7 @@ class TopicTables:
             self.size += len(data)
 
     def take(self, broken: Counter[str]) -> Iterator[TableRows]:
-        """Yield the rows of the messages that were added, then drop them; those that cannot be read are counted."""
+        """Yield the rows of the added messages, then drop them; unreadable messages are counted in `broken`."""
         lost = self._rows.add_all(self._messages, np.array(self._lengths))
         broken.update(lost.values())
         stamps = np.delete(np.array(self._stamps), list(lost))
@@ -116,21 +116,21 @@ class TopicTables:
         self._rows.clear()
 
     def frames(self) -> Mapping[tuple[str, str], str]:
-        """The frame of each column's values, by table and column, as far as messages have one."""
+        """Return the frame of each column's values, by table and column, for messages that have one."""
         return dict(self._top.frames({}))
 
 
 @dataclass(slots=True, eq=False)
 class _TableNode:
-    """The tables of a message layout. A message that is only one array has no table; its elements are the rows.
+    """Tables of a message layout. A message that is only one array has no table; its elements are the rows.
 
     Attributes:
         name: name of the table.
         source: source of the table.
         meaning: meaning of the table.
-        record: the layout of a row.
-        top: True when a row is a message, or an element of a message that is only one array.
-        outer: the column of the parent table with the frame.
+        record: layout of a row.
+        top: True if a row is a message, or an element of a message that is only one array.
+        outer: column of the parent table that contains the frame.
         done: number of rows that were taken before.
     """
 
@@ -162,7 +162,7 @@ class _TableNode:
 
     @property
     def columns(self) -> int:
-        """Number of columns of this table and those within, times and keys included."""
+        """Number of columns of this table and the tables within, including times and keys."""
         return len(self.fields) + 4 + sum(within.columns for _, within in self.inner)
 
     @property
@@ -222,7 +222,7 @@ class _TableNode:
         self.seen_frames.setdefault(column, set()).update(map(str, set(frames)))
 
     def frames(self, above: Mapping[str, set[str]]) -> Iterator[tuple[tuple[str, str], str]]:
-        """Yield what `TopicTables.frames` returns; `above`: the frames in the parent table, by column."""
+        """Yield the items of `TopicTables.frames`; `above` contains the frames in the parent table, by column."""
         seen_frames = {**above, **self.seen_frames}
         for each in self.fields:
             if (source := each.column.frame_column) and (found := seen_frames.get(source)):
@@ -247,7 +247,7 @@ class _Keys:
 
 
 def _with_events(piece: TableRows) -> TableRows:
-    """Rows of events with the plain values of their JSON as further columns, in order of first appearance."""
+    """Return rows of events with the simple values of their JSON as further columns, in order of first appearance."""
     table = piece.table
     texts = next(v for column, v in zip(table.columns, piece.values, strict=True) if column.name == "json")
     objects = [_object(text) for text in texts] if isinstance(texts, list) else []
@@ -259,7 +259,7 @@ def _with_events(piece: TableRows) -> TableRows:
     for name in names:
         plain = [each.get(name) for each in objects]
         kind, converted = _column([value if _is_plain(value) else None for value in plain])
-        added.append(Column(f"{EVENT}{name}", kind, "", f"{name.replace('_', ' ')}, of the events that have it"))
+        added.append(Column(f"{EVENT}{name}", kind, "", f"{name.replace('_', ' ')}, for events that have it"))
         found.append(converted)
     wide = Table(table.name, table.source, table.msgtype, table.meaning, (*table.columns, *added))
     return TableRows(wide, piece.rows, (*piece.values, *found))
@@ -278,7 +278,7 @@ def _is_plain(value: object) -> bool:
 
 
 def _column(values: list[object]) -> tuple[str, Values]:
-    """Type and values of a column: numbers when all values are, else strings; missing ones are NaN or None."""
+    """Return type and values of a column: numbers if all are numbers, otherwise strings; missing: NaN or None."""
     if all(value is None or (isinstance(value, int | float) and not isinstance(value, bool)) for value in values):
         numbers = [np.nan if value is None else float(str(value)) for value in values]
         return "float64", np.array(numbers, dtype=np.float64)

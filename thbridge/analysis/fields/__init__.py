@@ -1,1 +1,1 @@
-"""Messages read field by field, by the definitions in the bag."""
+"""Messages read field by field, using the definitions in the bag."""

@@ -1,8 +1,8 @@
-"""The layout of a message type, compiled from its definition: blocks of fixed size, strings, and arrays.
+"""Layout of a message type, compiled from its definition: blocks of fixed size, strings, and arrays.
 
-A block is copied as a whole and decoded by numpy later, so that the time for a message does not grow with its fields.
+A block is copied as a whole, and numpy decodes it later. So the time for a message does not grow with its fields.
 
-Source: ROS wiki, msg (serialization: little-endian; before strings and arrays of variable length a uint32 with the
+Source: ROS wiki, msg (serialization: little-endian; a uint32 with the length before strings and arrays of variable
 length).
 """
 
@@ -24,7 +24,7 @@ TEXT = "string"
 BYTES = "bytes"
 
 Array: TypeAlias = "np.ndarray[tuple[int, ...], np.dtype[np.generic[object]]]"
-"""An array of numbers of any type."""
+"""Array of numbers of any type."""
 
 DTYPES: Mapping[str, str] = {
     "bool": "?",
@@ -42,7 +42,7 @@ DTYPES: Mapping[str, str] = {
     "float32": "<f4",
     "float64": "<f8",
 }
-"""Numpy's types of ROS's numbers."""
+"""Numpy types of ROS's number types."""
 
 _MOMENTS = {"builtin_interfaces/msg/Time": TIME, "builtin_interfaces/msg/Duration": DURATION}
 _MOMENT_DTYPES = {
@@ -52,12 +52,12 @@ _MOMENT_DTYPES = {
 _LINE = "=" * 80 + "\n"
 _SEPARATOR = re.compile(r"^={80}\n", re.MULTILINE)
 _DEEPEST = 40
-"""Largest depth of nested messages; a definition that contains itself is deeper."""
+"""Greatest depth of nested messages; a definition that contains itself is deeper."""
 
 
 @dataclass(frozen=True, slots=True)
 class FieldStep:
-    """One field on the path to a value: the message type that has it, and its name."""
+    """Field on the path to a value: the message type that has it, and its name."""
 
     msgtype: str
     field: str
@@ -68,10 +68,10 @@ Path = tuple[FieldStep, ...]
 
 @dataclass(frozen=True, slots=True)
 class FixedValue:
-    """A number, time or array of fixed size.
+    """Number, time or array of fixed size.
 
     Attributes:
-        path: its path in the message.
+        path: path in the message.
         kind: "float64", "time", ...
         count: length of the array; None for a single value.
     """
@@ -87,7 +87,7 @@ class FixedBlock:
 
     Attributes:
         leaves: the values.
-        dtype: numpy's structured type; its field i is leaf i.
+        dtype: structured numpy type; its field i is leaf i.
     """
 
     leaves: tuple[FixedValue, ...]
@@ -103,7 +103,7 @@ class StringField:
 
 @dataclass(frozen=True, slots=True)
 class NumberArray:
-    """An array of numbers with variable length; of `kind` uint8 it is bytes."""
+    """Array of numbers with variable length; for `kind` uint8 it is bytes."""
 
     path: Path
     kind: str
@@ -111,7 +111,7 @@ class NumberArray:
 
 @dataclass(frozen=True, slots=True)
 class StringArray:
-    """An array of strings; `count` is its length, None when it is variable."""
+    """Array of strings; `count` is its length, or None if it is variable."""
 
     path: Path
     count: int | None
@@ -119,7 +119,7 @@ class StringArray:
 
 @dataclass(frozen=True, slots=True)
 class MessageArray:
-    """An array of messages; `count` is its length, None when it is variable."""
+    """Array of messages; `count` is its length, or None if it is variable."""
 
     path: Path
     count: int | None
@@ -131,7 +131,7 @@ LayoutPart = FixedBlock | StringField | NumberArray | StringArray | MessageArray
 
 @dataclass(frozen=True, slots=True)
 class MessageLayout:
-    """The parts of a message in the order of their bytes; nested messages are flattened.
+    """Parts of a message in the order of their bytes; nested messages are flattened.
 
     Attributes:
         msgtype: for example "nav_msgs/Odometry".
@@ -142,20 +142,20 @@ class MessageLayout:
     parts: tuple[LayoutPart, ...]
 
     def items(self) -> tuple[MessageArray, ...]:
-        """Its arrays of messages."""
+        """Arrays of messages in the layout."""
         return tuple(part for part in self.parts if isinstance(part, MessageArray))
 
 
 @lru_cache(maxsize=256)
 def layout_of(msgtype: str, definition: str) -> MessageLayout:
-    """The layout of a type.
+    """Return the layout of a type.
 
     Args:
         msgtype: for example "nav_msgs/Odometry".
-        definition: the full text, as in bags.
+        definition: full text, as in bags.
 
     Raises:
-        ValueError: the text cannot be parsed, lacks a type, or has one that contains itself.
+        ValueError: the text cannot be parsed, lacks a type, or has a type that contains itself.
     """
     check_type_name(msgtype)
     full, empty = _without_empty_types(msgtype, definition)
@@ -169,7 +169,7 @@ def layout_of(msgtype: str, definition: str) -> MessageLayout:
 
 
 def _without_empty_types(msgtype: str, definition: str) -> tuple[str, list[str]]:
-    """The definition without types that have no fields, which rosbags cannot parse; and the names of these types."""
+    """Return the definition without types that have no fields, which rosbags cannot parse, and their names."""
     own, *others = _SEPARATOR.split(definition)
     kept, empty = [own], []
     for part in others:
@@ -188,12 +188,12 @@ def _has_fields(definition: str) -> bool:
     return any(line.partition("#")[0].strip() for line in definition.splitlines())
 
 
-# Field description of rosbags: a kind of node, then its contents.
+# Field description of rosbags: the kind of node, then its contents.
 _Field = tuple[str, tuple[Nodetype, object]]
 
 
 class _Compiler:
-    """Collects the parts of one message type."""
+    """Collector of the parts of one message type."""
 
     def __init__(self, types: Mapping[str, tuple[object, Sequence[_Field]]]) -> None:
         self._types = types
@@ -259,7 +259,7 @@ class _Compiler:
 
 
 def _base(node: object) -> str:
-    """The name of a plain type; rosbags has a tuple of name and length limit for strings."""
+    """Return the name of a simple type; for strings, rosbags has a tuple of name and length limit."""
     name = node[0] if isinstance(node, tuple) else node
     return str(name)
 

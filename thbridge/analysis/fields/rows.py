@@ -1,4 +1,4 @@
-"""Buffers that collect messages field by field, before they are converted to columns."""
+"""Buffers that collect messages field by field before conversion to columns."""
 
 from collections.abc import Iterator, Sequence
 from itertools import chain, pairwise
@@ -22,23 +22,23 @@ from thbridge.analysis.fields.layout import (
 _COUNT = Struct("<I")
 _TOO_SHORT = "the message ends too early"
 ALIKE = 8
-"""So many messages of one length in a row, or more, are cut into fields together."""
+"""Least number of successive messages of equal length that are cut into fields together."""
 
 Octets: TypeAlias = "NDArray[np.uint8]"
 
 
-class _Unlike(Exception):  # noqa: N818 - it is no error of the program
+class _Unlike(Exception):  # noqa: N818 - not an error of the program
     """Messages of one length differ in the lengths of their strings or arrays."""
 
 
 class GatheredRows:
-    """The rows of one message type that were gathered and are not converted yet.
+    """Rows of one message type that were gathered but not yet converted.
 
     Attributes:
-        record: the layout of a row.
+        record: layout of a row.
         count: number of rows gathered.
-        inner: the rows of its arrays of messages, in the order of the layout.
-        only_run: the block of which a row is made, where it is made of one alone.
+        inner: rows of its arrays of messages, in the order of the layout.
+        only_run: block that makes up the whole row, if there is only one.
     """
 
     def __init__(self, record: MessageLayout) -> None:
@@ -60,14 +60,15 @@ class GatheredRows:
     def add_all(self, messages: bytearray, lengths: NDArray[np.int64]) -> dict[int, str]:
         """Append messages in their order.
 
-        Most topics say the same lengths for long: such messages are cut into fields together, as columns of a table.
+        In most topics, many successive messages have the same length. They are cut into fields together, like the rows
+        of a table.
 
         Args:
-            messages: their bytes, one after the other.
-            lengths: (n,) bytes of each.
+            messages: bytes of the messages, one after the other.
+            lengths: (n,) bytes of each message.
 
         Returns:
-            The problem of each that is not a message of the type, by its index; nothing of them is kept.
+            Problem of each message that does not match the type, by its index; nothing of it is kept.
         """
         broken: dict[int, str] = {}
         octets, ends = np.frombuffer(messages, dtype=np.uint8), np.cumsum(lengths)
@@ -84,18 +85,18 @@ class GatheredRows:
         return broken
 
     def add(self, data: bytes) -> None:
-        """Append one message. Raises ValueError: the bytes are not of the type; nothing of them is kept."""
+        """Append one message. Raise ValueError if the bytes do not match the type; then nothing of them is kept."""
         before = self.count
         try:
             end = self._read(data, 0)
             if end != len(data):
-                raise ValueError(f"the message goes on for {len(data) - end} bytes after its end")
+                raise ValueError(f"the message has {len(data) - end} bytes too many")
         except ValueError:
             self._truncate(before)
             raise
 
     def _add_alike(self, table: Octets) -> bool:
-        """Append messages of one length, one a row; return False when they cannot be cut into fields together."""
+        """Append messages of one length, one per row; return False if they cannot be cut into fields together."""
         cuts = _Cuts(self)
         try:
             if cuts.cut(table, 0) != table.shape[1]:
@@ -118,7 +119,7 @@ class GatheredRows:
         self.count += cuts.rows * messages
 
     def _read(self, data: bytes, at: int) -> int:
-        """Append the record that begins at a byte. Return the offset behind it."""
+        """Append the record that begins at a byte. Return the offset after it."""
         for index, part in enumerate(self.record.parts):
             if isinstance(part, FixedBlock):
                 end = at + part.dtype.itemsize
@@ -150,7 +151,7 @@ class GatheredRows:
         return at
 
     def _read_many(self, count: int, data: bytes, at: int) -> int:
-        # Elements of one fixed block (points, poses) are copied all at once: large arrays are mostly of this kind.
+        # Elements of one fixed block (points, poses) are copied together: most large arrays are of this kind.
         run = self.only_run
         if run is None:
             for _ in range(_sane(count, data, at, 1 if self.record.parts else 0)):
@@ -164,7 +165,7 @@ class GatheredRows:
         return end
 
     def _truncate(self, rows: int) -> None:
-        """Keep only the first rows, without the rest of a broken message."""
+        """Keep only the first rows, to remove the parts of a broken message."""
         self.count = rows
         for index, part in enumerate(self.record.parts):
             if isinstance(part, FixedBlock):
@@ -183,25 +184,25 @@ class GatheredRows:
                 self._inner_of[id(part)]._truncate(elements)
 
     def run(self, index: int, run: FixedBlock) -> NDArray[np.void]:
-        """(count,) structures of the part at an index."""
+        """Return (count,) structures of the part at an index."""
         return np.frombuffer(self._runs[index], dtype=run.dtype)
 
     def texts(self, index: int) -> list[str]:
-        """Strings of the part at an index: one a row, or, of an array, the elements of all rows."""
-        # Most columns say a few words again and again.
+        """Return the strings of the part at an index: one per row or, for an array, the elements of all rows."""
+        # Most columns repeat a few words.
         words = {text: text.decode(errors="replace") for text in set(self._texts[index])}
         return [words[text] for text in self._texts[index]]
 
     def lengths(self, index: int) -> NDArray[np.int64]:
-        """(count,) length in each row of the array at an index."""
+        """Return (count,) lengths of the array at an index, one for each row."""
         return np.array(self._lengths[index], dtype=np.int64)
 
     def numbers(self, index: int, part: NumberArray) -> Array:
-        """Numbers of all rows of the array at an index."""
+        """Return the numbers of all rows of the array at an index."""
         return np.frombuffer(self._runs[index], dtype=DTYPES[part.kind])
 
     def blobs(self, index: int) -> list[bytes]:
-        """Bytes of each row of the array at an index."""
+        """Return the bytes of each row of the array at an index."""
         ends = np.cumsum(self.lengths(index)).tolist()
         whole = bytes(self._runs[index])
         return [whole[start:end] for start, end in pairwise([0, *ends])]
@@ -214,13 +215,13 @@ class GatheredRows:
 
 
 class _Cuts:
-    """Fields of messages of one length, each a piece of the table that has a message a row.
+    """Fields of messages of equal length; each is a slice of the table that has one message per row.
 
     Attributes:
-        rows: number of rows that a message gives.
-        pieces: for each part of the layout, the pieces with its bytes: one for each row that a message gives, or for
+        rows: number of rows that each message gives.
+        pieces: for each part of the layout, the slices with its bytes: one for each row that a message gives, or for
             each string of an array.
-        lengths: for each part the lengths of the arrays in a message.
+        lengths: for each part, the lengths of the arrays in a message.
         inner: fields of its arrays of messages, in the order of the layout.
     """
 
@@ -233,7 +234,7 @@ class _Cuts:
         self._only_run = gathered.only_run
 
     def cut(self, table: Octets, at: int) -> int:
-        """Cut one row out of all messages, from a column of the table on. Return the column behind it."""
+        """Cut one row from all messages, starting at a column of the table. Return the column after it."""
         inner = iter(self.inner)
         for index, part in enumerate(self._parts):
             match part:
@@ -259,7 +260,7 @@ class _Cuts:
         return at
 
     def cut_many(self, table: Octets, at: int, count: int) -> int:
-        """Cut so many rows out of all messages, likewise."""
+        """Cut `count` rows from all messages, like `cut`."""
         if self._only_run is not None:
             self.rows += count
             return self._piece(0, table, at, count * self._only_run.dtype.itemsize)
@@ -275,7 +276,7 @@ class _Cuts:
 
 
 def _same_count(table: Octets, at: int) -> int:
-    """The length or number that all messages have at a column of the table."""
+    """Return the length or number that all messages have at a column of the table."""
     counts = table[:, at : at + _COUNT.size]
     if at + _COUNT.size > table.shape[1] or (counts != counts[0]).any():
         raise _Unlike
@@ -288,7 +289,7 @@ def _beside(pieces: Sequence[Octets], messages: int) -> Octets:
 
 
 def _texts_of(piece: Octets) -> list[bytes]:
-    """The rows of a piece; those of one text are one object."""
+    """Return the rows of a slice as bytes; equal rows are one object."""
     if (piece == piece[0]).all():
         return [piece[0].tobytes()] * len(piece)
     whole, size = piece.tobytes(), piece.shape[1]
@@ -309,7 +310,7 @@ def _text(data: bytes, at: int) -> tuple[bytes, int]:
 
 
 def _sane(count: int, data: bytes, at: int, smallest: int) -> int:
-    """The count, if the message is long enough for so many elements: broken messages have counts of billions."""
+    """Return the count if the message is long enough for it: broken messages can have counts of billions."""
     if count * max(smallest, 1) > len(data) - at:
         raise ValueError(_TOO_SHORT)
     return count

@@ -1,4 +1,4 @@
-"""The figures of a recording: paths, localization error, covariance, energy, velocity, timeline."""
+"""Figures of a recording: paths, localization error, covariance, energy, velocity, timeline."""
 
 from collections.abc import Callable, Mapping, Sequence
 
@@ -19,24 +19,24 @@ from thbridge.analysis.report.report import Report, TimelineEntry, Track
 from thbridge.hunt.refusals import RequestRefused
 
 SIGMAS = 2.0
-"""Half width of a band in standard deviations: 95 % of the errors, if they are normal and the covariance is right."""
+"""Half width of a band in standard deviations; it covers 95 % of normal errors if the covariance is right."""
 _OUTCOME_ALPHA = {"arrived": 0.9, "no path": 0.3, "cancelled": 0.3}
 _BAND_ALPHA = 0.2
 LETTER_WIDTH = 0.65
-"""Width of a letter by its height, on average, with some air."""
+"""Average width of a letter divided by its height, including spacing."""
 _CLOCK_STEPS = (1.0, 2.0, 5.0, 10.0, 15.0, 30.0, 60.0, 120.0, 300.0, 600.0, 900.0, 1800.0, 3600.0, 7200.0)
 """Possible distances between labels of the time axis, seconds."""
 
 
 def draw(what: FigureKind, report: Report, style: FigureStyle) -> Figure | RequestRefused:
-    """Draw a figure; or return what is missing in the recording for it."""
+    """Draw a figure; if the recording lacks data for it, return what is missing."""
     with style.settings():
         drawn = _FIGURES[what](report, style)
-    return RequestRefused("nothing-to-plot", f"There is nothing to plot: {_MISSING[what]}.") if drawn is None else drawn
+    return RequestRefused("nothing-to-plot", f"Nothing to plot: {_MISSING[what]}.") if drawn is None else drawn
 
 
 def error(report: Report, style: FigureStyle) -> Figure | None:
-    """Error of the estimated pose, over the standard deviation that the localizer reports; one row for each robot."""
+    """Draw the error of the estimated pose, over the standard deviation from the localizer; one row per robot."""
     shown = [(index, track) for index, track in enumerate(report.tracks) if len(track.errors)]
     if not shown:
         return None
@@ -51,18 +51,18 @@ def error(report: Report, style: FigureStyle) -> Figure | None:
                 axes.fill_between(
                     admitted[:, 0], band, step="post", color=robot_color(index), alpha=_BAND_ALPHA, lw=0, zorder=1
                 )
-            # The axis begins at zero, and is not so fine that rounding looks like an error.
+            # The axis begins at zero, and is coarse enough that rounding does not look like an error.
             axes.set_ylim(0.0, max(least, axes.get_ylim()[1]))
     _time_below(rows, report.duration, style)
     handles: list[object] = robot_handles(report.tracks, [index for index, _ in shown])
     if any(len(track.deviations) for _, track in shown):
-        handles.append(Patch(color=FAINT, alpha=2 * _BAND_ALPHA, lw=0, label=f"{SIGMAS:g}σ admitted"))
+        handles.append(Patch(color=FAINT, alpha=2 * _BAND_ALPHA, lw=0, label=f"{SIGMAS:g}σ reported"))
     label_above(rows[0][0], handles, 3 if style.narrow else 10)
     return figure
 
 
 def covariance(report: Report, style: FigureStyle) -> Figure | None:
-    """Standard deviations that the localizer reports."""
+    """Draw the standard deviations that the localizer reports."""
     shown = [(index, track) for index, track in enumerate(report.tracks) if len(track.deviations)]
     if not shown:
         return None
@@ -83,7 +83,7 @@ def covariance(report: Report, style: FigureStyle) -> Figure | None:
 
 
 def energy(report: Report, style: FigureStyle) -> Figure | None:
-    """Energy left of each robot."""
+    """Draw the energy left of each robot."""
     shown = [index for index, track in enumerate(report.tracks) if len(track.energy)]
     if not shown:
         return None
@@ -99,7 +99,7 @@ def energy(report: Report, style: FigureStyle) -> Figure | None:
 
 
 def velocity(report: Report, style: FigureStyle) -> Figure | None:
-    """Speeds by odometry, and commanded speeds over them; one row for each robot."""
+    """Draw the speeds from odometry, and the commanded speeds over them; one row per robot."""
     shown = [(index, track) for index, track in enumerate(report.tracks) if len(track.speeds) or len(track.commands)]
     if not shown:
         return None
@@ -121,7 +121,7 @@ def velocity(report: Report, style: FigureStyle) -> Figure | None:
 
 
 def timeline(report: Report, style: FigureStyle) -> Figure | None:
-    """Drives to goals with their rooms, events of the game, and utterances."""
+    """Draw drives to goals with their rooms, events of the game, and utterances."""
     if not report.timeline and not any(track.attempts for track in report.tracks):
         return None
     names = [track.label for track in report.tracks]
@@ -149,12 +149,12 @@ def timeline(report: Report, style: FigureStyle) -> Figure | None:
         axes,
         [
             *(
-                [Patch(color=robot_color(0), lw=0, label="to a room, reached")]
+                [Patch(color=robot_color(0), lw=0, label="goal reached")]
                 if any(t.attempts for t in report.tracks)
                 else []
             ),
-            *([Patch(color=robot_color(0), alpha=0.3, lw=0, label="not reached")] if _failed(report) else []),
-            *([Patch(color=FAINT, lw=0, label="makes way for the robot of that colour")] if ways_made else []),
+            *([Patch(color=robot_color(0), alpha=0.3, lw=0, label="goal not reached")] if _failed(report) else []),
+            *([Patch(color=FAINT, lw=0, label="makes way for the robot of that color")] if ways_made else []),
             *([Line2D([], [], color=INK, marker="D", ms=0.45 * style.font, lw=0, label="event")] if events else []),
             *([Line2D([], [], color="#52606d", marker="|", ms=style.font, lw=0, label="said")] if utterances else []),
         ],
@@ -175,10 +175,10 @@ _FIGURES: Mapping[FigureKind, Callable[[Report, FigureStyle], Figure | None]] = 
 _MISSING: Mapping[FigureKind, str] = {
     FigureKind.PATHS: "the bag has neither a map nor poses of a robot",
     FigureKind.ERROR: "there is no robot whose true and estimated paths are both in the bag",
-    FigureKind.COVARIANCE: "there is no amcl_pose, nor another pose on the map with a covariance",
+    FigureKind.COVARIANCE: "there is no amcl_pose and no other pose on the map with a covariance",
     FigureKind.ENERGY: "there is no topic of type sensor_msgs/BatteryState",
     FigureKind.VELOCITY: "there is neither odometry nor a topic cmd_vel",
-    FigureKind.TIMELINE: "there are no goals of move_base, no events of a game, and no talk",
+    FigureKind.TIMELINE: "there are no goals of move_base, no events of a game, and no utterances",
 }
 
 
@@ -187,7 +187,7 @@ def _failed(report: Report) -> bool:
 
 
 def _panels(style: FigureStyle, robots: int, labels: tuple[str, str]) -> tuple[Figure, list[list[Axes]]]:
-    """A pair of panels for each robot: side by side, or one below the other in narrow figures."""
+    """Create a pair of panels for each robot: side by side, or one below the other in narrow figures."""
     height = 3.0 * style.font / 72.0
     if not style.narrow:
         figure, rows = style.figure(height + robots * max(1.1, 0.19 * style.width), robots, 2)
@@ -203,7 +203,7 @@ def _panels(style: FigureStyle, robots: int, labels: tuple[str, str]) -> tuple[F
 
 
 def _time_below(rows: Sequence[Sequence[Axes]], duration: float, style: FigureStyle) -> None:
-    """Label the time axis of the lowest panels with minutes and seconds."""
+    """Label the time axis of the lowest panels in minutes and seconds."""
     for axes in (axes for row in rows for axes in row):
         axes.set_xlim(0.0, max(duration, 1e-3))
         axes.xaxis.set_major_locator(MultipleLocator(_tick(duration, 5 if style.narrow else 7)))
@@ -213,17 +213,17 @@ def _time_below(rows: Sequence[Sequence[Axes]], duration: float, style: FigureSt
 
 
 def _tick(duration: float, most: int) -> float:
-    """Seconds between two labels of the time axis, a round number of seconds, minutes or hours."""
+    """Return the distance between labels of the time axis: a round number of seconds, minutes or hours."""
     return next((step for step in _CLOCK_STEPS if duration / step <= most), duration / most)
 
 
 def _until(series: FloatArray, end: float) -> FloatArray:
-    """A step series whose last value is extended to the end."""
+    """Return a step series with its last value extended to the end."""
     return np.vstack((series, [[end, *series[-1, 1:]]]))
 
 
 def _draw_ways_made(axes: Axes, row: int, track: Track, tracks: Sequence[Track]) -> None:
-    """Draw a thin bar below a robot's drives for each time in which it makes way, in the color of the other robot."""
+    """Draw a thin bar below a robot's drives while it makes way, in the color of the other robot."""
     colours = {other.name: robot_color(index) for index, other in enumerate(tracks)}
     for made in track.ways_made:
         seconds = made.end - made.start
@@ -253,7 +253,7 @@ def _draw_attempts(
             lw=0.8,
         )
         room = next((event.room for event in departures if abs(event.time - attempt.start) < 1.0), None)
-        # The name, or even the number, is left out where it does not fit into its bar.
+        # The name, or even the number, is omitted if it does not fit into its bar.
         seconds = attempt.end - attempt.start
         if room is not None and seconds > letter:
             middle = 0.5 * (attempt.start + attempt.end)

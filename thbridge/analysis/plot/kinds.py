@@ -1,10 +1,10 @@
-"""Kinds of figures; a module of its own, for commands that offer them and load no plotting library."""
+"""Kinds of figures, in a separate module for commands that do not import a plotting library."""
 
 from enum import StrEnum
 
 
 class FigureKind(StrEnum):
-    """Kinds of figures."""
+    """Kind of a figure."""
 
     PATHS = "paths"
     ERROR = "error"

@@ -1,4 +1,4 @@
-"""The figure of the robots' paths on the map."""
+"""Figure of the robots' paths on the map."""
 
 from collections.abc import Sequence
 
@@ -22,9 +22,9 @@ _THING = "#f0b429"
 
 
 def paths(report: Report, style: FigureStyle) -> Figure | None:
-    """The map with things and paths: true paths are broad, estimated ones narrow.
+    """Draw the map with obstacles and paths: true paths are broad, estimated paths narrow.
 
-    Where no pose on the map is known, the paths of odometry, without the map, since each begins at its own origin.
+    If no poses on the map are known, draw the odometry paths without the map, since each begins at its own origin.
     """
     placed = any(len(track.truth) or len(track.estimate) for track in report.tracks)
     counted = not placed and any(len(track.odometry) for track in report.tracks)
@@ -35,7 +35,7 @@ def paths(report: Report, style: FigureStyle) -> Figure | None:
     if not seen and grid is None:
         return None
     left, right, bottom, top = _extent(grid, seen)
-    # A legend of robots needs a line, the axes' labels another.
+    # A legend of robots needs a line, the axis labels another.
     height = style.width * (top - bottom) / (right - left) + 6.0 * style.font / 72.0
     figure, ((axes,),) = style.figure(min(max(height, 0.3 * style.width), 1.4 * style.width))
     axes.grid(visible=False)
@@ -79,11 +79,11 @@ def paths(report: Report, style: FigureStyle) -> Figure | None:
 
 
 def _extent(grid: OccupancyGrid | None, seen: Sequence[FloatArray]) -> tuple[float, float, float, float]:
-    """Left, right, bottom, top of the figure: the known part of the map, and the paths."""
+    """Return left, right, bottom, top of the figure: the known part of the map, and the paths."""
     known = [] if grid is None else [_corners(grid)]
     points = np.vstack([*known, *seen])
     low, high = points.min(axis=0), points.max(axis=0)
-    # The map's own edge is its margin; a path needs one, however short it is.
+    # The map includes its margin; paths need one, even if they are short.
     margin = 0.0 if known else 0.5 + 0.05 * float((high - low).max())
     return (
         float(low[0]) - margin,
@@ -94,7 +94,7 @@ def _extent(grid: OccupancyGrid | None, seen: Sequence[FloatArray]) -> tuple[flo
 
 
 def _corners(grid: OccupancyGrid) -> FloatArray:
-    """Corners of the known part of the map: mapping programs add much unknown space around it."""
+    """Return the corners of the known part of the map: mapping programs add much unknown space around it."""
     rows, cols = (np.flatnonzero((grid.cells != UNKNOWN).any(axis=axis)) for axis in (1, 0))
     if not len(rows):
         rows, cols = np.arange(grid.rows), np.arange(grid.cols)
@@ -104,7 +104,7 @@ def _corners(grid: OccupancyGrid) -> FloatArray:
 
 
 def _draw_grid(axes: Axes, grid: OccupancyGrid) -> None:
-    """Draw walls dark, free space white, unknown space gray; rotated by the map's origin."""
+    """Draw walls dark, free space white, unknown space gray, rotated by the map's origin."""
     kinds = np.full(grid.cells.shape, 1, dtype=np.uint8)
     kinds[grid.cells == 0] = 0
     kinds[grid.cells == OCCUPIED] = 2

@@ -31,18 +31,18 @@ _METADATA: Mapping[FigureFormat, Mapping[str, None]] = {
     FigureFormat.SVG: {"Date": None, "Creator": None},
     FigureFormat.PDF: {"CreationDate": None, "Creator": None, "Producer": None},
 }
-"""Metadata that are left out: dates and versions, with which no two files would be equal."""
+"""Metadata that is omitted: with dates and versions, no two files would be equal."""
 
 
 @dataclass(frozen=True, slots=True)
 class FigureStyle:
-    """Sizes of a figure's width, font and lines.
+    """Width of a figure, and sizes of fonts and lines.
 
     Attributes:
-        width: inches.
-        font: points.
+        width: width of the figure, inches.
+        font: size of the font, points.
         line: width of a curve, points.
-        live_text: True when SVG files have text, in the fonts of their page; False when letters are drawn as paths.
+        live_text: True if SVG files contain text in the fonts of their page; False if letters are drawn as paths.
     """
 
     width: float
@@ -52,17 +52,17 @@ class FigureStyle:
 
     @property
     def narrow(self) -> bool:
-        """True when two panels do not fit side by side."""
+        """True if two panels do not fit side by side."""
         return self.width < 5.0
 
     def settings(self, salt: str = "") -> AbstractContextManager[None]:
-        """Matplotlib's settings. Ids within SVG files are hashes, made with this salt."""
+        """Return matplotlib's settings. Ids in SVG files are hashes that include this salt."""
         return mpl.rc_context(
             {
                 "svg.hashsalt": salt or "thbridge",
                 "svg.fonttype": "none" if self.live_text else "path",
                 "pdf.fonttype": 42,
-                "font.family": "DejaVu Sans",  # matplotlib's own, so the same everywhere
+                "font.family": "DejaVu Sans",  # included in matplotlib, so the same on all machines
                 "font.size": self.font,
                 "axes.labelsize": self.font,
                 "axes.titlesize": self.font,
@@ -89,13 +89,13 @@ class FigureStyle:
         )
 
     def figure(self, height: float, rows: int = 1, columns: int = 1) -> tuple[Figure, list[list[Axes]]]:
-        """An empty figure with panels that share one time axis; height in inches. Call it within `settings`."""
+        """Create an empty figure whose panels share one time axis; height in inches. Call it within `settings`."""
         figure = Figure(figsize=(self.width, height), layout="constrained")
         axes = figure.subplots(rows, columns, sharex=True, squeeze=False)
         return figure, [list(row) for row in axes]
 
     def rendered(self, figure: Figure, kind: FigureFormat, salt: str = "", transparent: bool = False) -> bytes:
-        """The bytes of the figure's file; PNG with 300 dots per inch."""
+        """Return the bytes of the figure's file; PNG has 300 dots per inch."""
         file = BytesIO()
         with self.settings(salt):
             figure.savefig(file, format=kind.value, metadata=dict(_METADATA[kind]), dpi=300, transparent=transparent)
@@ -104,18 +104,18 @@ class FigureStyle:
 
 PAGE = FigureStyle(width=9.2, font=9.0, line=1.1, live_text=True)
 ONE_COLUMN = FigureStyle(width=3.46, font=7.0, line=0.8)
-"""88 mm wide, as one column of most journals."""
+"""Style for a width of 88 mm, one column of most journals."""
 TWO_COLUMNS = FigureStyle(width=7.2, font=8.0, line=0.9)
-"""183 mm wide, as two columns of most journals."""
+"""Style for a width of 183 mm, two columns of most journals."""
 
 
 def clock(seconds: float) -> str:
-    """Minutes and seconds: 75.3 is 1:15."""
+    """Return a time in minutes and seconds: 75.3 gives 1:15."""
     return f"{int(seconds) // 60}:{int(seconds) % 60:02d}"
 
 
 def label_above(axes: Axes, handles: Sequence[object], columns: int = 10) -> None:
-    """Add a legend above the panel, where it covers nothing."""
+    """Add a legend above the panel, so that it covers nothing."""
     axes.legend(
         handles=list(handles),
         loc="lower left",
@@ -129,7 +129,7 @@ def label_above(axes: Axes, handles: Sequence[object], columns: int = 10) -> Non
 
 
 def robot_handles(tracks: Sequence[Track], shown: Sequence[int] | None = None) -> list[object]:
-    """Legend handles of the robots."""
+    """Return the legend handles of the robots."""
     return [
         Line2D([], [], color=robot_color(index), lw=2.0, label=track.label)
         for index, track in enumerate(tracks)

@@ -1,15 +1,15 @@
-"""Reduction of curves to the points that can be seen in a figure."""
+"""Reduction of curves to the points that are visible in a figure."""
 
 import numpy as np
 
 from sim.numerics.float_array import FloatArray
 
 POINTS = 700
-"""Largest number of points of a curve, so that files do not grow with the session."""
+"""Greatest number of points of a curve, so that files do not grow with the session."""
 
 
 def simplified(line: FloatArray) -> FloatArray:
-    """A path with at most one point every few centimeters."""
+    """Return a path with at most one point every few centimeters."""
     if len(line) < 3:
         return line
     along = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(line, axis=0).T))))
@@ -20,7 +20,7 @@ def simplified(line: FloatArray) -> FloatArray:
 
 
 def peaks(series: FloatArray) -> FloatArray:
-    """(k, 2) of a (n, 2) time series: the greatest value of each of at most `POINTS` spans."""
+    """Return (k, 2) of a (n, 2) time series: the greatest value of each of at most `POINTS` spans."""
     size = -(-len(series) // POINTS)
     if size <= 1:
         return series
@@ -30,7 +30,7 @@ def peaks(series: FloatArray) -> FloatArray:
 
 
 def changes(series: FloatArray) -> FloatArray:
-    """A (n, 2) time series without samples that repeat the value before; the first and the last are kept."""
+    """Return a (n, 2) time series without samples that repeat the previous value; the first and the last are kept."""
     if len(series) < 3:
         return series
     kept = np.concatenate(([True], np.diff(series[:, 1]) != 0.0))

@@ -1,1 +1,1 @@
-"""Report on a recording, ours or of other robots: paths, errors, deviations, events, dialogues."""
+"""Report on a recording of thbridge or other robots: paths, errors, deviations, events, dialogues."""

@@ -1,4 +1,4 @@
-"""Odometry, transforms and velocities as rows of numbers, read by many messages at a time: they are most of a bag."""
+"""Odometry, transforms and velocities as rows of numbers. They are most of a bag, so they are decoded in batches."""
 
 from collections import defaultdict
 from collections.abc import Callable
@@ -16,16 +16,16 @@ from thbridge.ros.names import frame_name
 from thbridge.ros.robots import is_map_frame, is_odom_frame
 
 MESSAGES = 256
-"""Messages of a topic that are read together."""
+"""Number of messages of a topic that are read together."""
 
 
 class MessageBatches:
     """Messages that wait for others of their topic.
 
     Args:
-        series: takes their rows.
-        unread: takes a sentence for each topic with a message that cannot be read.
-        seconds: times that count, of stamps in nanoseconds.
+        series: receives their rows.
+        unread: receives a sentence for each topic with a message that cannot be read.
+        seconds: function that converts stamps in nanoseconds to seconds of the report.
     """
 
     def __init__(
@@ -44,7 +44,7 @@ class MessageBatches:
         self._rows: dict[str, GatheredRows] = {}
 
     def takes(self, msgtype: str) -> bool:
-        """True for types that are read in batches."""
+        """Return True for types that are read in batches."""
         return msgtype in self._readers
 
     def add(self, recorded_ns: int, topic: str, msgtype: str, data: bytes) -> None:
@@ -55,7 +55,7 @@ class MessageBatches:
             self._read(topic, msgtype)
 
     def flush(self) -> None:
-        """Read all messages that wait."""
+        """Read all waiting messages."""
         for topic, msgtype in [*self._waiting]:
             self._read(topic, msgtype)
 
@@ -67,7 +67,7 @@ class MessageBatches:
         lengths = np.array([len(data) for _, data in waiting])
         lost = rows.add_all(bytearray().join(data for _, data in waiting), lengths)
         for problem in lost.values():
-            self._unread[topic] = f"{topic} holds a message that cannot be read: {problem}"
+            self._unread[topic] = f"{topic} contains a message that cannot be read: {problem}"
         times = self._seconds(np.delete(np.array([stamp for stamp, _ in waiting], dtype=np.int64), list(lost)))
         if len(times):
             self._readers[msgtype](topic, times, rows)
@@ -98,7 +98,7 @@ class MessageBatches:
                 edge.rows.frombytes(self._series.plausible(topic, poses[found], times=2).tobytes())
 
     def _stamps(self, rows: GatheredRows) -> FloatArray:
-        """(n,) times by the headers with which the rows begin; NaN where they are stamped 0."""
+        """Return (n,) times from the headers that begin the rows; NaN for stamps of 0."""
         moments = _block(rows, 0)["1"]
         stamps_ns = 1_000_000_000 * moments["sec"].astype(np.int64) + moments["nsec"]
         return np.where(stamps_ns == 0, np.nan, self._seconds(stamps_ns))
@@ -110,16 +110,16 @@ class MessageBatches:
 
 
 def _block(rows: GatheredRows, index: int) -> NDArray[np.void]:
-    """The numbers of the part at an index, by their place in it."""
+    """Return the numbers of the part at an index, by their position in it."""
     part = rows.record.parts[index]
     if not isinstance(part, FixedBlock):
-        raise TypeError(f"part {index} of {rows.record.msgtype} is no block of numbers")
+        raise TypeError(f"part {index} of {rows.record.msgtype} is not a block of numbers")
     return rows.run(index, part)
 
 
 def _poses(values: NDArray[np.void]) -> FloatArray:
-    """(n, 3) x, y, yaw of blocks that begin with a position and a quaternion."""
+    """Return (n, 3) x, y, yaw of blocks that begin with a position and a quaternion."""
     x, y, qx, qy, qz, qw = (values[name] for name in "013456")
-    with np.errstate(over="ignore", invalid="ignore"):  # of quaternions that are none
+    with np.errstate(over="ignore", invalid="ignore"):  # for invalid quaternions
         yaw = elementary_arrays.atan2(2.0 * (qw * qz + qx * qy), 1.0 - 2.0 * (qy * qy + qz * qz))
     return np.column_stack((x, y, np.where(yaw == np.pi, -np.pi, yaw)))

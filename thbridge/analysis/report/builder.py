@@ -1,7 +1,7 @@
-"""Collects a report from the messages of a bag: true and estimated paths, energy, game events, utterances.
+"""Builder of a report from the messages of a bag: true and estimated paths, energy, game events, utterances.
 
-Only messages are used, so it works on bags of other robots, too, and lists what is missing in them. A recording may
-hold several games; each has a report of its own, since robots are put back and energy and score begin anew.
+Only messages are used, so it also works for bags of other robots, and lists missing data. A recording can contain
+several games. Each has a report of its own, because robots, energy and score are reset between games.
 """
 
 from collections import defaultdict
@@ -36,14 +36,14 @@ _TF_OLD = "tf/tfMessage"
 
 
 TRAJECTORIES = (types.POSE_STAMPED, types.POSE_WITH_COVARIANCE, types.ODOMETRY)
-"""Types of topics that may be named as trajectories."""
+"""Types of topics that can be named as trajectories."""
 
 
 def trajectory_topics(bag: Path, truth: str | None, estimate: str | None) -> TrajectoryTopics:
-    """The topics that somebody names as a robot's trajectories, `--truth` and `--estimate`.
+    """Return the topics that the user names as a robot's trajectories (`--truth`, `--estimate`).
 
     Raises:
-        BadFile: the bag has no such topic, or one of another type; or it cannot be read.
+        BadFile: the bag has no such topic, or the topic has another type, or the bag cannot be read.
     """
     if truth is None and estimate is None:
         return FOUND_BY_NAME
@@ -52,8 +52,8 @@ def trajectory_topics(bag: Path, truth: str | None, estimate: str | None) -> Tra
     for option, name in (("--truth", truth), ("--estimate", estimate)):
         if name is None or name in offered:
             continue
-        problem = f"it is of type {kinds[name]}" if name in kinds else "there is no such topic in the bag"
-        remedy = f"name one of {', '.join(offered)}" if offered else f"only {', '.join(TRAJECTORIES)} will do"
+        problem = f"it is of type {kinds[name]}" if name in kinds else "the bag has no such topic"
+        remedy = f"name one of {', '.join(offered)}" if offered else f"it must be of type {', '.join(TRAJECTORIES)}"
         raise BadFile(bag, f"{name}: {problem}", remedy, key=option)
     return TrajectoryTopics(truth, estimate)
 
@@ -61,12 +61,12 @@ def trajectory_topics(bag: Path, truth: str | None, estimate: str | None) -> Tra
 def read_report(
     messages: Iterable[RawMessage], grid: OccupancyGrid | None = None, named: TrajectoryTopics = FOUND_BY_NAME
 ) -> Report:
-    """The report of a bag's messages, oldest first; those that cannot be read are left out and listed.
+    """Return the report of a bag's messages, oldest first; unreadable messages are omitted and listed.
 
     Args:
-        messages: the messages of the bag.
-        grid: the map, in place of the bag's own.
-        named: the topics of a robot's trajectories, where somebody has named them.
+        messages: messages of the bag.
+        grid: map to use instead of the bag's own.
+        named: topics of a robot's trajectories, if the user named them.
     """
     builder = ReportBuilder(named)
     for message in messages:
@@ -77,15 +77,15 @@ def read_report(
 def read_games(
     messages: Iterable[RawMessage], grid: OccupancyGrid | None = None, named: TrajectoryTopics = FOUND_BY_NAME
 ) -> tuple[Report, ...]:
-    """The report of each game in a bag, in order; of a bag without games one of the whole. Arguments as `read_report`.
+    """Return the report of each game in a bag, in order, or one report if it has no games. Arguments as `read_report`.
 
-    What was recorded before the first game belongs to it, and what comes between two games to the earlier one.
+    Messages before the first game belong to it, and messages between two games belong to the earlier one.
     """
     return tuple(builder.report(grid) for builder in gather_games(messages, named))
 
 
 def gather_games(messages: Iterable[RawMessage], named: TrajectoryTopics = FOUND_BY_NAME) -> list["ReportBuilder"]:
-    """Gather what the reports of `read_games` are made of: most of it on disk, where a report is in memory."""
+    """Gather the data for `read_games`: gathered data are mostly on disk, but a report is in memory."""
     builders = [ReportBuilder(named)]
     for message in messages:
         start = game_start(message)
@@ -99,11 +99,11 @@ def gather_games(messages: Iterable[RawMessage], named: TrajectoryTopics = FOUND
 
 
 class ReportBuilder:
-    """Collects the contents of messages by type.
+    """Collector of the contents of messages, by type.
 
     Attributes:
         first_ns: stamp from which times count: of the first message, or of the beginning of the game.
-        game: number of the game that began; None before.
+        game: number of the game that began; None before the first.
     """
 
     def __init__(self, named: TrajectoryTopics = FOUND_BY_NAME) -> None:
@@ -137,11 +137,11 @@ class ReportBuilder:
 
     @property
     def has_game(self) -> bool:
-        """True when a game began, or one that began before the recording was under way."""
+        """True if a game began, or if a game was already running when the recording began."""
         return self.game is not None or self._score is not None
 
     def next_game(self, begins_ns: int) -> "ReportBuilder":
-        """The builder of the next game of the recording: with session, map and rooms, which are recorded once."""
+        """Return the builder of the next game. It copies session, map and rooms, which are recorded only once."""
         builder = ReportBuilder(self._series.named)
         builder.first_ns = builder._last_ns = begins_ns
         builder._begins = self._begins + self._seconds(begins_ns)
@@ -149,16 +149,16 @@ class ReportBuilder:
         return builder
 
     def _seconds(self, stamp_ns: int) -> float:
-        """Seconds since times count."""
+        """Return the time of a stamp in seconds of the report."""
         return 0.0 if self.first_ns is None else (stamp_ns - self.first_ns) / 1e9
 
     def _seconds_of(self, stamps_ns: NDArray[np.int64]) -> FloatArray:
-        """Seconds since times count, of many stamps."""
+        """Return the times of stamps in seconds of the report."""
         seconds: FloatArray = (stamps_ns - (self.first_ns or 0)) / 1e9
         return seconds
 
     def take(self, message: RawMessage) -> None:
-        """Take in a message."""
+        """Add a message."""
         if self.first_ns is None:
             self.first_ns = message.stamp_ns
         self._last_ns = max(self._last_ns, message.stamp_ns)
@@ -167,7 +167,7 @@ class ReportBuilder:
         if handler is None and not self._batches.takes(msgtype):
             return
         if message.md5 != types.plain_definition(msgtype).md5 and is_md5(message.md5):
-            self._unread[message.topic] = f"{message.topic} holds another release's {message.msgtype}"
+            self._unread[message.topic] = f"{message.topic} contains {message.msgtype} of another version"
             return
         if handler is None:
             self._batches.add(message.stamp_ns, message.topic, msgtype, message.data)
@@ -175,10 +175,10 @@ class ReportBuilder:
         try:
             handler(self._seconds(message.stamp_ns), message.topic, message.data)
         except ValueError as error:
-            self._unread[message.topic] = f"{message.topic} holds a message that cannot be read: {error}"
+            self._unread[message.topic] = f"{message.topic} contains a message that cannot be read: {error}"
 
     def report(self, grid: OccupancyGrid | None) -> Report:
-        """The report, on a map in place of the bag's own if one is given."""
+        """Return the report; `grid`, if given, replaces the bag's own map."""
         duration = self._seconds(self._last_ns)
         self._batches.flush()
         tracks = self._series.thinned_tracks(duration)
@@ -203,23 +203,23 @@ class ReportBuilder:
 
     def _missing(self, tracks: tuple[Track, ...], grid: OccupancyGrid | None) -> Iterable[str]:
         if grid is None:
-            yield "There is no map: nobody published /map (nav_msgs/OccupancyGrid)."
+            yield "No map: no messages on /map (nav_msgs/OccupancyGrid)."
         if not tracks:
-            yield "There are no robots: no topic of type nav_msgs/Odometry, no odom frame in /tf."
+            yield "No robots: no topic of type nav_msgs/Odometry, and no odom frame in /tf."
 
         def without(part: Callable[[Track], FloatArray]) -> str:
             return ", ".join(track.label for track in tracks if not len(part(track)))
 
         if names := without(lambda track: track.truth):
-            yield f"No true path of {names}: no topic base_pose_ground_truth, nor any that is called the truth."
+            yield f"No true path of {names}: no topic base_pose_ground_truth, and no other name for the truth."
         if names := without(lambda track: track.estimate):
             yield f"No estimated path of {names}: neither map -> odom in /tf nor a topic amcl_pose."
         if names := without(lambda track: track.energy):
             yield f"No energy of {names}: no topic of type sensor_msgs/BatteryState."
         if not self._timeline:
-            yield "No events and no talk: neither /hunt/events nor /dialogue/utterances."
+            yield "No events and no utterances: neither /hunt/events nor /dialogue/utterances."
         if self._score is None:
-            yield "No score: nobody published /hunt/score."
+            yield "No score: no messages on /hunt/score."
 
     def _map(self, time: float, topic: str, data: bytes) -> None:
         if "costmap" not in topic:
@@ -252,7 +252,7 @@ class ReportBuilder:
         self._dialogues.take_utterance(message)
         robot = robot_name(message.robot)
         who = robot if message.speaker == "robot" else f"participant to {robot}"
-        who += " (by a wizard)" if message.author == "wizard" else ""
+        who += " (researcher)" if message.author == "wizard" else ""
         self._timeline.append(TimelineEntry(time, "said", who, message.room, message.text or message.move))
 
     def _dialogue_move(self, time: float, topic: str, data: bytes) -> None:
@@ -277,7 +277,7 @@ def _thing(name: str, outlines: list[FloatArray]) -> ObstacleTrack:
 
 
 def _event_text(event: GameEvent) -> tuple[str, int | None]:
-    """An event's plain JSON values as text for people, and its points."""
+    """Return an event's simple JSON values as text for people, and its points."""
     try:
         fields = json_of(event.json)
     except ValueError:

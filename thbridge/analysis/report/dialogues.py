@@ -1,4 +1,4 @@
-"""Gathers from a recording how robots and participant argued: games, ends, moves, and who gave in."""
+"""Argumentation dialogues in a recording: games, ends, moves, and which side gave in."""
 
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator
@@ -10,9 +10,9 @@ from thbridge.dialogue.portrait import read_portrait
 from thbridge.ros.messages.session_records import DialogueMoveRecord, DialogueStateRecord, UtteranceRecord
 
 ENDS = (*DialogueEnd, "unfinished")
-"""Ends of dialogue games in recordings; unfinished ones go on when the recording ends, or were dropped."""
+"""Ends of dialogue games in recordings; "unfinished" if the recording ended first or the game was dropped."""
 _HOLDS_OUT = frozenset({"challenge", "reject"})
-"""Locutions by which somebody does not agree."""
+"""Locutions that express disagreement."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,20 +21,20 @@ class RecordedGame:
 
     Attributes:
         robot: index of the robot.
-        number: of the game, unique among those of its robot.
-        kind: its name.
+        number: number of the game, unique among the games of its robot.
+        kind: name of the game.
         opener: "robot" or "human".
         end: one of `ENDS`.
-        moves: number of its moves, without those that followed by themselves.
-        challenges: number of challenges in it and in the games that wait for it.
-        gave_in: "robot" or "human", who accepted in the end what that side had challenged, rejected or denied before
-            in the same situation; empty: nobody.
-        talk: number of the dialogue of utterances that it belongs to.
-        parent: number of the game that waits for it; 0: none.
-        topic: what it is about.
+        moves: number of its moves, without those that follow automatically.
+        challenges: number of challenges in it and in the games that are paused for it.
+        gave_in: "robot" or "human", the side that finally accepted what it had challenged, rejected or denied before
+                in the same situation; empty if neither side did.
+        talk: number of the dialogue of utterances that contains it.
+        parent: number of the game that is paused for it; 0 if there is none.
+        topic: topic of the game.
         began: time of its first move, s.
         ended: time of its last move, s.
-        replied: seconds that the participant took for her moves after the first, each from what was said before it.
+        replied: time that the participant needed for her moves after the first, each counted from the previous move, s.
     """
 
     robot: int
@@ -55,15 +55,15 @@ class RecordedGame:
 
 @dataclass(frozen=True, slots=True)
 class RecordedDialogues:
-    """Dialogues in a recording in which robots argued.
+    """Argumentation dialogues in a recording.
 
     Attributes:
         games: all dialogue games, robot by robot.
-        moves: number of moves by speaker and locution, without those that followed by themselves.
-        questions: number of questions that the participant put beside the games.
+        moves: number of moves by speaker and locution, without those that follow automatically.
+        questions: number of questions that the participant asked in addition to the games.
         overrides: number of decisions against a robot's advice.
-        misheard: number of moves that a robot took for others.
-        strategy_faults: number of moves that a robot chose by its own strategy, because the study's had failed.
+        misheard: number of moves that a robot mistook for others.
+        strategy_faults: number of moves that a robot chose with its own strategy, because the study's strategy failed.
     """
 
     games: tuple[RecordedGame, ...] = ()
@@ -75,7 +75,7 @@ class RecordedDialogues:
 
 
 class DialogueGatherer:
-    """Gathers dialogues from what was recorded of them, in order of time."""
+    """Collector of dialogues from their recorded messages, in the order of time."""
 
     def __init__(self) -> None:
         self._courses: defaultdict[tuple[int, int], list[DialogueMoveRecord]] = defaultdict(list)
@@ -85,23 +85,23 @@ class DialogueGatherer:
         self._words: Counter[str] = Counter()
 
     def take_utterance(self, utterance: UtteranceRecord) -> None:
-        """Take in an utterance."""
+        """Add an utterance."""
         self._words[utterance.move] += 1
 
     def take_move(self, time: float, move: DialogueMoveRecord) -> None:
-        """Take in a move of a dialogue game, and the time at which it was made, s."""
+        """Add a move of a dialogue game, with its time, s."""
         self._courses[move.robot, move.dialogue].append(move)
         self._times[move.robot, move.dialogue].append(time)
 
     def take_state(self, state: DialogueStateRecord) -> None:
-        """Take in what a robot makes of a dialogue. Raises ValueError when that cannot be read."""
+        """Add a robot's state of a dialogue. Raise ValueError if it cannot be read."""
         games = read_portrait(state.json).games
         for game in games:
             self._ends[state.robot, game.number] = game.end
             self._begins[state.robot, game.number] = games[0].number
 
     def dialogues(self) -> RecordedDialogues:
-        """Return what was gathered."""
+        """Return the collected dialogues."""
         said = [move for course in self._courses.values() for move in course if not move.is_booked]
         return RecordedDialogues(
             games=tuple(self._game(*key) for key in sorted(self._courses)),
@@ -138,14 +138,14 @@ class DialogueGatherer:
         )
 
     def _with_outer(self, course: list[DialogueMoveRecord]) -> Iterator[DialogueMoveRecord]:
-        """Yield the moves of a game and of those that wait for it; a game waits for later ones only."""
+        """Yield the moves of a game and of the games that are paused for it; a game is only paused for later ones."""
         yield from course
         robot, number, parent = course[0].robot, course[0].dialogue, course[0].parent
         if parent is not None and parent < number and (robot, parent) in self._courses:
             yield from self._with_outer(self._courses[robot, parent])
 
     def _held_out(self, accepted: DialogueMoveRecord) -> bool:
-        """Return True when whoever accepted this has denied it before in the situation, or would not accept it."""
+        """Return True if the accepting side earlier denied the statement, or did not accept it, in the situation."""
         begin = self._begins.get((accepted.robot, accepted.dialogue), accepted.dialogue)
         before = (
             move
@@ -162,7 +162,7 @@ class DialogueGatherer:
 
 
 def count_ends(games: Iterable[RecordedGame]) -> dict[str, int]:
-    """Return the number of games that ended in each way, those that none did left out, in the order of `ENDS`."""
+    """Return the number of games by end, in the order of `ENDS`; ends that did not occur are omitted."""
     counts = Counter(game.end for game in games)
     return {str(end): counts[end] for end in ENDS if counts[end]}
 

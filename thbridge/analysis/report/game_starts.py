@@ -1,4 +1,4 @@
-"""Beginnings of games in a recording, by its events."""
+"""Beginnings of games in a recording, found in its events."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,8 +16,8 @@ _STARTED = kind_of(GameStarted)
 class GameStart:
     """Beginning of a game: its number, and the stamp, nanoseconds.
 
-    Robots are put back in the tick after it: poses with this stamp are still of what was before, only events, score and
-    talk are of the game already.
+    Robots are reset in the tick after it. So poses with this stamp belong to the time before; only events, score and
+    utterances belong to the game.
     """
 
     number: int
@@ -25,7 +25,7 @@ class GameStart:
 
 
 def game_start(message: RawMessage) -> GameStart | None:
-    """Return the beginning of a game that a message tells of; None for any other message."""
+    """Return the beginning of a game that a message reports; None for any other message."""
     if message.msgtype != types.GAME_EVENT or message.md5 != types.plain_definition(types.GAME_EVENT).md5:
         return None
     try:
@@ -37,7 +37,7 @@ def game_start(message: RawMessage) -> GameStart | None:
 
 
 def game_starts(bag: Path) -> tuple[GameStart, ...]:
-    """Return the beginnings of all games in a bag, oldest first. Raises BadFile as `messages` does."""
+    """Return the beginnings of all games in a bag, oldest first. Raise BadFile as `messages` does."""
     topics = {topic.name for topic in info(bag).topics if topic.msgtype == types.GAME_EVENT}
     if not topics:
         return ()
@@ -45,4 +45,4 @@ def game_starts(bag: Path) -> tuple[GameStart, ...]:
 
 
 OF_A_GAME = frozenset({types.GAME_EVENT, types.SCORE, types.UTTERANCE, types.DIALOGUE_MOVE, types.DIALOGUE_STATE})
-"""Types of messages that are of a game from the stamp of its beginning on; see `GameStart`."""
+"""Types of messages that belong to a game from the stamp of its beginning on; see `GameStart`."""

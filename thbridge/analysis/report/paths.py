@@ -1,6 +1,6 @@
 """Calculations with paths over time: correction of odometry, errors, interpolation, pieces, length.
 
-They give the same bits on every machine, and so do tables of a recording.
+Results are bit-identical on all machines, and so are the tables of a recording.
 """
 
 import math
@@ -11,23 +11,23 @@ from sim.numerics import elementary_arrays
 from sim.numerics.float_array import FloatArray
 
 RELOCATED = 0.5
-"""Meters by which a localizer moves a robot at once when it has found it elsewhere, not merely corrected it: as no
-message tells of that, the step itself does."""
+"""Step in meters from which a change of the localizer's pose is a jump and not a correction. No message reports
+such jumps, so the step itself is the criterion."""
 
 
 def corrected(odometry: FloatArray, recorded: FloatArray, corrections: FloatArray) -> FloatArray:
-    """(n, 4) time and base in map: odometry poses, each with the last correction known then; others are left out.
+    """Return (n, 4) time and base in map: odometry poses, each with the last correction known then; others are omitted.
 
     Args:
         odometry: (o, 4) time, x, y, theta.
-        recorded: (o,) times of recording. Corrections are stamped ahead, so only these say which were known.
+        recorded: (o,) times of recording. Corrections are stamped ahead, so only these show which were known.
         corrections: (c, 4) time of recording, x, y, theta of odom in map.
     """
     return _moved(*_with_last(odometry, recorded, corrections))
 
 
 def relocations(odometry: FloatArray, recorded: FloatArray, corrections: FloatArray) -> FloatArray:
-    """(k,) times from which a robot is believed to be elsewhere than its former correction would have it."""
+    """Return (k,) times of jumps: from each on, the correction gives another pose than the previous one would."""
     odometry, correction = _with_last(odometry, recorded, corrections)
     here, stale = _moved(odometry[1:], correction[1:]), _moved(odometry[1:], correction[:-1])
     moved = elementary_arrays.hypot(here[:, 1] - stale[:, 1], here[:, 2] - stale[:, 2])
@@ -36,13 +36,13 @@ def relocations(odometry: FloatArray, recorded: FloatArray, corrections: FloatAr
 
 
 def _with_last(odometry: FloatArray, recorded: FloatArray, corrections: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Odometry poses, and the last correction before each; poses without one are left out."""
+    """Return odometry poses, and the last correction before each; poses without a correction are omitted."""
     last = np.searchsorted(corrections[:, 0], recorded, side="right") - 1
     return odometry[last >= 0], corrections[last[last >= 0]]
 
 
 def _moved(odometry: FloatArray, correction: FloatArray) -> FloatArray:
-    """(n, 4) time and base in map of odometry poses under a correction each."""
+    """Return (n, 4) time and base in map of odometry poses, given a correction for each."""
     c, s = elementary_arrays.cos(correction[:, 3]), elementary_arrays.sin(correction[:, 3])
     x = correction[:, 1] + c * odometry[:, 1] - s * odometry[:, 2]
     y = correction[:, 2] + s * odometry[:, 1] + c * odometry[:, 2]
@@ -50,7 +50,7 @@ def _moved(odometry: FloatArray, correction: FloatArray) -> FloatArray:
 
 
 def errors(estimate: FloatArray, truth: FloatArray) -> FloatArray:
-    """(m, 3) time, distance (m) and absolute angle (rad) of estimates from the truth, which is interpolated."""
+    """Return (m, 3) time, distance (m) and absolute angle (rad) of estimates from the interpolated truth."""
     if not len(truth):
         return np.empty((0, 3))
     within = estimate[(estimate[:, 0] >= truth[0, 0]) & (estimate[:, 0] <= truth[-1, 0])]
@@ -61,7 +61,7 @@ def errors(estimate: FloatArray, truth: FloatArray) -> FloatArray:
 
 
 def at_times(path: FloatArray, times: FloatArray) -> FloatArray:
-    """(n, 3) x, y, theta, interpolated on a path of rows time, x, y, theta; NaN before and after it."""
+    """Return (n, 3) x, y, theta, interpolated on a path of rows time, x, y, theta; NaN before and after it."""
     if not len(path):
         return np.full((len(times), 3), np.nan)
     columns = (path[:, 1], path[:, 2], np.unwrap(path[:, 3]))
@@ -71,17 +71,17 @@ def at_times(path: FloatArray, times: FloatArray) -> FloatArray:
 
 
 def wrapped(angles: FloatArray) -> FloatArray:
-    """Angles wrapped to [-pi, pi)."""
+    """Return angles wrapped to [-pi, pi)."""
     within: FloatArray = (angles + np.pi) % (2.0 * np.pi) - np.pi
     return within
 
 
 def pieces(path: FloatArray, cuts: FloatArray) -> list[FloatArray]:
-    """The parts of a path of rows time, x, y, ... between times at which it goes on elsewhere."""
+    """Return the parts of a path of rows time, x, y, ..., split at the times of jumps."""
     return [piece for piece in np.split(path, np.searchsorted(path[:, 0], cuts)) if len(piece)]
 
 
 def distance(path: FloatArray, cuts: FloatArray) -> float:
-    """Meters along the pieces of a path of rows time, x, y, ..."""
+    """Return the length in meters of the pieces of a path of rows time, x, y, ..."""
     steps = (elementary_arrays.hypot(np.diff(piece[:, 1]), np.diff(piece[:, 2])) for piece in pieces(path, cuts))
     return math.fsum(float(each.sum()) for each in steps)

@@ -14,30 +14,30 @@ from thbridge.ros.messages.session_records import ScoreRecord, SessionRecord
 
 _OURS = re.compile(r"robot([1-9][0-9]*)")
 NEVER: FloatArray = np.empty(0)
-"""No times."""
+"""Empty array of times."""
 
 
 def index_in(name: str) -> int | None:
-    """The index of a robot in its team, by its name for programs; None for one that is not of our robots' form."""
+    """Return the index of a robot in its team, given its name for programs; None for names of another form."""
     number = _OURS.fullmatch(name)
     return index_of(int(number[1])) if number else None
 
 
 def label_of(name: str) -> str:
-    """A robot's name for people: "robot 1" for "robot1"; one that is not of our robots' form stays as it is."""
+    """Return a robot's name for people: "robot 1" for "robot1"; a name of another form is unchanged."""
     robot = index_in(name)
     return name if robot is None else robot_name(robot)
 
 
 @dataclass(frozen=True, slots=True)
 class GoalAttempt:
-    """A robot's drive to one goal.
+    """Drive of a robot to one goal.
 
     Attributes:
-        start: seconds.
-        end: seconds; the session's end if it was still driving.
+        start: start time, seconds.
+        end: end time, seconds; the end of the session if the robot was still driving.
         outcome: "arrived", "no path", "cancelled" or "under way".
-        reason: the reason of the outcome, for people; may be empty.
+        reason: reason for the outcome, for people; may be empty.
     """
 
     start: float
@@ -48,12 +48,12 @@ class GoalAttempt:
 
 @dataclass(frozen=True, slots=True)
 class WayMade:
-    """A time in which a robot made way for another one that had the right of way.
+    """Time in which a robot made way for another robot that had the right of way.
 
     Attributes:
-        start: seconds.
-        end: seconds; the session's end if it still did.
-        robot: the other one, for programs: "robot1".
+        start: start time, seconds.
+        end: end time, seconds; the end of the session if it was still making way.
+        robot: name of the other robot for programs: "robot1".
     """
 
     start: float
@@ -63,26 +63,26 @@ class WayMade:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Track:
-    """The data of one robot.
+    """Data of one robot.
 
-    Attributes:
-        name: for programs: "robot1", from its namespace.
-        truth: (n, 4) time, x, y, theta of its true pose in the map.
-        estimate: (m, 4) time, x, y, theta of its estimated pose in the map.
-        errors: (m, 3) time, distance (m) and absolute angle (rad) between the two; empty when either is missing.
-        energy: (k, 2) time, energy left, in the game's units, or in percent where the bag has only that.
-        attempts: its drives to goals, in order.
-        distance: meters driven; from the truth if there is one, else from the estimate, else from odometry.
-        odometry: (o, 4) time, x, y, theta in the frame of odometry.
-        speeds: (o, 3) time, m/s, rad/s of odometry messages; empty when odometry is only in tf.
-        commands: (c, 3) time, m/s, rad/s that were commanded.
-        deviations: (d, 3) time, standard deviations of position (m) and heading (rad) that the localizer reports.
-        sources: sentences on the topics that were used, for people.
-        carried: (p,) times at which it was picked up and set elsewhere.
-        relocated: (q,) times at which its localizer found it elsewhere, or its odometry was reset.
-        ways_made: the times in which it made way for others, in order.
-        reset: (r,) times at which its odometry was reset.
-        faults: sentences on poses that are no motion of a robot.
+        Attributes:
+            name: name for programs: "robot1", from its namespace.
+            truth: (n, 4) time, x, y, theta of its true pose in the map.
+            estimate: (m, 4) time, x, y, theta of its estimated pose in the map.
+            errors: (m, 3) time, distance (m) and absolute angle (rad) between the two; empty if either is missing.
+            energy: (k, 2) time, energy left, in the game's units, or in percent if the bag has only that.
+            attempts: drives to goals, in order.
+            distance: distance driven, meters: from the truth if it is known, otherwise the estimate, otherwise odometry.
+            odometry: (o, 4) time, x, y, theta in the frame of odometry.
+            speeds: (o, 3) time, m/s, rad/s from odometry messages; empty if odometry is only in tf.
+            commands: (c, 3) time, m/s, rad/s of commanded speeds.
+            deviations: (d, 3) time, standard deviations of position (m) and heading (rad) that the localizer reports.
+            sources: sentences about the topics that were used, for people.
+    `carried`: (p,) times at which the robot was picked up and moved.
+            relocated: (q,) times at which its localizer found it elsewhere, or its odometry was reset.
+            ways_made: times in which it made way for others, in order.
+            reset: (r,) times at which its odometry was reset.
+            faults: sentences about poses that are not a motion of a robot.
     """
 
     name: str
@@ -105,18 +105,18 @@ class Track:
 
     @property
     def label(self) -> str:
-        """The name for people."""
+        """Name for people."""
         return label_of(self.name)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ObstacleTrack:
-    """A thing that stood or moved on the map.
+    """Obstacle that stood or moved on the map.
 
     Attributes:
-        name: its name.
+        name: name of the obstacle.
         outline: (v, 2) corners of its first outline, closed; map frame, meters.
-        path: (n, 2) centers of its outlines in order of time; one point if it stood.
+        path: (n, 2) centers of its outlines in the order of time; one point if it stood.
     """
 
     name: str
@@ -126,14 +126,14 @@ class ObstacleTrack:
 
 @dataclass(frozen=True, slots=True)
 class TimelineEntry:
-    """An event of the game, or an utterance.
+    """Event of the game, or utterance.
 
     Attributes:
         time: seconds.
-        kind: an event's kind in words, or "said" for an utterance.
+        kind: kind of the event in words, or "said" for an utterance.
         who: label of a robot, "participant to" one, or empty.
-        room: the room's number, or None.
-        text: a text for people.
+        room: number of the room, or None.
+        text: text for people.
         points: points won or lost; None for events without points.
     """
 
@@ -147,23 +147,23 @@ class TimelineEntry:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Report:
-    """The report of a recording, or of one game in it.
+    """Report of a recording, or of one game in it.
 
     Attributes:
         duration: seconds.
-        session: the session record; None in bags of others.
-        grid: the map, or None.
+        session: session record; None if thbridge did not record it.
+        grid: map, or None.
         tracks: data of each robot, by name.
-        things: the things, in the order of their appearance.
-        timeline: events and utterances, in order of time.
-        score: the last score, or None.
-        inputs: number of inputs of people that were recorded.
-        missing: sentences on data that are missing, and why.
-        game: number of the game; None where no game begins in what was read.
+        things: obstacles, in the order of their appearance.
+        timeline: events and utterances, in the order of time.
+        score: last score, or None.
+        inputs: number of recorded inputs of people.
+        missing: sentences about missing data, and why they are missing.
+        game: number of the game; None if no game begins in the messages.
         rooms: names of the map's rooms.
         begins: seconds from the recording's first message to the beginning of this game, from which its times count.
-        dialogues: those in which robots argued.
-        left_out: sentences on values that no figure can show; they are among `missing`, too.
+        dialogues: argumentation dialogues.
+        left_out: sentences about values that no figure can show; they are also in `missing`.
     """
 
     duration: float

@@ -1,4 +1,4 @@
-"""Poses, batteries and goals of robots, read message by message; `MessageBatches` reads what there is more of."""
+"""Poses, batteries and goals of robots, read message by message; `MessageBatches` reads more frequent types."""
 
 import math
 from collections.abc import Callable
@@ -18,14 +18,15 @@ OUTCOMES: dict[int, str] = {
 
 
 class RobotMessages:
-    """Takes messages about robots into series.
+    """Converter of messages about robots into series.
 
     Args:
-        series: takes what they say.
-        seconds: times that count, of a stamp in nanoseconds.
+        series: receives the data.
+        seconds: function that converts a stamp in nanoseconds to seconds of the report.
 
     Attributes:
-        handlers: take time, topic and bytes of a message, by its type; each raises ValueError where it cannot be read.
+        handlers: functions by message type, which receive time, topic and bytes of a message, and raise ValueError if
+            it cannot be read.
     """
 
     def __init__(self, series: SeriesByTopic, seconds: Callable[[int], float]) -> None:
@@ -80,5 +81,5 @@ class RobotMessages:
 
 
 def _action(topic: str) -> str:
-    """The name of the action of a topic of goals or results, with a slash at its end."""
+    """Return the name of the action of a topic of goals or results, with a slash at its end."""
     return topic.rpartition("/")[0] + "/"

@@ -1,4 +1,4 @@
-"""Poses of a recording in the order of their times, and where they are no motion of a robot."""
+"""Poses of a recording in the order of their times, with jumps that are not a motion of a robot."""
 
 from dataclasses import dataclass
 
@@ -9,8 +9,8 @@ from thbridge.ros.clock_changes import stamps_by_clock
 from thbridge.ros.odometry_faults import RecordedFault, sound_poses
 
 LATEST, EARLIEST = 10.0, -0.25
-"""Seconds after its stamp at which a message is recorded, at most and at least, if one clock gives both: tf2 remembers
-10 s, and a recorder that uses /clock lags by up to one period of it."""
+"""Greatest and least time from the stamp of a message to its recording, seconds, if one clock sets both: tf2 keeps 10 s,
+and a recorder that uses /clock lags by up to one period of it."""
 RECORDED, STAMPED = 0, 1
 """Columns of the times in rows of time of recording, stamp, x, y, theta."""
 
@@ -20,10 +20,10 @@ class SoundPath:
     """Poses over time.
 
     Attributes:
-        rows: (n, 4) time, x, y, theta; times rise.
+        rows: (n, 4) time, x, y, theta; times increase.
         recorded: (n,) time of recording of each.
-        cuts: (k,) times from which the poses go on elsewhere, where no robot has driven.
-        faults: what was found, in the order of recording.
+        cuts: (k,) times of jumps, at which no robot drove.
+        faults: faults that were found, in the order of recording.
     """
 
     rows: FloatArray
@@ -33,7 +33,7 @@ class SoundPath:
 
 
 def unfit_stamps(rows: FloatArray) -> str | None:
-    """The reason why stamps cannot be compared with those of other topics, a clause on headers; None: they can be.
+    """Return a clause why stamps cannot be compared with those of other topics. If None, they can be compared.
 
     Args:
         rows: (n, 5) time of recording, stamp (NaN where it is 0), x, y, theta.
@@ -49,16 +49,16 @@ def unfit_stamps(rows: FloatArray) -> str | None:
     if not EARLIEST <= late <= LATEST:
         return f"are {abs(late):.1f} s {'before' if late > 0.0 else 'after'} the time of recording"
     runs, _ = stamps_by_clock(_nanoseconds(rows[:, STAMPED]), _nanoseconds(rows[:, RECORDED]))
-    return "are of a clock that was set" if len(runs) > 1 else None
+    return "are from a clock that was changed" if len(runs) > 1 else None
 
 
 def sound_path(rows: FloatArray, by_stamp: bool, believed: bool = False) -> SoundPath:
-    """The poses in the order of their times; those that cannot be true are left out.
+    """Return the poses in the order of their times, without those that cannot be true.
 
     Args:
-        rows: as for `unfit_stamps`, in the order of recording.
-        by_stamp: True where times are stamps; else they are times of recording.
-        believed: the poses are a robot's belief, which may be wrong: only those with an odd stamp are left out.
+        rows: see `unfit_stamps`, in the order of recording.
+        by_stamp: True to use stamps as times, False to use times of recording.
+        believed: True if the poses are a robot's belief, which may be wrong: only those with an odd stamp are omitted.
     """
     times = rows[:, STAMPED if by_stamp else RECORDED]
     sound = sound_poses(_nanoseconds(rows[:, RECORDED]), _nanoseconds(times), rows[:, 2:])

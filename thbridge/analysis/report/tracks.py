@@ -1,4 +1,4 @@
-"""Assignment of topics to robots, and choice of each robot's truth, odometry and estimate among them."""
+"""Assignment of topics to robots, and choice of each robot's truth, odometry and estimate."""
 
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -37,21 +37,21 @@ BATTERIES = ("battery", "battery_state")
 COMMANDS = ("cmd_vel",)
 ESTIMATES = ("amcl_pose", "robot_pose", "slam_out_pose", "tracked_pose")
 NO_ESTIMATES = ("initialpose", "goal", "current_goal", "target", "believed_pose")
-"""Topics of poses on the map that are goals or guesses of people."""
+"""Topics of poses on the map that are goals, or guesses of people."""
 BASES = ("base_footprint", "base_link")
 
 
 MOST_POSES = 500_000
-"""Poses of all robots' paths in a report; of longer recordings every second, third, ... is kept."""
+"""Greatest number of poses of all robots' paths in a report; of longer recordings, every n-th pose is kept."""
 
 
 @dataclass(frozen=True, slots=True)
 class TrajectoryTopics:
-    """Topics that somebody has named as a robot's trajectories, whatever they are called.
+    """Topics that the user names as a robot's trajectories, regardless of their names.
 
     Attributes:
-        truth: that of its true poses; None: found by its name.
-        estimate: that of its estimated poses; None: found by its name.
+        truth: topic of its true poses. If None, it is found by its name.
+        estimate: topic of its estimated poses. If None, it is found by its name.
     """
 
     truth: str | None = None
@@ -59,22 +59,22 @@ class TrajectoryTopics:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Those that are named."""
+        """Topics that were named."""
         return tuple(name for name in (self.truth, self.estimate) if name is not None)
 
 
 FOUND_BY_NAME = TrajectoryTopics()
 BY_RECORDING = "truth and estimate are compared by the time of recording"
-"""Beginning of the note on headers that are of no use."""
+"""Beginning of the note about unusable headers."""
 
 
 @dataclass(slots=True)
 class PoseSeries:
-    """The poses of one topic or transform over time.
+    """Poses of one topic or transform over time.
 
     Attributes:
-        frame: the frame of the poses.
-        child: the frame whose poses they are; "" where it is unknown.
+        frame: frame of the poses.
+        child: frame that the poses describe; "" if unknown.
         rows: rows of time of recording, stamp, x, y, theta; a stamp of 0 is NaN.
         speeds: rows of time, m/s, rad/s.
         deviations: rows of time of recording, stamp, standard deviations of position (m) and heading (rad).
@@ -95,19 +95,19 @@ class PoseSeries:
 class SeriesByTopic:
     """Data of robots over time, by topic.
 
-    Attributes:
-        named: the topics of one robot's trajectories, if somebody has named them: then it is the only one.
-        spool: where their numbers go.
-        odometry: poses of type nav_msgs/Odometry.
-        poses: poses of types geometry_msgs/PoseWithCovarianceStamped and PoseStamped.
-        edges: transforms whose parent is a map or odometry, by namespace of the tf topic, parent and child.
-        energy: rows of time, energy left.
-        commands: rows of time, m/s, rad/s.
-        goals: ids of the present goals, with the time when they were set.
-        attempts: goals that ended.
-        carried: times at which a robot was set elsewhere, by the name of the robot.
-        ways_made: times in which robots made way for others.
-        left_out: number of rows that `plausible` left out, by topic.
+        Attributes:
+            named: topics of one robot's trajectories, if the user named them; then it is the only robot.
+            spool: storage of the numbers.
+            odometry: poses of type nav_msgs/Odometry.
+            poses: poses of types geometry_msgs/PoseWithCovarianceStamped and PoseStamped.
+            edges: transforms whose parent is a map or odometry, by namespace of the tf topic, parent and child.
+            energy: rows of time, energy left.
+            commands: rows of time, m/s, rad/s.
+            goals: ids of the current goals, with the time when they were set.
+            attempts: goals that ended.
+    `carried`: times at which a robot was picked up and moved, by the name of the robot.
+            ways_made: times in which robots made way for others.
+            left_out: number of rows that `plausible` omitted, by topic.
     """
 
     named: TrajectoryTopics = FOUND_BY_NAME
@@ -127,15 +127,15 @@ class SeriesByTopic:
         self.energy, self.commands = defaultdict(self.numbers), defaultdict(self.numbers)
 
     def numbers(self) -> NumberRows:
-        """An empty series of numbers."""
+        """Return an empty series of numbers."""
         return NumberRows(self.spool)
 
     def poses_of(self, frame: str, child: str) -> PoseSeries:
-        """An empty series of poses."""
+        """Return an empty series of poses."""
         return PoseSeries(frame, child, self.numbers(), self.numbers(), self.numbers())
 
     def plausible(self, topic: str, rows: FloatArray, times: int = 0) -> FloatArray:
-        """The rows of a topic without those that no figure can show, which are counted; first `times` columns are."""
+        """Return a topic's rows without those that no figure can show; count those. The first `times` columns are times."""
         good = (np.abs(rows[:, times:]) <= LARGEST).all(axis=1)  # NaN fails it
         if good.all():
             return rows
@@ -143,9 +143,9 @@ class SeriesByTopic:
         return rows[good]
 
     def left_out_sentences(self) -> tuple[str, ...]:
-        """Sentences on what `plausible` left out."""
+        """Return sentences about rows that `plausible` omitted."""
         return tuple(
-            f"{count} values of {topic} are left out: they are not finite, or beyond {LARGEST:.0e}."
+            f"{count} values of {topic} are omitted: they are not finite, or beyond {LARGEST:.0e}."
             for topic, count in self.left_out.items()
         )
 
@@ -156,16 +156,16 @@ class SeriesByTopic:
         return (self._track(robot, robots | wanted, duration) for robot in sorted(wanted, key=by_number))
 
     def thinned_tracks(self, duration: float) -> tuple[Track, ...]:
-        """The tracks of all robots, with at most `MOST_POSES` poses of a kind together."""
+        """Return the tracks of all robots, with at most `MOST_POSES` poses of a kind in total."""
         most = max(1, MOST_POSES // max(1, len(self._robots())))
         return tuple(_thinned(track, most) for track in self.tracks(duration))
 
     def _robots(self) -> frozenset[str]:
-        """Names of the robots: prefixes of frames, and namespaces; "" for a robot without either."""
+        """Return the names of the robots: prefixes of frames, and namespaces; "" for a robot without either."""
         odometry = {topic: poses.child for topic, poses in self.odometry.items()}
         edges = (key for key, poses in self.edges.items() if is_odom_frame(poses.frame))
         found = robots_among(odometry, edges, (*self.energy, *self.goals, *self.attempts, *_estimates(self.poses)))
-        # A robot of which nothing is known but what it was told.
+        # Robots may be known only by the commands that they received.
         return found or robots_among({}, (), (topic for topic in self.commands if last_word(topic) in COMMANDS))
 
     def _track(self, robot: str, robots: frozenset[str], duration: float) -> Track:
@@ -173,9 +173,9 @@ class SeriesByTopic:
         paths = sources.paths()
         told = np.array(self.carried.get(robot, ()), dtype=np.float64)
         if len(paths.truth.cuts) and not len(told):
-            sources.notes.append(f"the truth jumps {len(paths.truth.cuts)} times, where the robot was not driven")
+            sources.notes.append(f"the truth jumps {len(paths.truth.cuts)} times without a drive")
         if not len(paths.truth.rows) and len(paths.relocated):
-            sources.notes.append(f"the estimate jumps {len(paths.relocated)} times, where the robot was not driven")
+            sources.notes.append(f"the estimate jumps {len(paths.relocated)} times without a drive")
         carried = np.union1d(told, paths.truth.cuts)
         cut_paths = (
             (paths.truth.rows, carried),
@@ -211,10 +211,10 @@ class SeriesByTopic:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Paths:
-    """One robot's poses over time, as in `Track`.
+    """Poses of one robot over time, as in `Track`.
 
     Attributes:
-        faults: sentences on poses that are no motion of a robot.
+        faults: sentences about poses that are not a motion of a robot.
     """
 
     truth: SoundPath
@@ -227,7 +227,7 @@ class _Paths:
 
 
 class _Taken(NamedTuple):
-    """Poses with the name of the topic or transform that they are from."""
+    """Poses, with the name of their topic or transform."""
 
     name: str
     poses: PoseSeries
@@ -238,10 +238,10 @@ class _Taken(NamedTuple):
 
 
 class _Sources:
-    """Chooses one robot's truth, odometry and estimate among topics and transforms.
+    """Choice of one robot's truth, odometry and estimate among topics and transforms.
 
     Attributes:
-        notes: sentences on the topics that were chosen, for people.
+        notes: sentences about the chosen topics, for people.
     """
 
     def __init__(self, by_topic: SeriesByTopic, robot: str, robots: frozenset[str]) -> None:
@@ -258,11 +258,11 @@ class _Sources:
         }
 
     def own(self, topics: Iterable[str]) -> list[str]:
-        """The topics that belong to the robot."""
+        """Return the topics that belong to the robot."""
         return [topic for topic in topics if owner_of(topic, self._robots) == self._robot]
 
     def paths(self) -> _Paths:
-        """Its poses over time: by their stamps, where those of truth and estimate can be compared."""
+        """Return its poses over time: by their stamps if truth and estimate can be compared by them."""
         truth, odometry = self._truth(), self._odometry_taken()
         estimate, corrections = self._estimate(odometry)
         believed = odometry if corrections is not None else estimate
@@ -270,7 +270,7 @@ class _Sources:
         unfit = [(each.name, unfit_stamps(rows)) for each, rows in ((truth, true_rows), (believed, believed_rows))]
         reasons = [f"the headers of {name} {reason}" for name, reason in unfit if reason is not None]
         if reasons and len(true_rows) and len(believed_rows):
-            self.notes.append(f"{BY_RECORDING}, for {' and '.join(dict.fromkeys(reasons))}")
+            self.notes.append(f"{BY_RECORDING}, because {' and '.join(dict.fromkeys(reasons))}")
         true_path = sound_path(true_rows, not reasons)
         driven_rows = believed_rows if believed is odometry else odometry.rows
         driven = sound_path(driven_rows, not reasons if believed is odometry else unfit_stamps(driven_rows) is None)
@@ -281,7 +281,7 @@ class _Sources:
             known = corrections.rows[:, (RECORDED, 2, 3, 4)]
             estimated = corrected(driven.rows, driven.recorded, known)
             relocated = np.union1d(relocations(driven.rows, driven.recorded, known), driven.cuts)
-        moved = (FaultKind.RESET, FaultKind.JUMP)  # of the truth: the robot was carried
+        moved = (FaultKind.RESET, FaultKind.JUMP)  # in the truth, these mean that the robot was picked up and moved
         faults = (
             *fault_sentences(truth.name, [fault for fault in true_path.faults if fault.kind not in moved], 0),
             *fault_sentences(odometry.name, driven.faults, 0),
@@ -290,7 +290,7 @@ class _Sources:
         return _Paths(true_path, estimated, relocated, driven, speeds, deviations, faults)
 
     def _truth(self) -> _Taken:
-        """Its true poses; without rows if there are none."""
+        """Return its true poses; without rows if there are none."""
         if self._named.truth is not None:
             return self._by_name("truth", self._named.truth)
 
@@ -300,17 +300,17 @@ class _Sources:
         truth = self._take("truth", (_chosen(self._odometry, known), ()), (_chosen(self._poses, known), ()))
         frame = truth.poses.frame
         if frame and not is_map_frame(frame):
-            self.notes.append(f"the truth is in the frame {frame_name(frame)}, and is taken as places on the map")
+            self.notes.append(f"the truth is in the frame {frame_name(frame)}, and is used as positions on the map")
         return truth
 
     def _odometry_taken(self) -> _Taken:
-        """Its odometry; without rows if there is none."""
+        """Return its odometry; without rows if there is none."""
         topics = _chosen(self._odometry, lambda topic, series: not is_truth(topic) and not is_map_frame(series.frame))
         edges = _chosen(self._edges, lambda _, series: is_odom_frame(series.frame))
         return self._take("odometry", (topics, (ODOM_FRAME,)), (edges, ()))
 
     def _estimate(self, odometry: _Taken) -> tuple[_Taken, _Taken | None]:
-        """Its estimated poses, or preferably the corrections map -> odom of its odometry, beside no poses."""
+        """Return its estimated poses; preferably none, and the corrections map -> odom of its odometry instead."""
         if self._named.estimate is not None:
             return self._by_name("estimate", self._named.estimate), None
         frame = frame_name(odometry.poses.frame)
@@ -324,7 +324,7 @@ class _Sources:
         return self._take("estimate", (_estimates(self._poses), ESTIMATES), (fused, ()), (direct, ())), None
 
     def _admitted(self, by_stamp: bool) -> FloatArray:
-        """(d, 3) table of time and the standard deviations that its localizer reports."""
+        """Return (d, 3) table of time and the standard deviations that its localizer reports."""
         names = usual_first(_estimates(self._poses), ESTIMATES)
         if not names:
             return np.empty((0, 3))
@@ -334,12 +334,12 @@ class _Sources:
         return rows[np.argsort(rows[:, 0], kind="stable")]
 
     def _by_name(self, what: str, topic: str) -> _Taken:
-        """The poses of a topic that somebody has named."""
-        self.notes.append(f"{what} from {topic}, as told")
+        """Return the poses of a topic that the user named."""
+        self.notes.append(f"{what} from {topic}, as requested")
         return _Taken(topic, self._all[topic]) if topic in self._all else self._nothing
 
     def _own_poses(self, by_topic: Mapping[str, PoseSeries]) -> dict[str, PoseSeries]:
-        """The poses of the robot: by the prefix of their frame if it is a robot's, else by the namespace."""
+        """Return the poses of the robot: by the prefix of their frame if it is a robot's, else by the namespace."""
         named = self._robots - {""}
         return {
             topic: poses
@@ -348,10 +348,10 @@ class _Sources:
         }
 
     def _take(self, what: str, *choices: tuple[Mapping[str, PoseSeries], tuple[str, ...]]) -> _Taken:
-        """The poses with the most usual name in the first choice that has any; without rows if no choice has."""
+        """Return the poses with the most usual name in the first choice that has any; without rows if no choice has."""
         for candidates, usual in choices:
             if names := usual_first(candidates, usual):
-                others = f"; there is also {', '.join(names[1:])}" if len(names) > 1 else ""
+                others = f"; other topics: {', '.join(names[1:])}" if len(names) > 1 else ""
                 self.notes.append(f"{what} from {names[0]}{others}")
                 return _Taken(names[0], candidates[names[0]])
         return self._nothing
@@ -360,13 +360,13 @@ class _Sources:
 def _first(
     by_topic: Mapping[str, NumberRows], topics: Iterable[str], usual: tuple[str, ...], columns: int
 ) -> FloatArray:
-    """(n, columns) table of the topic with the most usual name; without rows if there is no topic."""
+    """Return (n, columns) table of the topic with the most usual name; without rows if there is no topic."""
     names = usual_first(topics, usual)
     return by_topic[names[0]].table(columns) if names else np.empty((0, columns))
 
 
 def _thinned(track: Track, most: int) -> Track:
-    """A track with at most so many poses of a kind, the last of each among them. Its distance stays that of all."""
+    """Return a track with at most `most` poses of a kind, including the last of each. Its distance is unchanged."""
     long = (track.truth, track.estimate, track.errors, track.odometry, track.speeds)
     every = -(-max(map(len, long)) // most)
     if every <= 1:
@@ -381,7 +381,7 @@ def _thinned(track: Track, most: int) -> Track:
         errors=errors,
         odometry=odometry,
         speeds=speeds,
-        sources=(*track.sources, f"one pose in {every} is used, for there are very many"),
+        sources=(*track.sources, f"one pose in {every} is used, because there are very many"),
     )
 
 
@@ -390,7 +390,7 @@ def _chosen(by_topic: Mapping[str, PoseSeries], wanted: Callable[[str, PoseSerie
 
 
 def _estimates(poses: Mapping[str, PoseSeries]) -> dict[str, PoseSeries]:
-    """Poses on the map that may come from a localizer."""
+    """Return the poses on the map that may come from a localizer."""
     return _chosen(
         poses,
         lambda topic, series: (
@@ -400,7 +400,7 @@ def _estimates(poses: Mapping[str, PoseSeries]) -> dict[str, PoseSeries]:
 
 
 def deviations(time: float, covariance: FloatArray) -> tuple[float, float, float] | None:
-    """Time and standard deviations of position (m) and heading (rad); None when the covariance is not valid."""
+    """Return time and standard deviations of position (m) and heading (rad); None if the covariance is not valid."""
     position, heading = covariance[0, 0] + covariance[1, 1], covariance[2, 2]
     if not (0.0 <= position <= LARGEST and 0.0 <= heading <= LARGEST):
         return None

@@ -1,4 +1,4 @@
-"""Gathers from diagnostics the times in which robots made way for others by right of way."""
+"""Times in which robots made way for others by right of way, gathered from diagnostics."""
 
 from collections import defaultdict
 from collections.abc import Sequence
@@ -12,10 +12,11 @@ from thbridge.ros.names import MAKES_WAY_FOR, NAVIGATION
 
 
 class WaysMade:
-    """The times in which robots made way, as far as diagnostics have told.
+    """Times in which robots made way, as far as diagnostics report them.
 
     Attributes:
-        robots: the times of each robot that made way, in order, by the robot's name for programs; the last may go on.
+        robots: times of each robot that made way, in order, by the robot's name for programs; the last may not have
+            ended.
         changes: number of their beginnings and ends.
     """
 
@@ -24,8 +25,8 @@ class WaysMade:
         self.robots: defaultdict[str, list[WayMade]] = defaultdict(list)
 
     def take(self, time: float, statuses: Sequence[DiagnosticStatus]) -> None:
-        """Take in the diagnostics of a time; those of several robots may come one by one."""
-        # A robot whose software has stopped has no state of its navigation.
+        """Add the diagnostics of a time; those of several robots may arrive one by one."""
+        # A robot whose software has stopped reports no state of its navigation.
         makes_way_for: dict[str, str | None] = dict.fromkeys(each.hardware_id for each in statuses)
         for each in statuses:
             if each.name == f"{each.hardware_id}: {NAVIGATION}":
@@ -45,5 +46,5 @@ class WaysMade:
             self.robots[robot].append(WayMade(time, np.inf, other))
 
     def of(self, robot: str, end: float) -> tuple[WayMade, ...]:
-        """The times of a robot, in order; one that still goes on lasts to this end."""
+        """Return the times of a robot, in order; a time that has not ended lasts until `end`."""
         return tuple(replace(made, end=min(made.end, end)) for made in self.robots.get(robot, ()))

@@ -1,1 +1,1 @@
-"""Page of a report: HTML with the pictures in it."""
+"""HTML page of a report, with embedded figures."""

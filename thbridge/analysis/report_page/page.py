@@ -1,4 +1,4 @@
-"""A session's report as one HTML page without other files: figures are embedded as SVG."""
+"""HTML page of a session's report, complete in one file: figures are embedded as SVG."""
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
@@ -26,13 +26,13 @@ from thbridge.recording.bag.reading.reader import info, messages
 def build_report(
     bag: Path, grid: OccupancyGrid | None = None, tell: Tell = untold, named: TrajectoryTopics = FOUND_BY_NAME
 ) -> str:
-    """The report of a bag as HTML, with a part for each game; the same bag gives the same page.
+    """Return the report of a bag as HTML, with a part for each game; the same bag gives the same page.
 
     Args:
-        bag: a bag of ours or of other robots.
-        grid: the map, in place of the bag's own.
-        tell: takes how far it is.
-        named: the topics of a robot's trajectories, where somebody has named them.
+        bag: bag of thbridge or of other robots.
+        grid: map to use instead of the bag's own.
+        `tell`: receives the progress.
+        named: topics of a robot's trajectories, if the user named them.
 
     Raises:
         BadFile: the bag cannot be read; the message has a remedy.
@@ -43,17 +43,17 @@ def build_report(
 
 
 def render(games: Sequence[Report], name: str) -> str:
-    """The reports of a recording's games as HTML.
+    """Return the reports of a recording's games as HTML.
 
     Args:
-        games: the data to show, at least one.
+        games: reports to show, at least one.
         name: name of the bag, for the title.
     """
     return _page(iter(games), len(games), name, untold)
 
 
 def _page(reports: Iterator[Report], count: int, name: str, tell: Tell) -> str:
-    """The page of so many reports, one of which is in memory at a time."""
+    """Return the page of `count` reports; only one report at a time is in memory."""
     environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
     template = environment.from_string(Path(__file__).with_name("page.html").read_text(encoding="utf-8"))
     games: list[dict[str, object]] = []
@@ -65,12 +65,12 @@ def _page(reports: Iterator[Report], count: int, name: str, tell: Tell) -> str:
 
 
 def _part(report: Report, several: bool) -> dict[str, object]:
-    """The part of the page for one game; without a title where there is no other game."""
+    """Return the part of the page for one game; without a title if there is no other game."""
     title = f"Game {report.game}" if several else ""
     report = replace(report, tracks=tuple(map(_shown, report.tracks)))
     return {
         "title": title,
-        # All that is large is drawn already.
+        # All large data have been drawn by now.
         "report": replace(report, tracks=(), grid=None),
         "sources": [(track.label, track.sources) for track in report.tracks],
         "figures": list(_figures(report, title)),
@@ -89,7 +89,7 @@ def _part(report: Report, several: bool) -> dict[str, object]:
 
 
 def _shown(track: Track) -> Track:
-    """A track without what no figure of the page shows, which is a good part of it."""
+    """Return a track without the data that no figure of the page shows, which are a large share of it."""
     placed = len(track.truth) or len(track.estimate)
     nothing = np.empty((0, 4))
     return replace(track, speeds=nothing, commands=nothing, odometry=nothing if placed else track.odometry)
@@ -107,29 +107,29 @@ def _figures(report: Report, title: str) -> Iterator[dict[str, object]]:
 _FIGURES: tuple[tuple[str, str, Callable[[Report, FigureStyle], Figure | None]], ...] = (
     (
         "Paths",
-        "Broad: where the robot was. Narrow: where it believed itself to be. A ring marks the start, a dot the end. "
-        "A line breaks off where a robot was carried away or found itself elsewhere, and goes on there. "
-        "Yellow: things in the way, where they were first; dotted: where they walked.",
+        "Broad lines: true path. Narrow lines: path as the robot believed it. A ring marks the start, a dot the end. "
+        "A line is interrupted where a robot was picked up and moved, or localized itself elsewhere. "
+        "Yellow: obstacles at their first position; dotted: their paths.",
         paths,
     ),
     (
-        "Localisation error",
-        "Distance and angle between where a robot was and where it believed itself to be. Shaded: two standard "
-        "deviations of what its localiser admits.",
+        "Localization error",
+        "Distance and angle between the true pose and the pose that the robot believed. Shaded: two standard "
+        "deviations that the localizer reports.",
         error,
     ),
-    ("Energy", "What each robot had left.", energy),
+    ("Energy", "Energy left of each robot.", energy),
     (
         "Timeline",
-        "Bars: under way to a goal, with its room; pale ones did not get there. Thin bars below: makes way "
-        "for the robot of that colour. Diamonds: events of the game. Strokes at the bottom: what was said.",
+        "Bars: drives to a goal, with its room; pale bars did not reach it. Thin bars below: the robot makes way "
+        "for the robot of that color. Diamonds: events of the game. Strokes at the bottom: utterances.",
         timeline,
     ),
 )
 
 
 def _summary(report: Report) -> list[tuple[str, str]]:
-    """The numbers at the top of the page: label and value."""
+    """Return the numbers at the top of the page: label and value."""
     cards = [("Duration", f"{clock(report.duration)} min"), ("Robots", str(len(report.tracks)))]
     if report.tracks:
         cards.append(("Driven", f"{sum(track.distance for track in report.tracks):.1f} m"))
@@ -138,7 +138,7 @@ def _summary(report: Report) -> list[tuple[str, str]]:
         cards.append(("Rooms visited", f"{report.score.visited} of {report.score.rooms}"))
     errors = [track.errors[:, 1] for track in report.tracks if len(track.errors)]
     if errors:
-        cards.append(("Localisation RMSE", f"{100 * _rms(np.concatenate(errors)):.1f} cm"))
+        cards.append(("Localization RMSE", f"{100 * _rms(np.concatenate(errors)):.1f} cm"))
     if report.inputs:
         cards.append(("Inputs", str(report.inputs)))
     return cards
@@ -166,7 +166,7 @@ def _robot_row(index: int, track: Track) -> dict[str, str]:
 
 
 def _dialogues(recorded: RecordedDialogues) -> dict[str, object] | None:
-    """The part on dialogues in which robots argued: games by kind and opener, moves by locution; None without any."""
+    """Return the part about argumentation dialogues: games by kind and opener, moves by locution; None without any."""
     if not recorded.games:
         return None
     kinds = sorted({(game.kind, game.opener) for game in recorded.games})
@@ -201,7 +201,7 @@ def _games_row(games: Sequence[RecordedGame]) -> dict[str, object]:
 
 
 def _svg(figure: Figure, salt: str) -> Markup:
-    """The figure as an SVG element; `salt` makes the ids in it different from those of other figures."""
+    """Return the figure as an SVG element; `salt` makes its ids different from those of other figures."""
     drawn = PAGE.rendered(figure, FigureFormat.SVG, salt, transparent=True).decode()
     # Safe: matplotlib escapes the texts in its files.
     return Markup(drawn[drawn.index("<svg") :])

@@ -75,8 +75,7 @@ class TextSteps:
         """Send the instructions that the person has read so far, if they changed.
 
         Args:
-            now: current step; instructions for other conditions are left out, because they would mislead. If None, no person
-            takes part.
+            now: current step; misleading instructions for other conditions are left out. If None, no person takes part.
         """
         read: tuple[PlannedStep, ...] = ()
         if now is not None:
