@@ -1,9 +1,9 @@
-"""Attack a session that runs on this machine, and tell how it held: every door, the loopback alone, bounded.
+"""Attack a session on this machine, and report how it reacts: all ports, only on the loopback, with limits.
 
-Run it from the project's folder: `.venv/bin/python scripts/attack.py` (`make attack`). It starts a hunt with all doors
-open, lets one attack after the other loose on it, and measures meanwhile how long honest programs wait for an answer,
-what memory and descriptors the session takes, and whether it still runs. Crowds and endless lines come from processes
-of their own, which have all the descriptors that the system allows. Ends with 1 where something gave way.
+Run it from the project's folder: `.venv/bin/python scripts/attack.py` (`make attack`). It starts a hunt with all ports
+open, and runs one attack after the other. Meanwhile it measures how long honest programs wait for an answer, how much
+memory and how many descriptors the session uses, and whether it still runs. Crowds and endless lines come from
+separate processes, which have all the descriptors that the system allows. The exit code is 1 if an attack succeeded.
 """
 
 import argparse
@@ -52,17 +52,17 @@ from thbridge.watching.wire import BagStreamReader, SessionMessage, parse_status
 HOST = "127.0.0.1"
 PATIENCE = 10.0
 WAIT_BOUND = 1.0
-"""Longest wait of honest people, and lag of the session, seconds, that counts as held."""
+"""Greatest wait of honest programs, and greatest lag of the session, that count as success, seconds."""
 MEMORY_BOUND = 256
-"""Megabytes that one attack may cost."""
+"""Greatest memory that one attack may cost, megabytes."""
 _OUTSIDE = 8
-"""Processes of attackers."""
+"""Number of attacking processes."""
 KEY = "honest-" + "0123456789abcdef"
 
 
 @dataclass(frozen=True, slots=True)
 class Doors:
-    """Ports of the session's doors."""
+    """Ports of the session."""
 
     text: int
     watch: int
@@ -74,7 +74,7 @@ class Doors:
     tcpros: int = 0
 
     def with_node(self) -> "Doors":
-        """These with the ports of the session's ROS node, as the master and the node itself say."""
+        """Return these ports and the ports of the session's ROS node, as reported by the master and the node."""
         master = xmlrpc.client.ServerProxy(f"http://{HOST}:{self.ros}/")
         published: dict[str, list[str]] = {}
         while not any("/scan" in topic for topic in published):
@@ -88,16 +88,16 @@ class Doors:
 
 
 class Honest(threading.Thread):
-    """Honest people beside an attack: programs that want answers, some of them on a new connection each time.
+    """Honest programs during an attack; some of them open a new connection for each request.
 
-    They are a participant's program, one with a key, a researcher, a ground station, and ROS's tools at the master and
-    a node.
+    They are a participant's program, a client with a key, a researcher, a ground station, and ROS tools at the master
+    and a node.
 
     Attributes:
-        wait: longest time until one of them was served since it was last set, seconds.
-        slowest: who waited so long.
-        lag: how far the session is behind its pace, seconds; what it does not make up for stays in it.
-        refused: how often one of them was cut off or kept out.
+        wait: longest time until a program was served since this was last reset, seconds.
+        slowest: program that waited longest.
+        lag: time by which the session is behind its pace, seconds; it includes time that is never made up.
+        refused: number of times that a program was disconnected or refused.
     """
 
     def __init__(self, doors: "Doors") -> None:
@@ -111,7 +111,7 @@ class Honest(threading.Thread):
         self._station: socket.socket | None = None
 
     def run(self) -> None:
-        """Ask all doors ten times a second, until stopped."""
+        """Send a request to all ports ten times a second, until stopped."""
         people: dict[str, Callable[[], None]] = {
             "text": self._ping,
             "a key": self._show_key,
@@ -133,7 +133,7 @@ class Honest(threading.Thread):
                     self.wait, self.slowest = waited, name
 
     def stop(self) -> None:
-        """Ask no more."""
+        """Stop the requests."""
         self._stopped.set()
         self.join(30)
 
@@ -185,7 +185,7 @@ class Honest(threading.Thread):
 
 
 def received(client: socket.socket) -> bytes:
-    """Wait for bytes. Raises OSError where none come any more."""
+    """Wait for bytes. Raise OSError if the connection is closed."""
     data = client.recv(2**18)
     if not data:
         raise ConnectionError
@@ -193,7 +193,7 @@ def received(client: socket.socket) -> bytes:
 
 
 async def connections(port: int, count: int) -> list[asyncio.StreamWriter]:
-    """Open as many connections as are accepted."""
+    """Open up to `count` connections; stop when one is refused."""
     writers = []
     for _ in range(count):
         with contextlib.suppress(OSError):
@@ -202,7 +202,7 @@ async def connections(port: int, count: int) -> list[asyncio.StreamWriter]:
 
 
 def unchecked_tls() -> ssl.SSLContext:
-    """Return the context of a client that trusts whoever answers: the attack is on this machine."""
+    """Return the context of a client that trusts any server, because the attack stays on this machine."""
     context = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
     context.check_hostname, context.verify_mode = False, ssl.CERT_NONE
     return context
@@ -211,7 +211,7 @@ def unchecked_tls() -> ssl.SSLContext:
 async def say(
     port: int, data: bytes, times: int = 1, count: int = 1, seconds: float = 5.0, *, encrypted: bool = False
 ) -> int:
-    """Say the same again and again on some connections, until it is said or the time is up; return how often."""
+    """Send the same data repeatedly on some connections, until done or the time is up; return how often it was sent."""
     said, tls = 0, unchecked_tls() if encrypted else None
 
     async def one() -> None:
@@ -244,7 +244,7 @@ async def idle(port: int, count: int) -> int:
 
 
 async def turned_away(port: int, count: int) -> int:
-    """Open connections one after the other and close none of them before all are open."""
+    """Open connections one after the other, and close none of them before all are open."""
     clients = []
     for _ in range(count):
         client = socket.socket()
@@ -261,14 +261,14 @@ async def turned_away(port: int, count: int) -> int:
 
 
 async def noise(port: int, draws: random.Random) -> int:
-    """Say random bytes."""
+    """Send random bytes."""
     return await say(port, draws.randbytes(8192), 20, 20)
 
 
 def prepare_outside() -> None:
-    """Let this process have all the descriptors that the system allows, and the processor when others do not want it.
+    """Let this process use all descriptors that the system allows, at the lowest priority.
 
-    What is measured is how a session bears what comes, not how a machine shares its processors.
+    The measurement concerns the session's reaction, not the scheduling of the machine.
     """
     os.setpriority(os.PRIO_PROCESS, 0, 19)
     _, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
@@ -276,7 +276,7 @@ def prepare_outside() -> None:
 
 
 def crowd(port: int, count: int, seconds: float) -> tuple[int, int]:
-    """Open so many connections at once, say nothing and hold them; return how many were made, and then cut off."""
+    """Open many connections at once and hold them silently; return how many were opened, and how many were closed."""
     made, cut = 0, 0
     with selectors.DefaultSelector() as selector:
         clients = []
@@ -313,7 +313,7 @@ def crowd(port: int, count: int, seconds: float) -> tuple[int, int]:
 
 
 def pour(port: int, begin: bytes, piece: bytes, times: int, seconds: float) -> tuple[int, int]:
-    """Say something that has no end on one connection; return how many pieces were taken, and 1 if it was cut off."""
+    """Send endless data on one connection; return how many pieces were accepted, and 1 if it was closed."""
     said = 0
     try:
         with socket.create_connection((HOST, port), PATIENCE) as client:
@@ -331,7 +331,7 @@ def pour(port: int, begin: bytes, piece: bytes, times: int, seconds: float) -> t
 
 
 def shower(port: int, piece: bytes, times: int) -> tuple[int, int]:
-    """Say something by datagrams; return how many."""
+    """Send datagrams; return how many."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as client:
         for _ in range(times):
             with contextlib.suppress(OSError):
@@ -340,20 +340,20 @@ def shower(port: int, piece: bytes, times: int) -> tuple[int, int]:
 
 
 class Outside:
-    """Attackers in a process of their own.
+    """Attackers in separate processes.
 
     Attributes:
-        cut: connections that the session cut off in the last attack.
+        cut: number of connections that the session closed in the last attack.
     """
 
     def __init__(self) -> None:
         self._pool = ProcessPoolExecutor(_OUTSIDE, multiprocessing.get_context("spawn"), prepare_outside)
-        # They start before anything is measured: that takes the session's processor.
+        # They start before the measurement, because starting uses the session's processor.
         list(self._pool.map(time.sleep, [2.0] * _OUTSIDE))
         self.cut = 0
 
     async def __call__(self, *attacks: Callable[[], tuple[int, int]]) -> int:
-        """Let attackers loose at the same time; return how often they did what they do."""
+        """Run attackers at the same time; return the total number of their attempts."""
         loop = asyncio.get_running_loop()
         outcomes = await asyncio.gather(*(loop.run_in_executor(self._pool, attack) for attack in attacks))
         self.cut = sum(cut for _, cut in outcomes)
@@ -361,7 +361,7 @@ class Outside:
 
 
 def http(path: str, body: str, headers: str = "") -> bytes:
-    """Return a request as a page in a browser makes it."""
+    """Return a request as a web page in a browser sends it."""
     return f"POST {path} HTTP/1.1\r\nHost: {HOST}\r\n{headers}Content-Length: {len(body)}\r\n\r\n{body}".encode()
 
 
@@ -373,7 +373,7 @@ def xmlrpc_call(method: str, *arguments: str) -> bytes:
 
 
 async def subscribers(port: int, count: int) -> int:
-    """Register invented subscribers of one topic."""
+    """Register fake subscribers of one topic."""
     for number in range(count):
         uri = f"http://{HOST}:{10_000 + number % 50_000}/"
         call = xmlrpc_call("registerSubscriber", f"/invented{number}", "/tf", "tf2_msgs/TFMessage", uri)
@@ -382,14 +382,14 @@ async def subscribers(port: int, count: int) -> int:
 
 
 async def frames(port: int, count: int) -> int:
-    """Send MAVLink heartbeats as fast as they go."""
+    """Send MAVLink heartbeats as fast as possible."""
     link = mav.MAVLink(None, srcSystem=250)
     beat = link.heartbeat_encode(6, 8, 0, 0, 0).pack(link)
     return 50 * await say(port, beat * 50, count // 50, 1, 10.0)
 
 
 async def datagrams(port: int, count: int) -> int:
-    """Send MAVLink heartbeats from as many addresses."""
+    """Send MAVLink heartbeats, each from another address."""
     link = mav.MAVLink(None, srcSystem=251)
     beat = link.heartbeat_encode(6, 8, 0, 0, 0).pack(link)
     for _ in range(count):
@@ -400,11 +400,11 @@ async def datagrams(port: int, count: int) -> int:
 
 
 class BreachError(Exception):
-    """An attack has done what it must not be able to do."""
+    """An attack achieved something that must be impossible."""
 
 
 class _Planted:
-    """A pickle that leaves a mark where it is loaded."""
+    """Pickle that creates a file when it is loaded."""
 
     def __init__(self, mark: Path) -> None:
         self._mark = mark
@@ -414,10 +414,10 @@ class _Planted:
 
 
 async def planted_code() -> int:
-    """Plant pickles in a program's cache of compiled code, whose folders others may write, one level after the other.
+    """Plant pickles in a program's cache of compiled code whose folders others can write, one level after the other.
 
     Raises:
-        BreachError: the program has run one of them.
+        BreachError: the program loaded one of them.
     """
     program = "import numpy; from sim.numerics.elementary_kernels import to_hypot; to_hypot(*numpy.ones((2, 1)))"
     tries = 0
@@ -465,10 +465,10 @@ def contents(folder: Path) -> dict[Path, bytes]:
 
 
 async def names_that_lead_elsewhere() -> int:
-    """Give commands names that lead out of the folders in which they delete and write.
+    """Pass names to commands that lead out of the folders in which the commands delete and write.
 
     Raises:
-        BreachError: something elsewhere, or of the study itself, is gone or changed, or a name was taken.
+        BreachError: a file elsewhere, or of the study itself, was deleted or changed, or such a name was accepted.
     """
     with tempfile.TemporaryDirectory() as name:
         mine, study = Path(name, "mine"), Path(name, "study")
@@ -494,7 +494,7 @@ ODD_SWEEPS = ["[]", "[" * 100_000, '{"layout": 1}', '{"layout": 1, "design": {"l
 
 
 def write_odd_log(log: Path, content: str | None) -> None:
-    """Put one event into a new log, with right digests, chain and head; None: an endless view in the events' place."""
+    """Write one event into a new log, with correct digests, chain and head; if None, write an endless view instead."""
     for path in (log, head_path(log)):
         path.unlink(missing_ok=True)
     with ExperimentLog(log):
@@ -512,10 +512,10 @@ def write_odd_log(log: Path, content: str | None) -> None:
 
 
 async def odd_files(place: Path) -> int:
-    """Have commands read logs with right digests and sweeps, all of them with odd contents.
+    """Run commands on logs with correct digests and on sweeps, all of them with invalid contents.
 
     Raises:
-        BreachError: one was not refused in words, or was read without an end.
+        BreachError: an input was not refused with a message, or was read without end.
     """
     study, sweep = place / "study", place / "sweep"
     sweep.mkdir(parents=True)
@@ -536,10 +536,10 @@ async def odd_files(place: Path) -> int:
 
 
 async def links_of_others() -> int:
-    """Put links that belong to another account in the way of what commands write.
+    """Create links of another account at the paths that commands write.
 
     Raises:
-        BreachError: one was followed.
+        BreachError: a command followed a link.
     """
     with tempfile.TemporaryDirectory() as name:
         mine, place = Path(name, "mine"), Path(name, "place")
@@ -562,10 +562,10 @@ async def links_of_others() -> int:
 
 
 async def links_in_a_recording(folder: Path) -> int:
-    """Put links in the place of the next parts of a recording, which begin every two seconds.
+    """Create links at the paths of the next parts of a recording, which begin every two seconds.
 
     Raises:
-        BreachError: the session has written to what they lead to.
+        BreachError: the session wrote to a link's target.
     """
     mine = folder / "mine"
     mine.write_text("mine")
@@ -590,7 +590,7 @@ Attack: TypeAlias = tuple[str, Callable[[], Coroutine[None, None, int]]]
 
 
 def crowds_and_floods(doors: Doors, outside: Outside, scale: int) -> Iterator[Attack]:
-    """Attacks at each door with thousands of connections, and with what has no end; 10 000 and 300 MB at scale 10."""
+    """Yield attacks on each port with thousands of connections and endless data; 10,000 and 300 MB at scale 10."""
     ports = {
         "text": doors.text,
         "watch": doors.watch,
@@ -602,9 +602,9 @@ def crowds_and_floods(doors: Doors, outside: Outside, scale: int) -> Iterator[At
     }
     count, megabytes, patience = 1000 * scale, 30 * scale, 30.0 * scale
     for door, port in ports.items():
-        yield f"{door}: a crowd at once", partial(outside, partial(crowd, port, count, 6.0))
+        yield f"{door}: many connections at once", partial(outside, partial(crowd, port, count, 6.0))
     all_at_once = [partial(crowd, port, count, 10.0) for port in ports.values()]
-    yield "all doors: a crowd at each", partial(outside, *all_at_once)
+    yield "all ports: many connections at once", partial(outside, *all_at_once)
     line = b"x" * 2**20
     claim = struct.pack("<I", megabytes * 2**20)
     head = f"POST /RPC2 HTTP/1.1\r\nHost: {HOST}\r\n".encode()
@@ -620,10 +620,10 @@ def crowds_and_floods(doors: Doors, outside: Outside, scale: int) -> Iterator[At
     poured: list[tuple[str, int, bytes, bytes]] = [
         ("text: megabytes without a newline", doors.text, b"", line),
         ("watch: megabytes without a newline", doors.watch, b"", line),
-        ("watch: megabytes behind the key", doors.watch, key_line(KEY), line),
+        ("watch: megabytes after the key", doors.watch, key_line(KEY), line),
         ("MAVLink: megabytes by TCP", doors.tcp, b"", line),
-        ("MAVLink: megabytes of beginnings of frames", doors.tcp, b"", b"\xfd\xff" * 2**19),
-        ("TCPROS: a claim of megabytes, and they", doors.tcpros, claim, line),
+        ("MAVLink: megabytes of frame headers", doors.tcp, b"", b"\xfd\xff" * 2**19),
+        ("TCPROS: a length of megabytes, and the data", doors.tcpros, claim, line),
         ("TCPROS: a request of megabytes", doors.tcpros, request, line),
         ("Foxglove: megabytes of header", doors.foxglove, upgrade, line),
     ]
@@ -641,11 +641,11 @@ def crowds_and_floods(doors: Doors, outside: Outside, scale: int) -> Iterator[At
 
 
 def attacks(doors: Doors, outside: Outside, draws: random.Random, scale: int, folder: Path) -> list[Attack]:
-    """All attacks, each with a name; `scale` 1 is quick, 10 as large as it was found; `folder` is the session's."""
+    """Return all attacks, each with a name; `scale` 1 is quick, 10 is the original size; `folder` is the session's."""
     may_give_away = os.geteuid() == 0
     forged = b'%%error SimR Game thbridge {"kind":"Status","game":1}\n'
     surrogate = b'%%error SimR Game thbridge {"kind":"GiveUp","game":"\\ud800"}\n'
-    slow = b'%%found Hider TabUI 1 1 "(Colour: ' + b") (Footprint: " * 4600 + b"\n"
+    slow = b'%%found Hider TabUI 1 1 "(Footprint: ' + b") (Footprint: " * 4600 + b"\n"
     ready = b'%%setid P extended\n%%error P Game thbridge {"kind":"ParticipantReady"}\n'
     advice = encode_line(encode_request_line(RequestSuggestion(0), 7).line())
     names = b"".join(ready.replace(b"P ", f"P{number} ".encode()) for number in range(50))
@@ -653,50 +653,50 @@ def attacks(doors: Doors, outside: Outside, draws: random.Random, scale: int, fo
     page = xmlrpc_call("getPid", "x").replace(b"\r\n", b"\r\nOrigin: http://a.example\r\n", 1)
     return [
         ("text: half a surrogate in a notice", lambda: say(doors.text, surrogate)),
-        ("text: a line that regular expressions shun", lambda: say(doors.text, slow, 10)),
-        ("text: notices in another's name", lambda: say(doors.text, forged, 500)),
-        ("text: invented participants", lambda: say(doors.text, names, 10 * scale)),
+        ("text: a line that is slow for regular expressions", lambda: say(doors.text, slow, 10)),
+        ("text: notices with a forged name", lambda: say(doors.text, forged, 500)),
+        ("text: fake participants", lambda: say(doors.text, names, 10 * scale)),
         ("text: the same request for advice", lambda: say(doors.text, b"%%setid TabUI\n" + advice * 500, 20 * scale)),
         ("text: a line without end", lambda: say(doors.text, endless, 30 * scale)),
         ("text: short lines, one connection", lambda: say(doors.text, b"%%error A B x\n" * 500, 20 * scale)),
         ("text: short lines, 100 connections", lambda: say(doors.text, b"%%error A B x\n" * 500, 2 * scale, 100)),
         ("text: 300 silent connections", lambda: idle(doors.text, 300)),
-        ("text: connections one after the other", lambda: turned_away(doors.text, 1000 * scale)),
+        ("text: successive connections", lambda: turned_away(doors.text, 1000 * scale)),
         ("text: a page in a browser", lambda: say(doors.text, http("/", "\n%%goto TabUI SimR 0 3 3 45\n"), 1, 20)),
         ("text: wrong keys", lambda: say(doors.text, key_line("a"), 1, 100 * scale, encrypted=True)),
-        ("text: handshakes that are left", lambda: say(doors.text, LEFT, 1, 1000 * scale)),
+        ("text: abandoned handshakes", lambda: say(doors.text, LEFT, 1, 1000 * scale)),
         ("text: a key without end", lambda: say(doors.text, endless, 30 * scale, encrypted=True)),
         ("text: noise", lambda: noise(doors.text, draws)),
         ("watch: 40 without a key", lambda: idle(doors.watch, 40)),
         ("watch: wrong keys", lambda: say(doors.watch, key_line("a"), 1, 100 * scale)),
         ("watch: wrong keys, encrypted", lambda: say(doors.watch, key_line("a"), 1, 100 * scale, encrypted=True)),
-        ("watch: handshakes that are left", lambda: say(doors.watch, LEFT, 1, 1000 * scale)),
+        ("watch: abandoned handshakes", lambda: say(doors.watch, LEFT, 1, 1000 * scale)),
         ("watch: a key without end", lambda: say(doors.watch, endless, 30 * scale, encrypted=True)),
         ("watch: a line without end", lambda: say(doors.watch, endless, 30 * scale)),
         ("watch: noise", lambda: noise(doors.watch, draws)),
-        ("ROS: invented subscribers", lambda: subscribers(doors.ros, 300 * scale)),
+        ("ROS: fake subscribers", lambda: subscribers(doors.ros, 300 * scale)),
         ("ROS: a page in a browser", lambda: say(doors.ros, page, 1, 20)),
         ("ROS: 200 silent connections", lambda: idle(doors.ros, 200)),
         ("ROS: noise", lambda: noise(doors.ros, draws)),
         ("MAVLink: frames by TCP", lambda: frames(doors.tcp, 15_000 * scale)),
-        ("MAVLink: datagrams of many addresses", lambda: datagrams(doors.udp, 500 * scale)),
+        ("MAVLink: datagrams from many addresses", lambda: datagrams(doors.udp, 500 * scale)),
         ("MAVLink: a page in a browser", lambda: say(doors.tcp, http("/", "x"), 1, 20)),
         ("MAVLink: noise", lambda: noise(doors.tcp, draws)),
         ("cache: planted compiled code", planted_code),
-        ("files: names that lead elsewhere", names_that_lead_elsewhere),
-        ("files: odd logs and sweeps", lambda: odd_files(folder / "odd")),
-        ("files: links in the place of a recording", lambda: links_in_a_recording(folder)),
+        ("files: names outside the folder", names_that_lead_elsewhere),
+        ("files: invalid logs and sweeps", lambda: odd_files(folder / "odd")),
+        ("files: links at the path of a recording", lambda: links_in_a_recording(folder)),
         *([("files: links of another account", links_of_others)] if may_give_away else []),
         *crowds_and_floods(doors, outside, scale),
     ]
 
 
 class Gauge(threading.Thread):
-    """What a process takes, looked at again and again.
+    """Resources that a process uses, sampled repeatedly.
 
     Attributes:
-        memory: most resident megabytes since it was last set.
-        descriptors: most open files since then.
+        memory: greatest resident memory since it was last reset, megabytes.
+        descriptors: greatest number of open files since then.
     """
 
     def __init__(self, process: subprocess.Popen[bytes]) -> None:
@@ -706,14 +706,14 @@ class Gauge(threading.Thread):
         self._pid = process.pid
 
     def run(self) -> None:
-        """Look twenty times a second while the process runs."""
+        """Sample twenty times a second while the process runs."""
         with contextlib.suppress(OSError):
             while True:
                 self.look()
                 time.sleep(0.05)
 
     def look(self) -> float:
-        """Look once; return what memory it has now. Raises OSError: it has ended."""
+        """Take one sample; return the current memory. Raise OSError if the process has ended."""
         pages = int(Path(f"/proc/{self._pid}/statm").read_text().split()[1])
         now = pages * os.sysconf("SC_PAGESIZE") / 2**20
         self.memory = max(self.memory, now)
@@ -726,17 +726,17 @@ class Held:
     """Outcome of an attack.
 
     Attributes:
-        attack: its name.
-        tries: how often it did what it does.
-        wait: longest wait of honest people, seconds.
-        lag: by which the session fell behind, seconds.
-        slowest: which honest program waited so long.
-        memory: megabytes that it cost at most, while it was under way.
-        descriptors: most open files of the session, while it was under way.
-        cut: connections of attackers in other processes that were cut off.
-        running: False where it ended the session.
-        refused: how often honest people were kept out.
-        breached: True where it did what it must not be able to do.
+        attack: name of the attack.
+        tries: number of attempts.
+        wait: longest wait of honest programs, seconds.
+        lag: time by which the session fell behind, seconds.
+        slowest: honest program that waited longest.
+        memory: greatest increase of memory during the attack, megabytes.
+        descriptors: greatest number of open files of the session during the attack.
+        cut: number of closed connections of attackers in other processes.
+        running: False if the attack ended the session.
+        refused: number of times that honest programs were refused.
+        breached: True if the attack achieved something that must be impossible.
     """
 
     attack: str
@@ -753,7 +753,7 @@ class Held:
 
     @property
     def well(self) -> bool:
-        """True where nobody else noticed much."""
+        """True if the attack had little effect on others."""
         quick = max(self.wait, self.lag) <= WAIT_BOUND
         return self.running and not self.refused and not self.breached and quick and self.memory <= MEMORY_BOUND
 
@@ -761,7 +761,7 @@ class Held:
 def assault(
     doors: Doors, session: subprocess.Popen[bytes], seed: int, scale: int, only: str, folder: Path
 ) -> list[Held]:
-    """Let all attacks loose, one after the other, on a session that runs in a folder."""
+    """Run all attacks, one after the other, on a session that runs in a folder."""
     honest, outside, gauge, held = Honest(doors), Outside(), Gauge(session), []
     honest.start()
     gauge.start()
@@ -811,12 +811,16 @@ def row(held: Held) -> str:
 
 
 def main() -> int:
-    """Run the attack."""
+    """Run the attacks."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--seed", type=int, default=1, help="of the random bytes")
-    parser.add_argument("--scale", type=int, default=1, help="1: a minute or two; 10: as large as attacks were found")
-    parser.add_argument("--only", default="", help="attacks with this in their name")
-    parser.add_argument("--descriptors", type=int, help="that the session may have, and no more; by default as usual")
+    parser.add_argument("--seed", type=int, default=1, help="random seed")
+    parser.add_argument(
+        "--scale", type=int, default=1, help="size of the attacks: 1 takes a minute or two, 10 is the original size"
+    )
+    parser.add_argument("--only", default="", help="run only attacks with this text in their name")
+    parser.add_argument(
+        "--descriptors", type=int, help="limit of the session's descriptors (default: the system's limit)"
+    )
     given = parser.parse_args()
     doors = Doors(*free_ports(6))
     with tempfile.TemporaryDirectory() as name:
@@ -827,7 +831,7 @@ def main() -> int:
         options += ["--ros-master", f"http://{HOST}:{doors.ros}", "--mavlink", "--tcp", f"{HOST}:{doors.tcp}"]
         options += ["--udp-listen", f"{HOST}:{doors.udp}", "--rate", "1", "--bag", "hunt.bag", "--no-report"]
         options += ["--foxglove", str(doors.foxglove)]
-        # A part after each two seconds: there must always be a descriptor for the next.
+        # With a new part every two seconds, a descriptor must always be free for the next one.
         (folder / "study.yaml").write_text("recording: {split_duration: 2}\n")
         told = folder / "told.txt"
         with told.open("wb") as file:
@@ -857,7 +861,7 @@ def main() -> int:
         parts = len(list(folder.glob("hunt_*.bag")))
         recorded = parts > 1 and not list(folder.glob("*.active"))
     traceback = "Traceback" in text
-    whole = f"whole, in {parts} parts" if recorded else "NOT whole"
+    whole = f"complete, in {parts} parts" if recorded else "NOT complete"
     print(f"The recording is {whole}; {'a TRACEBACK' if traceback else 'no traceback'}.")
     if traceback:
         print(text[text.index("Traceback") - 500 :][:3000])

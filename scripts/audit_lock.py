@@ -1,9 +1,9 @@
-"""Check the pins of requirements.lock against known faults: advisories in OSV's format, as PyPA's and GitHub's.
+"""Check the pins of requirements.lock against known vulnerabilities: advisories in OSV's format, from PyPA or GitHub.
 
 Run it from the project's folder: `.venv/bin/python scripts/audit_lock.py [FOLDER]`. Without a folder it fetches PyPA's
-database by git, and keeps it for the next time. Nothing about the pins leaves the machine. It prints a line for each
-advisory that concerns a pin, and how old the database is: what was found after its last change is not in it. Ends with
-1 when a pin is affected, with 2 when there is nothing to check against.
+database with git, and keeps it for later runs. No data about the pins leave the machine. It prints a line for each
+advisory that concerns a pin, and the age of the database, which does not contain later advisories. The exit code is 1
+if a pin is affected, and 2 if there is no database or no pin to check.
 """
 
 import argparse
@@ -28,19 +28,19 @@ DATABASE = "https://github.com/pypa/advisory-database"
 PIN = re.compile(r"^([A-Za-z0-9._-]+)==([^\s;\\]+)", re.MULTILINE)
 SUFFIXES = {".yaml", ".yml", ".json"}
 EVERY = Version("0.dev0")
-"""What OSV writes as 0: before any version."""
+"""Version that OSV writes as 0: before all versions."""
 
 
 @dataclass(frozen=True)
 class Concern:
-    """An advisory that concerns a pin.
+    """Advisory that concerns a pin.
 
     Attributes:
-        name: of the package.
-        version: that is pinned.
-        names: of the advisory, its own first.
-        summary: a line of its text.
-        fixed: versions in which it is mended.
+        name: name of the package.
+        version: pinned version.
+        names: names of the advisory, its own first.
+        summary: one line of its text.
+        fixed: versions in which the fault is fixed.
     """
 
     name: str
@@ -52,13 +52,13 @@ class Concern:
 
 @dataclass(frozen=True)
 class Audit:
-    """What the check of a lock against a database gave.
+    """Result of checking a lock against a database.
 
     Attributes:
-        concerns: by package.
+        concerns: advisories that concern pins, by package.
         read: number of advisories that name a pinned package.
-        unreadable: files that are no advisories.
-        newest: when the database's newest advisory was changed, ISO 8601; "" if there is none.
+        unreadable: files that are not advisories.
+        newest: date of the latest change to an advisory in the database, ISO 8601; "" if there is none.
     """
 
     concerns: tuple[Concern, ...]
@@ -68,12 +68,12 @@ class Audit:
 
 
 def pins_of(lock: str) -> dict[str, str]:
-    """Return the versions that a lock pins, by the packages' normalized names."""
+    """Return the pinned versions of a lock, by the packages' normalized names."""
     return {canonicalize_name(name): version for name, version in PIN.findall(lock)}
 
 
 def audit(pins: Mapping[str, str], database: Path) -> Audit:
-    """Check pins against all advisories in a folder and those below it."""
+    """Check pins against all advisories in a folder and its subfolders."""
     wanted = re.compile("|".join(rf"(?<![a-z0-9]){name}(?![a-z0-9])" for name in sorted(pins)) or r"(?!)")
     concerns: list[Concern] = []
     unreadable: list[Path] = []
@@ -83,7 +83,7 @@ def audit(pins: Mapping[str, str], database: Path) -> Audit:
         modified = re.search(r"\bmodified\"?: *['\"]?(\d{4}-\d\d-\d\d)", text)
         newest = max(newest, modified[1] if modified else "")
         if not wanted.search(re.sub(r"[-_.]+", "-", text.lower())):
-            continue  # most advisories are of other packages, and YAML takes its time
+            continue  # most advisories concern other packages, and parsing YAML is slow
         try:
             advisory = json.loads(text) if file.suffix == ".json" else YAML(typ="safe", pure=True).load(text)
             found = list(_concerns(advisory, pins))
@@ -107,14 +107,14 @@ def _concerns(advisory: Mapping[str, object], pins: Mapping[str, str]) -> Iterat
             continue
         version = pins[name]
         ranges = [found for found in affected.get("ranges") or () if found["type"] in {"ECOSYSTEM", "SEMVER"}]
-        # A version that is listed is affected, whatever the ranges say, and the other way round.
+        # A version is affected if it is listed or if it is in a range.
         if version in map(str, affected.get("versions") or ()) or any(within(version, found) for found in ranges):
             ends = (str(event["fixed"]) for found in ranges for event in found["events"] if "fixed" in event)
             yield Concern(name, version, names, (text.splitlines() or [""])[0], tuple(dict.fromkeys(ends)))
 
 
 def within(version: str, found: Mapping[str, object]) -> bool:
-    """True for a version in a range of OSV: in order of versions, its events turn from well to affected and back."""
+    """Return True if a version is in a range of OSV. Sorted by version, its events start and end affected ranges."""
     at, affected = Version(version), False
     for turn, event in sorted((_turn(event) for event in found["events"]), key=lambda it: it[0]):
         if turn > at or (turn == at and event == "last_affected"):
@@ -132,7 +132,7 @@ def _turn(event: Mapping[str, object]) -> tuple[Version, str]:
 
 
 def fetched(kept: Path) -> Path:
-    """Fetch PyPA's database, or what has come to it since; return its folder. Ends the program when that fails."""
+    """Fetch PyPA's database or its updates; return its folder. End the program if that fails."""
     if (kept / ".git").is_dir():
         command = ["git", "-C", kept, "pull", "--quiet", "--ff-only", "--depth", "1"]
     else:
@@ -146,9 +146,9 @@ def fetched(kept: Path) -> Path:
 
 
 def main() -> None:
-    """Read the command line, check, and tell."""
-    parser = argparse.ArgumentParser(description="Check the pins of requirements.lock against known faults.")
-    parser.add_argument("database", nargs="?", type=Path, help="folder of advisories; by default PyPA's, fetched")
+    """Read the command line, check, and print the result."""
+    parser = argparse.ArgumentParser(description="Check the pins of requirements.lock against known vulnerabilities.")
+    parser.add_argument("database", nargs="?", type=Path, help="folder of advisories (default: fetch PyPA's)")
     parser.add_argument("--lock", type=Path, default=ROOT / "requirements.lock")
     options = parser.parse_args()
     cache = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
@@ -156,20 +156,20 @@ def main() -> None:
     pins = pins_of(options.lock.read_text(encoding="utf-8"))
     result = audit(pins, database)
     if not pins or not result.newest:
-        what = f"{options.lock} pins nothing" if not pins else f"there are no advisories in {database}"
+        what = f"{options.lock} has no pins" if not pins else f"there are no advisories in {database}"
         print(f"Nothing was checked: {what}.", file=sys.stderr)
         sys.exit(2)
     for file in result.unreadable:
-        print(f"not read, for it is no advisory of OSV's: {file}", file=sys.stderr)
+        print(f"ignored, because it is not an OSV advisory: {file}", file=sys.stderr)
     if result.concerns:
-        table = Table("pin", "advisory", "mended in", "what it is")
+        table = Table("pin", "advisory", "fixed in", "summary")
         for found in result.concerns:
             names, fixed = ", ".join(found.names), ", ".join(found.fixed) or "none"
             table.add_row(f"{found.name}=={found.version}", names, fixed, found.summary[:200])
         Console(markup=False).print(table)
     print(
-        f"{len(pins)} pins, {result.read} advisories about them, {len(result.concerns)} that concern a pinned version. "
-        f"The database's newest advisory is of {result.newest}."
+        f"{len(pins)} pins, {result.read} advisories about them, {len(result.concerns)} concern a pinned version. "
+        f"The database's newest advisory is from {result.newest}."
     )
     sys.exit(1 if result.concerns else 0)
 

@@ -1,7 +1,7 @@
-"""Compare the abstract hunt with whole robots: the same policies in the same games.
+"""Compare the abstract hunt with simulated robots: the same policies in the same games.
 
-Run it from the project's folder. The first command plays games of one policy in both environments, and takes some two
-seconds for each; the second writes the tables of docs/how-to/learning.md:
+Run it from the project's folder. The first command plays the games of one policy in both environments, which takes
+about two seconds per game. The second writes the tables of docs/how-to/learning.md:
 
     .venv/bin/python scripts/compare_abstract_hunt.py play cheapest --to games
     .venv/bin/python scripts/compare_abstract_hunt.py table games
@@ -26,12 +26,12 @@ HEAD = ("hunt", "seed", "score", "rooms", "energy", "seconds", "failed", "order"
 
 
 def study() -> api.HuntStudy:
-    """Return the study that is played."""
+    """Return the study to play."""
     return api.HuntStudy("standard", robots=ROBOTS, game={"energy": ENERGY})
 
 
 def policy_of(name: str) -> Policy:
-    """Return the policy of a name."""
+    """Return the policy with this name."""
     return (
         TablePolicy.read(LEARNED) if name == "learned" else {"random": RandomPolicy, "cheapest": CheapestPolicy}[name]()
     )
@@ -83,7 +83,7 @@ def row_of(env: Env, policy: Policy, seed: int) -> list[object]:
 
 
 def games(name: str, number: int, to: Path) -> None:
-    """Play the games of a policy in both environments into a CSV file."""
+    """Play the games of a policy in both environments, and write a CSV file."""
     to.mkdir(parents=True, exist_ok=True)
     environments = [make(study(), step="decision") for make in (AbstractHuntEnv, HuntEnv)]
     with (to / f"{name}.csv").open("w", newline="") as file:
@@ -96,9 +96,7 @@ def games(name: str, number: int, to: Path) -> None:
 
 def tables(folder: Path) -> None:
     """Write the tables of all games in a folder."""
-    print(
-        "| policy | hunt | score | rooms | energy left | seconds | moves that failed |\n|---|---|---|---|---|---|---|"
-    )
+    print("| policy | hunt | score | rooms | energy left | seconds | failed moves |\n|---|---|---|---|---|---|---|")
     pairs: list[str] = []
     for name in ("random", "cheapest", "learned"):
         file = folder / f"{name}.csv"
@@ -126,7 +124,7 @@ def tables(folder: Path) -> None:
         moves = mean_and_sd(late) if late else ""
         shares = [name, same[0], same[1], f"{rooms:.0%}", same[2]]
         pairs.append(f"| {' | '.join([*shares, *map(mean_and_sd, off), moves])} |")
-    print("\nWhole robots less the abstract hunt, in the same games:\n")
+    print("\nSimulated robots minus the abstract hunt, in the same games:\n")
     print("| policy | same order | same tours | same rooms | same score | score | energy left | seconds of a move |")
     print("|---|---|---|---|---|---|---|---|")
     print("\n".join(pairs))
@@ -143,8 +141,10 @@ def main() -> None:
     commands = parser.add_subparsers(dest="command", required=True)
     playing = commands.add_parser("play", help="play the games of a policy")
     playing.add_argument("policy", choices=("random", "cheapest", "learned"))
-    playing.add_argument("--games", type=int, default=GAMES, help=f"seeds from 0 on (default: {GAMES})")
-    playing.add_argument("--to", type=Path, required=True, help="folder of the games")
+    playing.add_argument(
+        "--games", type=int, default=GAMES, help=f"number of games, with seeds from 0 on (default: {GAMES})"
+    )
+    playing.add_argument("--to", type=Path, required=True, help="folder for the games")
     table = commands.add_parser("table", help="write the tables")
     table.add_argument("folder", type=Path)
     arguments = parser.parse_args()

@@ -1,8 +1,8 @@
 """Compare the planners of a team on random hunts: rooms visited, and energy of all moves.
 
-Run it from the project's folder: `.venv/bin/python scripts/compare_planners.py`. A planner's plan is the best when it
-visits as many rooms as the exact joint plan for as much energy; of more rooms than that can compare, the last column
-stays empty and `search` is the joint plan. Writes a table in Markdown.
+Run it from the project's folder: `.venv/bin/python scripts/compare_planners.py`. A planner's plan is best if it visits
+as many rooms as the exact joint plan for as much energy. If there are too many rooms for the exact plan, the last
+column is empty, and `search` is the joint plan. Writes a Markdown table.
 """
 
 import argparse
@@ -21,11 +21,11 @@ HUNTS = ((8, 2, 30.0), (12, 2, 60.0), (12, 3, 25.0), (12, 3, 200.0), (12, 4, 45.
 """Rooms, robots, and energy of each robot."""
 VISIT = 2.0
 LARGE = 30
-"""Number of rooms from which on a tenth of the hunts has to do."""
+"""Number of rooms from which only a tenth of the hunts is played."""
 
 
 def value(tours: Sequence[Tour]) -> tuple[int, float]:
-    """Rooms visited and energy of all moves, without what sums of floats in another order differ by."""
+    """Return the rooms visited and the energy of all moves, rounded to remove errors of float sums."""
     return sum(len(tour.rooms) for tour in tours), round(sum(tour.cost for tour in tours), 6)
 
 
@@ -38,7 +38,7 @@ def main() -> None:
     planners["search"] = lambda costs, starts, unvisited, visit=0.0, sent=-1: search_team_tours(
         costs, starts, unvisited, visit
     )
-    print("| rooms | robots | energy each | planner | rooms visited | energy | seconds, the longest | best plans |")
+    print("| rooms | robots | energy each | planner | rooms visited | energy | seconds, longest | best plans |")
     print("|---|---|---|---|---|---|---|---|")
     for rooms, robots, energy in HUNTS:
         exact = rooms <= most_rooms_shared_out(robots)

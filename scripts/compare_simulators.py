@@ -1,11 +1,11 @@
-"""Hold the speed of a team against IR-SIM: simulated seconds a processor second, in one run.
+"""Compare the speed of a team with IR-SIM: simulated seconds per processor second, in one run.
 
 Run it from the project's folder, with the Python of an environment in which `pip install ir-sim==2.12.0` was run:
 `.venv/bin/python scripts/compare_simulators.py --ir-sim /tmp/ir-sim/bin/python [--robots 1 10 50]`.
 
-Both drive as many robots with differential drive in the same hall, with lasers of 360 beams all around that reach 10 m.
-IR-SIM does so at 10 Hz: bodies, lasers, collisions and a straight drive towards goals. Ours moves bodies at 50 Hz, and
-each robot localizes itself, keeps costmaps, plans and keeps clear of the others besides.
+Both drive the same number of robots with differential drive in the same hall, with lasers of 360 beams and a range of
+10 m. IR-SIM runs at 10 Hz: bodies, lasers, collisions and a straight drive to goals. Our simulator moves bodies at 50
+Hz, and each robot also localizes itself, keeps costmaps, plans, and avoids the other robots.
 """
 
 import argparse
@@ -43,10 +43,10 @@ print(time.process_time() - began)
 
 
 def peer_world(robots: int, folder: Path) -> Path:
-    """Write IR-SIM's description of the hall with so many robots."""
+    """Write IR-SIM's description of the hall with `robots` robots."""
     grid, places = hall()
     height, width = (cells * grid.resolution for cells in grid.cells.shape)
-    # The walls and shelves of the hall as rectangles, which IR-SIM is much quicker with than with a map of cells.
+    # Walls and shelves are rectangles: IR-SIM is much faster with them than with a grid map.
     walls, _ = label(grid.cells[2:-2, 2:-2] > 0)
     boxes = [(rows.start + 2, rows.stop + 2, cols.start + 2, cols.stop + 2) for rows, cols in find_objects(walls)]
     rows, cols = grid.cells.shape
@@ -89,12 +89,12 @@ def peer_world(robots: int, folder: Path) -> Path:
         "obstacle": obstacles,
     }
     path = folder / "world.yaml"
-    path.write_text(json.dumps(world))  # which is YAML, too
+    path.write_text(json.dumps(world))  # JSON is valid YAML
     return path
 
 
 def peer(python: str, robots: int) -> float:
-    """Simulated seconds a processor second of IR-SIM."""
+    """Return the simulated seconds per processor second of IR-SIM."""
     with tempfile.TemporaryDirectory() as folder:
         world = peer_world(robots, Path(folder))
         seconds = 2 if robots > 10 else 5
@@ -105,7 +105,7 @@ def peer(python: str, robots: int) -> float:
 
 
 def own(robots: int) -> float:
-    """Simulated seconds a processor second of ours."""
+    """Return the simulated seconds per processor second of our simulator."""
     grid, places = hall()
     laser = LaserParameters(beams=360, field_of_view=2 * math.pi)
     team = Team(grid, WorldParameters(laser=laser), [RobotParameters()] * robots, places[:robots], 1, 1000.0)
@@ -116,9 +116,9 @@ def own(robots: int) -> float:
 
 
 def main() -> None:
-    """Print the best of some runs, taken in turn."""
+    """Print the best of some alternating runs."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--ir-sim", required=True, help="Python of an environment that has it")
+    parser.add_argument("--ir-sim", required=True, help="Python of an environment with IR-SIM")
     parser.add_argument("--robots", type=int, nargs="+", default=[1, 2, 5, 10, 20, 50])
     arguments = parser.parse_args()
     print("robots     own  IR-SIM")

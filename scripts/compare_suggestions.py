@@ -1,10 +1,10 @@
-"""Compare the planners by which robots advise a person, in whole games.
+"""Compare the planners with which robots advise a person, in whole games.
 
 Run it from the project's folder: `.venv/bin/python scripts/compare_suggestions.py`. Programs play whole games by the
-rules, without a simulator: a robot drives for as many seconds as the move costs, more or less, names what it finds,
-asks where to go, and goes there, or to any other room that it can pay where the person has a mind of its own. Moves
-are priced as on arena8, from the start poses and between rooms. All planners play the same games, drawn by their seeds.
-Writes a table in Markdown: rooms visited, and energy left to the whole team.
+rules, without a simulator. A robot drives for about as many seconds as the move costs, identifies what it finds, asks
+where to go, and goes there; sometimes the person chooses another affordable room instead. Moves have the costs of
+arena8, from the start poses and between rooms. All planners play the same games, drawn by their seeds. Writes a
+Markdown table: rooms visited, and energy left to the whole team.
 """
 
 import argparse
@@ -53,10 +53,10 @@ def play(
     Args:
         costs: energy from room to room.
         from_starts: energy from the start of each robot to each place.
-        energy: of each robot.
+        energy: energy of each robot.
         follows: share of suggestions that the person follows.
-        seed: of durations and whims.
-        adviser: in the place of all robots.
+        seed: random seed of durations and of the person's choices.
+        adviser: adviser of all robots.
     """
     robots = len(from_starts)
     started = GameStarted(seed, 1, robots, energy, 5.0, IDENTIFY_COST, 1.0, costs)
@@ -78,7 +78,7 @@ def play(
             state = _after(state, rules.leave(state, going) if isinstance(named, RequestRefused) else named)
         advice = adviser.advise(state, (), robot)
         if isinstance(advice, RequestRefused):
-            continue  # It can go nowhere any more: rooms do not become free again, nor energy more.
+            continue  # It can go nowhere from now on: free rooms and energy never increase.
         room = advice.room
         sent += 1
         if noise.uniform(whims, sent, 0) >= follows:

@@ -1,4 +1,4 @@
-"""Counts the product's lines for each feature; `make size`."""
+"""Count the product's lines for each feature; `make size`."""
 
 from collections import Counter
 from pathlib import Path
@@ -8,13 +8,13 @@ ROOT = Path(__file__).parents[1]
 
 
 def feature_of(file: Path) -> str:
-    """Return the feature of a module: the folder or module right below its package."""
+    """Return the feature of a module: the folder or module directly below its package."""
     package, *below = file.with_suffix("").parts
     return package if below == ["__init__"] else f"{package}/{below[0]}"
 
 
 def lines_by_feature(root: Path) -> dict[str, tuple[int, int]]:
-    """Return the number of modules and of lines that are not blank, by feature, largest first within its package."""
+    """Return the numbers of modules and of non-blank lines by feature, largest first within each package."""
     modules: Counter[str] = Counter()
     lines: Counter[str] = Counter()
     for package in PACKAGES:

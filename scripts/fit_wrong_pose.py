@@ -1,10 +1,10 @@
 """Fit the probability that a pose is wrong (`sim.robot.localization.wrong_pose`) to simulated runs, and check it.
 
-Run it from the project's folder, after any change of a filter: `.venv/bin/python scripts/fit_wrong_pose.py`.
-It simulates robots in two maps for some seeds, with all troubles of `tests/bench/robots/troubled_runs.py`, kidnapped,
-with a wrong first pose, or with none. Both filters follow them. A logistic regression is fitted to the evidence of each
-filter, and written to `sim/robot/localization/wrong_pose_coefficients.py`. For further seeds it prints the share of
-wrong poses among the updates that report p. Simulated runs do not depend on the filter, and are kept in --runs.
+Run it from the project's folder after each change of a filter: `.venv/bin/python scripts/fit_wrong_pose.py`. It
+simulates robots in two maps for some seeds, with each trouble of `tests/bench/robots/troubled_runs.py`, kidnapped, with
+a wrong first pose, or without trouble. Both filters follow them. A logistic regression is fitted to the evidence of
+each filter, and written to `sim/robot/localization/wrong_pose_coefficients.py`. For further seeds it prints the share
+of wrong poses among the updates that report p. Simulated runs do not depend on the filter, and are kept in --runs.
 """
 
 import argparse
@@ -29,11 +29,11 @@ MODELS: dict[str, tuple[str, type[ParticleEvidence] | type[GaussianEvidence]]] =
     "amcl": ("PARTICLES", ParticleEvidence),
     "ekf": ("GAUSSIANS", GaussianEvidence),
 }
-"""By localizer: name of the coefficients, and the evidence that they belong to."""
+"""By localizer: name of the coefficients, and type of their evidence."""
 HELD_OUT = 100
-"""Seeds from this on are for checking alone."""
+"""Seeds from this one on are used only for checking."""
 RIDGE = 1.0
-"""Weight of the squared coefficients: no coefficient grows without limit where a piece of evidence decides alone."""
+"""Weight of the squared coefficients, which keeps them finite if one piece of evidence decides alone."""
 STEPS = 50
 
 
@@ -56,7 +56,7 @@ Runs = list[list[UpdateRow]]
 
 
 def _followed(seed: int, folder: Path) -> dict[str, Runs]:
-    """Updates of each run of a seed, by localizer."""
+    """Return the updates of each run of a seed, by localizer."""
     started = _runs_of(seed, folder)
     return {name: [list(updates_of(each, seed, name)) for each in started] for name in MODELS}
 
@@ -70,7 +70,7 @@ def _gathered(followed: Iterable[dict[str, Runs]]) -> dict[str, Runs]:
 
 
 def fitted(evidence: FloatArray, wrong: FloatArray) -> FloatArray:
-    """(k,) coefficients of a logistic regression of (n,) zeros and ones on (n, k) evidence, by Newton's method."""
+    """Return (k,) coefficients of a logistic regression of (n,) zeros and ones on (n, k) evidence (Newton's method)."""
     coefficients = np.zeros(evidence.shape[1])
     for _ in range(STEPS):
         p = 1.0 / (1.0 + np.exp(-np.clip(evidence @ coefficients, -30.0, 30.0)))
@@ -97,7 +97,7 @@ def written(coefficients: Mapping[str, FloatArray]) -> str:
 
 
 def _scored(runs: Runs, coefficients: Sequence[float]) -> Runs:
-    """The same updates with the probabilities that these coefficients give."""
+    """Return the same updates with the probabilities that these coefficients give."""
     return [[replace(row, p_wrong=probability(coefficients, row.evidence)) for row in rows] for rows in runs]
 
 
@@ -115,11 +115,11 @@ def _report(runs: Runs) -> Iterator[str]:
 def main() -> None:
     """Fit, write and check."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--seeds", type=int, default=8, help="seeds to fit to")
-    parser.add_argument("--check", type=int, default=8, help="further seeds to check on")
+    parser.add_argument("--seeds", type=int, default=8, help="number of seeds for fitting")
+    parser.add_argument("--check", type=int, default=8, help="number of further seeds for checking")
     parser.add_argument("--runs", type=Path, default=Path("/tmp/thbridge-wrong-pose"), help="folder of simulated runs")
     parser.add_argument("--jobs", type=int, default=1, help="processes")
-    parser.add_argument("--only-check", action="store_true", help="check the present coefficients, and write nothing")
+    parser.add_argument("--only-check", action="store_true", help="check the current coefficients, and write nothing")
     given = parser.parse_args()
     fit_seeds = [] if given.only_check else range(1, given.seeds + 1)
     check_seeds = range(HELD_OUT + 1, HELD_OUT + given.check + 1)

@@ -1,15 +1,15 @@
 #!/usr/bin/env bash
-# Installs the programs of others that tests/peers plays against: MAVLink's clients, evo, roslibpy and Node.js into .peers, from
-# the hashes in scripts/peers; the real ROS 1 tools, Java for the clients of 2016, and R for the scripts of exports (53 MB), as Debian's
-# packages, which only root can. Tests whose program is missing are skipped and say so; nothing else depends on them. It wants .venv (make setup).
+# Installs the programs that tests/peers plays against: MAVLink clients, evo, roslibpy and Node.js into .peers, with the hashes in
+# scripts/peers; the real ROS 1 tools, Java for the clients of 2016, and R for the scripts of exports (53 MB) as Debian packages, which
+# only root can install. Tests whose program is missing are skipped and say so; nothing else needs them. It requires .venv (make setup).
 set -uo pipefail
 cd "$(dirname "$0")/.."
 . scripts/packages.sh
 
-# Each of these programs has an environment of its own, and only what it needs without a screen.
+# Each of these programs has its own environment, with only the packages that it needs without a screen.
 for client in mavsdk mavproxy dronekit evo roslibpy node; do
     there=.peers/$client
-    # An environment belongs to the Python that made it.
+        # An environment works only with the Python that created it.
     wanted=$( (cat scripts/peers/$client.txt && .venv/bin/python -VV) | sha256sum)
     if [ "$(cat $there/installed 2>/dev/null)" = "$wanted" ]; then
         continue
@@ -24,7 +24,7 @@ for client in mavsdk mavproxy dronekit evo roslibpy node; do
     fi
 done
 
-# What runs in Node.js: readers of Foxglove's, roslibjs. npm comes with the wheel of Node.js, and trusts whom the system trusts.
+# Packages for Node.js: Foxglove's readers and roslibjs. npm is part of the Node.js wheel, and uses the system's certificates.
 scripts=.peers/scripts
 wanted=$(cat scripts/peers/node.txt scripts/peers/node/package-lock.json | sha256sum)
 if [ -x .peers/node/bin/python ] && [ "$(cat $scripts/installed 2>/dev/null)" != "$wanted" ]; then
@@ -36,7 +36,7 @@ if [ -x .peers/node/bin/python ] && [ "$(cat $scripts/installed 2>/dev/null)" !=
         echo "They could not be installed; the tests that need them will be skipped." >&2
 fi
 
-# All that tests execute, import or load, and the messages that they speak of; what those need themselves, apt knows.
+# All that tests execute, import or load, and their message packages; apt finds further dependencies.
 packages="ros-core python3-roslaunch python3-rosmaster python3-rosbag python3-rostopic python3-rosnode python3-rosparam
     python3-rosservice python3-rosmsg python3-rosgraph python3-rospy python3-actionlib python3-tf2 python3-tf2-ros
     python3-dynamic-reconfigure python3-genpy rviz default-jdk-headless
@@ -66,4 +66,4 @@ if [ -n "$missing" ]; then
         exit 0
     fi
 fi
-scripts/install_ros_messages.sh || echo "ROS does not know our messages; the tests that need it will be skipped." >&2
+scripts/install_ros_messages.sh || echo "Our message types could not be installed in ROS; the tests that need them will be skipped." >&2

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Makes the message types of our bags known to an installed ROS 1, so that `rosbag check`, `rostopic echo` and rqt treat them
-# like any other: packages under PREFIX/share, their Python classes, made by ROS's own generator, where Debian's Python looks
-# for them. Beside thbridge_msgs that is mavros_msgs, with the two messages that we record, where ROS has no mavros.
+# Installs the message types of our bags in an existing ROS 1, so that `rosbag check`, `rostopic echo` and rqt handle them
+# like other types: packages under PREFIX/share, and their Python classes, made by ROS's generator, where Debian's Python finds
+# them. Besides thbridge_msgs this includes mavros_msgs, with the two messages that we record, if ROS has no mavros.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 

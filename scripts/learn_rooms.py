@@ -1,4 +1,4 @@
-"""Learn in the abstract hunt which room each robot goes to next, and draw the learning curve.
+"""Learn in the abstract hunt which room each robot visits next, and draw the learning curve.
 
 Run it from the project's folder: `.venv/bin/python scripts/learn_rooms.py`. The learner is REINFORCE (Williams, Simple
 statistical gradient-following algorithms, 1992) with a table of preferences for the next room by robot and place, and
@@ -21,19 +21,19 @@ from thbridge.analysis.plot.style import INK
 from thbridge.api.learning import AbstractHuntEnv
 
 BATCH = 50
-"""Episodes of a step of learning."""
+"""Number of episodes in a learning step."""
 FIRST_SEED = 100_000
-"""Seed of the first training game; smaller ones are kept for judging."""
+"""Seed of the first training game; smaller seeds are used for evaluation."""
 
 
 def learn(env: AbstractHuntEnv, seed: int, batches: int, rate: float) -> tuple[NDArray[np.float64], list[float]]:
-    """Return the table that was learned, and the mean score of each batch.
+    """Return the learned table, and the mean score of each batch.
 
     Args:
-        env: the abstract hunt.
-        seed: of the learner's choices and its games.
-        batches: steps of learning.
-        rate: change of preferences by a gradient of one and an advantage of a standard deviation.
+        env: abstract hunt.
+        seed: random seed of the learner's choices and of its games.
+        batches: number of learning steps.
+        rate: change of preferences for a gradient of one and an advantage of one standard deviation.
     """
     rooms = env.action_space("robot_1").n - 1
     policy = TablePolicy(np.zeros((len(env.possible_agents), rooms + 1, rooms)), np.random.default_rng(seed))
@@ -56,7 +56,7 @@ def mean_score(env: AbstractHuntEnv, policy: Policy, games: int) -> float:
 
 
 def draw(curves: NDArray[np.float64], levels: dict[str, float], file: Path) -> None:
-    """Draw (learners, batches) mean scores with those of other policies."""
+    """Draw the (learners, batches) mean scores and those of other policies."""
     matplotlib.rcParams["svg.hashsalt"] = "thbridge"
     figure = matplotlib.figure.Figure(figsize=(6.0, 3.4), layout="constrained")
     axes = figure.subplots()
@@ -74,10 +74,14 @@ def draw(curves: NDArray[np.float64], levels: dict[str, float], file: Path) -> N
 def main() -> None:
     """Learn, and write table, curve and picture."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--to", type=Path, default=Path("docs/learning"), help="folder of the results")
-    parser.add_argument("--learners", type=int, default=5, help="random seeds to learn from (default: 5)")
-    parser.add_argument("--batches", type=int, default=100, help=f"steps of {BATCH} games each (default: 100)")
-    parser.add_argument("--rate", type=float, default=1.5, help="rate of learning (default: 1.5)")
+    parser.add_argument("--to", type=Path, default=Path("docs/learning"), help="folder for the results")
+    parser.add_argument(
+        "--learners", type=int, default=5, help="number of learners with different random seeds (default: 5)"
+    )
+    parser.add_argument(
+        "--batches", type=int, default=100, help=f"number of steps of {BATCH} games each (default: 100)"
+    )
+    parser.add_argument("--rate", type=float, default=1.5, help="learning rate (default: 1.5)")
     arguments = parser.parse_args()
     arguments.to.mkdir(parents=True, exist_ok=True)
     env = AbstractHuntEnv(study(), step="decision")

@@ -1,13 +1,13 @@
-"""Run a session or a text server for a simulated day, with everybody connected, and tell what has grown.
+"""Run a session or a text server for a simulated day with all kinds of clients, and report what has grown.
 
-Run it from the project's folder. `make long-run` (`scripts/long_run.py session`) starts `thbridge play` on an X server
-without a screen, with a participant's window, and connects a simulated participant who plays again and again, a
-researcher's watcher, a ROS node and a MAVLink station, each a program of its own; other programs come and go. `server`
-starts `thbridge server`, `simr` and `hider`, where the same participant plays short games one after the other.
+Run it from the project's folder. `make long-run` (`scripts/long_run.py session`) starts `thbridge play` on a virtual X
+server, with a participant's window. It connects a simulated participant who plays repeatedly, a researcher's watcher,
+a ROS node and a MAVLink station, each a separate program; other programs connect and leave. `server` starts
+`thbridge server`, `simr` and `hider`, where the same participant plays short games one after the other.
 
-Samples of memory, descriptors, threads, processor time, files and waits go into FOLDER/samples.csv; `plot SAMPLES --to
-PICTURE` draws them. All three print the growth after a warm-up, and end with 1 where it is beyond its bound. The
-window's game is begun by a key, through `xdotool`; `make peers` installs it and Xvfb.
+Samples of memory, descriptors, threads, processor time, files and waits are written to FOLDER/samples.csv;
+`plot SAMPLES --to PICTURE` draws them. All three print the growth after a warm-up, and exit with 1 if it exceeds its
+bound. The window's game is started with a key press by `xdotool`; `make peers` installs it and Xvfb.
 """
 
 import argparse
@@ -34,9 +34,9 @@ from thbridge.text_protocol.wire import legacy
 
 THBRIDGE = (sys.executable, "-c", "from ui.cli import main; main()")
 PATIENCE = 300.0
-"""Seconds to wait for a program to start."""
+"""Timeout for the start of a program, seconds."""
 VISITS = 2.0
-"""Seconds between two visits at the doors."""
+"""Seconds between two test connections."""
 STUDY = """\
 map: arena8
 templates: original-2016
@@ -52,15 +52,16 @@ participant:
 game:
   energy: {energy}
 """
-"""A finished piece of 200 MB is removed. Stations go by wall time: to them a simulated hour lasts some minutes."""
+"""Study of the run. Finished parts of 200 MB are removed. Stations use wall time, in which a simulated hour takes
+only some minutes."""
 
 
 class Running:
-    """The programs of a run, ended with it.
+    """Programs of a run, which end with it.
 
     Args:
-        folder: of the run, where programs run and their output goes.
-        opened: what is to be ended.
+        folder: folder of the run, in which programs run and write their output.
+        opened: stack of programs and files to close.
     """
 
     def __init__(self, folder: Path, opened: ExitStack) -> None:
@@ -75,7 +76,7 @@ class Running:
         self._opened = opened
 
     def thbridge(self, name: str, *words: str) -> subprocess.Popen[bytes]:
-        """Start a program of ours."""
+        """Start a thbridge program."""
         return self._start(name, *THBRIDGE, *words)
 
     def companion(self, name: str, *words: str) -> subprocess.Popen[bytes]:
@@ -84,11 +85,11 @@ class Running:
         return self._start(name, sys.executable, script, "companion", name, "--folder", str(self.folder), *words)
 
     def wait(self, name: str, words: str, process: subprocess.Popen[bytes]) -> None:
-        """Wait until a program has said so. Raises RuntimeError: it does not."""
+        """Wait until a program has printed these words. Raise RuntimeError if it does not."""
         path, until = self.folder / f"{name}.txt", time.monotonic() + PATIENCE
         while words not in path.read_text(errors="replace"):
             if process.poll() is not None or time.monotonic() > until:
-                raise RuntimeError(f"{name} does not say {words!r}:\n{path.read_text(errors='replace')[-2000:]}")
+                raise RuntimeError(f"{name} did not print {words!r}:\n{path.read_text(errors='replace')[-2000:]}")
             time.sleep(0.1)
 
     def _start(self, name: str, *words: str) -> subprocess.Popen[bytes]:
@@ -101,7 +102,7 @@ class Running:
 
 
 def end(process: subprocess.Popen[bytes]) -> None:
-    """End a program in good order."""
+    """End a program properly."""
     if process.poll() is None:
         process.send_signal(signal.SIGTERM)
         try:
@@ -113,7 +114,7 @@ def end(process: subprocess.Popen[bytes]) -> None:
 
 @contextlib.contextmanager
 def x_server() -> Iterator[str]:
-    """An X server without a screen; its DISPLAY."""
+    """Start a virtual X server; yield its DISPLAY."""
     reading, writing = os.pipe()
     words = ["Xvfb", "-displayfd", str(writing), "-screen", "0", "1024x768x24", "-nolisten", "tcp", "-noreset"]
     server = subprocess.Popen(words, pass_fds=(writing,), stderr=subprocess.DEVNULL)
@@ -127,7 +128,7 @@ def x_server() -> Iterator[str]:
 
 
 def begin_game(environment: Mapping[str, str]) -> None:
-    """Press the usual button of the window's start page."""
+    """Press the default button of the window's start page."""
 
     def do(*words: str) -> str:
         done = subprocess.run(["xdotool", *words], env=environment, capture_output=True, text=True, check=False)
@@ -136,7 +137,7 @@ def begin_game(environment: Mapping[str, str]) -> None:
     until = time.monotonic() + PATIENCE
     while not (window := do("search", "--onlyvisible", "--name", "^Treasure hunt").split("\n")[-1]):
         if time.monotonic() > until:
-            raise RuntimeError("the participant's window does not open")
+            raise RuntimeError("the participant's window did not open")
         time.sleep(0.2)
     do("windowfocus", "--sync", window)
     time.sleep(2.0)
@@ -144,16 +145,16 @@ def begin_game(environment: Mapping[str, str]) -> None:
 
 
 def give_way(pid: int) -> None:
-    """Let a process have less of the processor: the session needs a core of its own, all others take what is left."""
+    """Lower the priority of a process: the session needs a core of its own."""
     os.setpriority(os.PRIO_PROCESS, pid, 10)
-    # Linux groups processes by who has started them, and knows the priorities within a group alone.
+    # Linux groups processes by session, and priorities apply only within a group.
     if os.getsid(pid) == pid:
         with contextlib.suppress(OSError):
             Path(f"/proc/{pid}/autogroup").write_text("5")
 
 
 def run_session(given: argparse.Namespace, running: Running, opened: ExitStack) -> None:
-    """Run `thbridge play` with everybody connected."""
+    """Run `thbridge play` with all kinds of clients."""
     running.environment["DISPLAY"] = opened.enter_context(x_server())
     text, door, tcp, ros = free_ports(4)
     words = ["play", "study.yaml", "--rate", "0", "--bag", "hunt.bag", "--no-report", "--port", str(text)]
@@ -177,7 +178,7 @@ def run_session(given: argparse.Namespace, running: Running, opened: ExitStack) 
 
 
 def run_server(given: argparse.Namespace, running: Running, opened: ExitStack) -> None:
-    """Run `thbridge server` with robots and treasures, and games one after the other."""
+    """Run `thbridge server` with robots and treasures, and play games one after the other."""
     text, door = free_ports(2)
     server = running.thbridge("server", "server", "study.yaml", "--port", str(text), "--journal", "journal")
     running.wait("server", "listening on", server)
@@ -195,13 +196,13 @@ def run_server(given: argparse.Namespace, running: Running, opened: ExitStack) -
 def sample_until(
     given: argparse.Namespace, processes: Mapping[str, int], visitors: Visitors, program: subprocess.Popen[bytes]
 ) -> None:
-    """Take samples until the simulated hours, or the time for them, are over. Raises RuntimeError: the program ends."""
+    """Take samples for the simulated hours or the maximum time. Raise RuntimeError if the program ends earlier."""
     sampler = Sampler(given.folder, processes, visitors)
     began = sampled = time.monotonic()
     row: Mapping[str, float] = sampler.sample()
     while time.monotonic() - began < given.minutes * 60 and row["sim_s"] < given.hours * 3600:
         if program.poll() is not None:
-            raise RuntimeError("the program has ended by itself; see its output")
+            raise RuntimeError("the program ended early; see its output")
         visitors.visit()
         time.sleep(VISITS)
         if time.monotonic() - sampled >= given.every:
@@ -211,8 +212,8 @@ def sample_until(
 
 
 def run(given: argparse.Namespace) -> None:
-    """Run what is to be sampled."""
-    signal.signal(signal.SIGTERM, lambda _number, _frame: sys.exit(1))  # with it, all that was started ends
+    """Run the programs, and take samples."""
+    signal.signal(signal.SIGTERM, lambda _number, _frame: sys.exit(1))  # so that all started programs end, too
     given.folder = given.folder.resolve()
     shutil.rmtree(given.folder, ignore_errors=True)
     given.folder.mkdir(parents=True)
@@ -222,23 +223,27 @@ def run(given: argparse.Namespace) -> None:
 
 
 def main() -> int:
-    """Run what the command line says."""
+    """Run the command line."""
     parser = argparse.ArgumentParser(description=__doc__)
     kinds = parser.add_subparsers(dest="kind", required=True)
     for kind, robots, energy in (("session", 6, 100), ("server", 2, 30)):
         runs = kinds.add_parser(kind)
         runs.add_argument("--robots", type=int, default=robots)
-        runs.add_argument("--energy", type=float, default=energy, help="of a robot; with less, games are shorter")
+        runs.add_argument(
+            "--energy", type=float, default=energy, help="energy of a robot; less energy makes games shorter"
+        )
         runs.add_argument("--hours", type=float, default=24.0, help="simulated")
-        runs.add_argument("--minutes", type=float, default=1000.0, help="of wall time, at most")
+        runs.add_argument("--minutes", type=float, default=1000.0, help="greatest wall time, minutes")
         runs.add_argument("--every", type=float, default=30.0, help="seconds of wall time between two samples")
         runs.add_argument("--folder", type=Path, default=Path("long-run"))
-        runs.add_argument("--to", type=Path, help="picture of the curves")
+        runs.add_argument("--to", type=Path, help="picture file for the curves")
         if kind == "server":
-            runs.add_argument("--rate", type=float, default=10000.0, help="simulated seconds per second, at most")
+            runs.add_argument(
+                "--rate", type=float, default=10000.0, help="greatest number of simulated seconds per second"
+            )
     drawn = kinds.add_parser("plot")
     drawn.add_argument("samples", type=Path)
-    drawn.add_argument("--to", type=Path, help="picture of the curves")
+    drawn.add_argument("--to", type=Path, help="picture file for the curves")
     companion = kinds.add_parser("companion")
     companion.add_argument("companion", choices=list(COMPANIONS))
     companion.add_argument("--folder", type=Path)

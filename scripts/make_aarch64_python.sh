@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Makes FOLDER/python, an interpreter of 64-bit ARM that runs here by emulation, with the packages of the lock that thbridge
-# needs: Debian's packages and wheels of PyPI are unpacked into the folder, nothing is installed. For
+# Creates FOLDER/python, a 64-bit ARM interpreter that runs on this machine by emulation, with the locked packages that thbridge
+# needs. Debian packages and PyPI wheels are unpacked into the folder; nothing is installed. Use it with
 #   THBRIDGE_PYTHONS=FOLDER/python .venv/bin/pytest -m slow tests/system/test_portability.py
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -14,7 +14,7 @@ fi
 mkdir -p "$folder"/{state/lists/partial,cache/archives/partial,debs,root,emulator,wheels,site}
 touch "$folder/state/status"
 
-# A state of its own: apt's, of this machine, knows nothing of another architecture.
+# Apt's state on this machine does not include another architecture, so it gets a separate state.
 foreign=(-qq -o APT::Architecture=arm64 -o APT::Architectures=arm64 -o Dir::State="$folder/state"
     -o Dir::State::status="$folder/state/status" -o Dir::Cache="$folder/cache" -o APT::Sandbox::User=root)
 apt-get "${foreign[@]}" update
@@ -25,7 +25,7 @@ apt-get "${foreign[@]}" update
 for package in "$folder"/debs/*.deb; do dpkg -x "$package" "$folder/root"; done
 for package in "$folder"/emulator/*.deb; do dpkg -x "$package" "$folder/emulator"; done
 
-# Those of the project itself and no tools; the lock says which versions.
+# Only the project's own dependencies, without tools; the lock determines the versions.
 .venv/bin/python - >"$folder/wanted.txt" <<'PYTHON'
 import tomllib
 from pathlib import Path

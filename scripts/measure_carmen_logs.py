@@ -1,11 +1,11 @@
-"""Measure the localizer on recordings of real robots: logs of CARMEN with corrected poses, as collections of them have.
+"""Measure the localizer on recordings of real robots: CARMEN logs with corrected poses, from public collections.
 
 Run it from the project's folder: `.venv/bin/python scripts/measure_carmen_logs.py LOGS --to FOLDER`, where LOGS is a
-folder of `*-corrected.log.gz`. Such a log has the laser's poses as a mapper found them, and between two scans the way
-of the wheels from the former of them; put end to end, these ways are the wheels' odometry with all its drift. Every
-other scan draws the map, on which all are localized by `thbridge localize`, from the start and from anywhere, and its
-paths are drawn over the map. Writes tables in Markdown: how far the localizer is from the mapper's poses, and how often
-it is wrong where it reports a probability of that. Logs without odometry between scans are left out.
+folder of `*-corrected.log.gz`. Such a log has the laser's poses as a mapper found them and, between two scans, the
+wheel motion since the first of them. The sum of these motions is the wheel odometry with all its drift. Every other
+scan is used to draw the map. On this map, `thbridge localize` localizes all scans, from the start pose and from
+anywhere, and the paths are drawn on the map. Writes Markdown tables: how far the localizer is from the mapper's poses,
+and how often it is wrong when it reports a probability of that. Logs without odometry between scans are skipped.
 
 Source: CARMEN's log format (FLASER and ODOM).
 """
@@ -32,22 +32,22 @@ from tests.bench.robots.wrong_pose_runs import HEAD, UpdateRow, calibration, is_
 
 RESOLUTION = 0.05
 LONGEST = 25.0
-"""Meters beyond which a beam has met nothing."""
+"""Range in meters from which a beam has hit nothing."""
 SPEED = 0.5
-"""Meters a second, where a log has no times."""
+"""Speed in meters per second for logs without times."""
 STORE = get_typestore(Stores.ROS1_NOETIC)
 TYPES = STORE.types
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LoggedScan:
-    """A scan of a log.
+    """Scan of a log.
 
     Attributes:
         ranges: (n,) meters, from right to left over half a circle.
-        laser_in_map: pose of the laser as the mapper found it.
-        laser_in_odom: the same by the wheels alone.
-        seconds: since the beginning.
+        laser_in_map: pose of the laser found by the mapper.
+        laser_in_odom: pose of the laser from wheel odometry alone.
+        seconds: time since the beginning, seconds.
     """
 
     ranges: FloatArray
@@ -68,7 +68,7 @@ def scans_of(log: Path) -> list[LoggedScan]:
             count = int(words[1])
             here = Pose2(*map(float, words[2 + count : 5 + count]))
             odom = odom.compose(way)
-            # The times of some logs go back, or are all the same: what matters here is the way.
+            # In some logs, times go back or are all equal; only the path matters here.
             driven += math.hypot(way.x, way.y) + 0.2 * abs(way.theta)
             ranges = np.array(words[2 : 2 + count], dtype=np.float64)
             scans.append(LoggedScan(ranges, here, odom, driven / SPEED + 0.25 * len(scans)))
@@ -85,13 +85,13 @@ def _lines(log: Path) -> Iterator[list[str]]:
 
 
 def directions(count: int) -> FloatArray:
-    """(n,) directions of a scan's beams, radians: degrees or halves of them, from right to left."""
+    """Return (n,) directions of a scan's beams, radians: every degree or half degree, from right to left."""
     step = math.pi / (180.0 if count < 200 else 360.0)
     return -0.5 * math.pi + step * np.arange(count)
 
 
 def draw_map(scans: list[LoggedScan], folder: Path) -> Path:
-    """Draw a map of scans at the mapper's poses: what beams end at more often than they go through is a wall."""
+    """Draw a map of scans at the mapper's poses: a cell in which more beams end than pass through is a wall."""
     ends = [_ends(scan) for scan in scans]
     low = np.min([each.min(axis=0) for each, _ in ends if len(each)], axis=0) - 1.0
     high = np.max([each.max(axis=0) for each, _ in ends if len(each)], axis=0) + 1.0
@@ -121,7 +121,7 @@ def draw_map(scans: list[LoggedScan], folder: Path) -> Path:
 
 
 def _ends(scan: LoggedScan) -> tuple[FloatArray, FloatArray]:
-    """(n, 2) ends of the beams in the map, and (n,) whether they met something."""
+    """Return (n, 2) ends of the beams in the map, and (n,) flags, True if a beam hit something."""
     met = scan.ranges < LONGEST
     far = np.minimum(scan.ranges, LONGEST)
     angle = directions(len(scan.ranges)) + scan.laser_in_map.theta
@@ -132,7 +132,7 @@ def _ends(scan: LoggedScan) -> tuple[FloatArray, FloatArray]:
 
 
 def write_bag(scans: list[LoggedScan], path: Path) -> None:
-    """Write scans and wheels as a ROS 1 bag."""
+    """Write scans and odometry as a ROS 1 bag."""
     odometry, laser = TYPES["nav_msgs/msg/Odometry"], TYPES["sensor_msgs/msg/LaserScan"]
     with Writer(path) as bag:
         wheels = bag.add_connection("/odom", odometry.__msgtype__, typestore=STORE)
@@ -183,12 +183,12 @@ def _odometry(number: int, stamp: int, scan: LoggedScan) -> object:
 
 @dataclass(frozen=True, slots=True)
 class Measured:
-    """How far a localizer was from the mapper.
+    """Distance of a localizer's poses from the mapper's.
 
     Attributes:
-        errors: (n,) meters at each update.
-        lost: (n,) where it said to be lost.
-        updates: each with the probability that its pose is wrong, and whether it is.
+        errors: (n,) distance at each update, meters.
+        lost: (n,) flag at each update, True if the localizer reported to be lost.
+        updates: updates with the probability that the pose is wrong, and whether it is wrong.
     """
 
     errors: FloatArray
@@ -208,7 +208,7 @@ class Measured:
 
 
 def localized(bag: Path, place: Path, scans: list[LoggedScan], folder: Path, *, known: bool) -> Measured:
-    """Localize a bag as its user would."""
+    """Localize a bag with the command line."""
     name = "start" if known else "anywhere"
     start = scans[0].laser_in_map
     begin = ["--initial-pose", f"{start.x}", f"{start.y}", f"{start.theta}"] if known else ["--global"]
@@ -236,9 +236,9 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("logs", type=Path, help="folder of *-corrected.log.gz")
     parser.add_argument("--to", type=Path, required=True, help="folder for maps, bags and pictures")
-    parser.add_argument("--only", default="", help="logs with this in their name")
+    parser.add_argument("--only", default="", help="use only logs with this text in their name")
     given = parser.parse_args()
-    print("| log | way, m | begin | updates | found at | mean, cm | 95 %, cm | most, cm | lost | wrong and sure |")
+    print("| log | distance, m | start | updates | found at | mean, cm | 95 %, cm | most, cm | lost | wrong and sure |")
     print("|---|---|---|---|---|---|---|---|---|---|")
     runs = []
     for log in sorted(given.logs.glob("*.log.gz")):
@@ -248,7 +248,7 @@ def main() -> None:
         scans = scans_of(log)
         way = sum(a.laser_in_map.distance(b.laser_in_map) for a, b in pairwise(scans))
         if sum(a.laser_in_odom.distance(b.laser_in_odom) for a, b in pairwise(scans)) < 0.5 * way:
-            print(f"| {name} | {way:.0f} | it has no odometry |", flush=True)
+            print(f"| {name} | {way:.0f} | no odometry |", flush=True)
             continue
         folder = given.to / name
         folder.mkdir(parents=True, exist_ok=True)

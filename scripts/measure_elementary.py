@@ -1,8 +1,8 @@
-"""Hold the elementary functions against mpmath and libm: greatest errors, and what a call costs.
+"""Compare the elementary functions with mpmath and libm: greatest errors, and cost per call.
 
 Run it from the project's folder: `.venv/bin/python scripts/measure_elementary.py [--count N]`. Arguments are drawn from
-the ranges that are named in the table, a third each. Errors are in units in the last place of the exact result. Costs
-are nanoseconds a call within a compiled loop, beside the function of the same name of the machine's libm.
+the ranges in the table, a third each. Errors are in units in the last place of the exact result. Costs are nanoseconds
+per call in a compiled loop, next to those of the machine's libm function of the same name.
 """
 
 import argparse
@@ -23,12 +23,12 @@ Draw = Callable[[random.Random], float]
 
 
 def wide(low: float, high: float) -> Draw:
-    """Return a draw of numbers of either sign, whose magnitudes are spread over these powers of ten."""
+    """Return a distribution of positive and negative numbers, with magnitudes between these powers of ten."""
     return lambda draw: draw.choice((-1.0, 1.0)) * 10.0 ** draw.uniform(low, high)
 
 
 def between(low: float, high: float) -> Draw:
-    """Return a draw of numbers that are spread evenly."""
+    """Return a uniform distribution."""
     return lambda draw: draw.uniform(low, high)
 
 
@@ -49,12 +49,12 @@ CHUNK = 20_000
 
 
 def worst(name: str, part: int, seed: int, count: int) -> float:
-    """Return the greatest error of a function over some arguments of one of its ranges."""
+    """Return the greatest error of a function over some arguments in one of its ranges."""
     draw, one = random.Random(f"{name} {part} {seed}"), RANGES[name][part][1]
     function = getattr(elementary, name)
     reference = mpmath.hypot if name == "hypot" else getattr(mpmath, name)
     greatest = 0.0
-    # A sine of a great number loses as many bits as this has before the point.
+    # The sine of a large number loses as many bits as the number has before the point.
     with mpmath.workprec(1200 if name in ("sin", "cos") and part == 2 else 120):
         for _ in range(count):
             arguments = [one(draw) for _ in range(2 if name in PAIRS else 1)]
@@ -64,7 +64,7 @@ def worst(name: str, part: int, seed: int, count: int) -> float:
 
 
 def cost(function: Callable[..., float], name: str) -> float:
-    """Return nanoseconds a call, the least of some rounds over a million arguments."""
+    """Return the nanoseconds per call: the least of some rounds over a million arguments."""
     if name in PAIRS:
 
         @njit(cache=False)
@@ -95,14 +95,14 @@ def cost(function: Callable[..., float], name: str) -> float:
 def main() -> None:
     """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--count", type=int, default=10_000_000, help="number of arguments of all functions together")
+    parser.add_argument("--count", type=int, default=10_000_000, help="total number of arguments")
     parts = sum(map(len, RANGES.values()))
     chunks = max(1, parser.parse_args().count // parts // CHUNK)
     print(f"{chunks * CHUNK * parts:,} arguments")
     with ProcessPoolExecutor() as pool:
         for name, ranges in RANGES.items():
             own, libm = cost(getattr(elementary, name), name), cost(getattr(math, name), name)
-            print(f"{name:6s} {own:5.1f} ns a call, libm {libm:5.1f} ns")
+            print(f"{name:6s} {own:5.1f} ns per call, libm {libm:5.1f} ns")
             for part, (where, _) in enumerate(ranges):
                 found = pool.map(worst, *zip(*((name, part, seed, CHUNK) for seed in range(chunks)), strict=True))
                 print(f"       {where:25s} {max(found):.5f}", flush=True)

@@ -1,8 +1,8 @@
-"""Measure how large recordings become: teams that wait, and teams in a hunt, by topic, plain and packed.
+"""Measure the size of recordings of waiting teams and of teams in a hunt, by topic, uncompressed and compressed.
 
 Run it from the project's folder: `.venv/bin/python scripts/measure_recordings.py`. Each session is recorded twice at
-once: whole and unpacked, and as studies have it by default. Writes tables in Markdown. How much a topic takes of a
-packed bag is measured by a bag that has nothing else.
+the same time: complete and uncompressed, and with the defaults of studies. Writes Markdown tables. The size of a topic
+in a compressed bag is measured with a bag that contains only that topic.
 """
 
 import argparse
@@ -30,19 +30,19 @@ from thbridge.text_protocol.wire import legacy
 
 WHOLE = RecordingSection(Compression.NONE, RecordingDetail.ALL)
 SHOWN = 12
-"""Topics in a table, those that take most."""
+"""Number of topics in a table, largest first."""
 
 
 @dataclass(frozen=True, slots=True)
 class Recorded:
-    """A session's two bags: whole and unpacked, and with the defaults."""
+    """Two bags of a session: complete and uncompressed, and with the defaults."""
 
     whole: Path
     default: Path
 
 
 def record(folder: Path, study: Study, seconds: float, busy: bool) -> Recorded:
-    """Record a session; a busy team is sent about by a simulated participant."""
+    """Record a session; a simulated participant sends a busy team through the rooms."""
     setting = read_setting(study, Path())
     player = TabUI(build_bot(setting.templates, study.participant.strategy, study.seed)) if busy else None
     bags = Recorded(folder / f"whole-{study.robots}-{busy}.bag", folder / f"default-{study.robots}-{busy}.bag")
@@ -58,7 +58,7 @@ def record(folder: Path, study: Study, seconds: float, busy: bool) -> Recorded:
 
 
 def by_topic(bags: Recorded, folder: Path) -> list[tuple[str, int, int]]:
-    """Topics of all robots together, with the bytes that they take: whole and unpacked, and by default."""
+    """Return the topics of all robots together, with their sizes in bytes: uncompressed, and with the defaults."""
     of_all: defaultdict[str, list[str]] = defaultdict(list)
     for topic in info(bags.whole).topics:
         head, _, rest = topic.name.removeprefix("/").partition("/")
@@ -78,7 +78,7 @@ def by_topic(bags: Recorded, folder: Path) -> list[tuple[str, int, int]]:
 def show(team_sizes: Sequence[int], map_name: str, seconds: float, shown_team: int) -> None:
     """Print the tables."""
     tables = []
-    print("| robots | | whole, unpacked | by default | share |\n|---|---|---|---|---|")
+    print("| robots | | complete, uncompressed | defaults | share |\n|---|---|---|---|---|")
     with TemporaryDirectory() as name:
         folder = Path(name)
         for robots in team_sizes:
@@ -90,7 +90,7 @@ def show(team_sizes: Sequence[int], map_name: str, seconds: float, shown_team: i
                 print(f"| {robots} | {what} | {rates} | {default / whole:.0%} |", flush=True)
                 if robots == shown_team:
                     tables.append(by_topic(bags, folder))
-    print(f"\n| {shown_team} robots, kB/s | waiting, whole | by default | in a hunt, whole | by default |")
+    print(f"\n| {shown_team} robots, kB/s | waiting, complete | defaults | in a hunt, complete | defaults |")
     print("|---|---|---|---|---|")
     waiting, hunting = ({topic: sizes for topic, *sizes in table} for table in tables)
     for topic in list(hunting)[:SHOWN]:
@@ -100,11 +100,11 @@ def show(team_sizes: Sequence[int], map_name: str, seconds: float, shown_team: i
 
 def main() -> None:
     """Read the arguments, and measure."""
-    parser = argparse.ArgumentParser(description="Measure how large recordings become, by topic.")
-    parser.add_argument("--robots", type=int, nargs="+", default=[1, 3, 10], help="sizes of the team")
+    parser = argparse.ArgumentParser(description="Measure the size of recordings, by topic.")
+    parser.add_argument("--robots", type=int, nargs="+", default=[1, 3, 10], help="team sizes")
     parser.add_argument("--map", default="arena8")
-    parser.add_argument("--seconds", type=float, default=60.0, help="simulated time of each recording")
-    parser.add_argument("--topics-of", type=int, default=3, help="size of the team whose topics are listed")
+    parser.add_argument("--seconds", type=float, default=60.0, help="simulated time of each recording, seconds")
+    parser.add_argument("--topics-of", type=int, default=3, help="team size for the list of topics")
     chosen = parser.parse_args()
     show(chosen.robots, chosen.map, chosen.seconds, chosen.topics_of)
 

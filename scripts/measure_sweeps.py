@@ -1,9 +1,9 @@
-"""Measure what sweeps cost in processor time, beside `thbridge play`; docs/reference/benchmarks.md has the figures.
+"""Measure the processor time of sweeps, compared with `thbridge play`; docs/reference/benchmarks.md has the figures.
 
 Run it from the project's folder: `.venv/bin/python scripts/measure_sweeps.py`. It plays 1000 short games of two robots
-by two processes, as many on a Dask cluster of two workers of which one is killed in the middle, and a fifth of them by
-one process; it compares all results, and it measures what a chunk costs a scheduler. `--games 40` is a try. Ends with 1
-when results are not the same.
+with two processes, the same number on a Dask cluster with two workers, one of them killed halfway, and a fifth of them
+with one process. It compares all results, and measures the cost of a chunk for a scheduler. For a quick try, use
+`--games 40`. The exit code is 1 if results differ.
 """
 
 import argparse
@@ -38,11 +38,11 @@ DESIGN = "study: study.yaml\nreplicates: GAMES\nverify: 100\nchunk: 20\n"
 PLAYS = 10
 EMPTY_TASKS = 2000
 ADOPT_ORPHANS = 36
-"""PR_SET_CHILD_SUBREAPER: processes whose parents have ended are this one's, so that their processor time is told."""
+"""PR_SET_CHILD_SUBREAPER: this process adopts orphaned processes, so that their processor time is counted."""
 
 
 def run(*words: str | Path) -> None:
-    """Run a command of ours; this program ends when it fails."""
+    """Run a thbridge command; end this program if it fails."""
     command = [*PROGRAM, *map(str, words)]
     done = subprocess.run(
         command, env={**os.environ, "PYTHONPATH": str(ROOT)}, capture_output=True, text=True, check=False
@@ -52,7 +52,7 @@ def run(*words: str | Path) -> None:
 
 
 def cpu_of(action: Callable[[], object]) -> tuple[float, float]:
-    """Return the processor time of all processes that an action starts, and how long it takes, seconds."""
+    """Return the processor time of all processes that an action starts, and its duration, seconds."""
     before, began = resource.getrusage(resource.RUSAGE_CHILDREN), time.monotonic()
     action()
     wall = time.monotonic() - began
@@ -66,13 +66,13 @@ def cpu_of(action: Callable[[], object]) -> tuple[float, float]:
 
 
 def table(root: Path) -> pa.Table:
-    """Return all that does not differ from run to run."""
+    """Return all columns that do not vary from run to run."""
     return collect(root).drop_columns(list(VARYING))
 
 
 @contextmanager
 def cluster(folder: Path) -> Iterator[tuple[str, int, list[int]]]:
-    """Yield the address of a Dask scheduler, its process id, and those of its two workers."""
+    """Yield the address of a Dask scheduler, its process id, and the process ids of its two workers."""
     place, programs = folder / "scheduler.json", []
 
     def start(role: str, *words: str) -> int:
@@ -95,7 +95,7 @@ def cluster(folder: Path) -> Iterator[tuple[str, int, list[int]]]:
 
 
 def play_on_cluster(folder: Path, games: int) -> None:
-    """Play the games on a cluster, and kill a worker when half of them are there."""
+    """Play the games on a cluster, and kill a worker when half of them are done."""
     root = folder / "dask"
     with cluster(folder) as (address, _, workers):
         words = ("sweep", folder / "design.yaml", "--out", root, "--engine", "dask", "--scheduler", address)
@@ -109,11 +109,11 @@ def play_on_cluster(folder: Path, games: int) -> None:
 
 
 def empty_tasks(engine: Engine, folder: Path) -> tuple[float, float]:
-    """Have tasks done whose results are there; return seconds and this process's processor time a task."""
+    """Run tasks whose results exist already; return wall time and this process's processor time per task, seconds."""
     design = read_design(folder / "design.yaml")
     (task, *_) = tasks_of(design, open_folder(design, folder / "two"), lambda _chunk: True)
     with engine:
-        for measured in (False, True):  # First, workers start.
+        for measured in (False, True):  # The first round starts the workers.
             began, cpu = time.monotonic(), time.process_time()
             for _ in range(EMPTY_TASKS if measured else 20):
                 engine.submit(task)
@@ -129,9 +129,9 @@ def cpu_so_far(process: int) -> float:
 
 
 def main() -> int:
-    """Measure."""
+    """Run the measurement."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--games", type=int, default=1000, help="games of each sweep")
+    parser.add_argument("--games", type=int, default=1000, help="number of games of each sweep")
     games = parser.parse_args().games
     ctypes.CDLL(None).prctl(ADOPT_ORPHANS, 1, 0, 0, 0)
     with TemporaryDirectory() as name:
@@ -139,12 +139,12 @@ def main() -> int:
         (folder / "study.yaml").write_text(STUDY)
         (folder / "design.yaml").write_text(DESIGN.replace("GAMES", str(games)))
         play = ("play", folder / "study.yaml", "--headless", "--json")
-        run(*play, "--bag", folder / "warm.bag")  # compiles, where that is needed
+        run(*play, "--bag", folder / "warm.bag")  # compiles if needed
         spent, _ = cpu_of(
             lambda: [run(*play, "--seed", str(seed), "--bag", folder / f"{seed}.bag") for seed in range(1, PLAYS + 1)]
         )
         print(
-            f"play: {spent / PLAYS:.2f} s of processor time a game, {spent / PLAYS * games:.0f} s for {games}",
+            f"play: {spent / PLAYS:.2f} s of processor time per game, {spent / PLAYS * games:.0f} s for {games}",
             flush=True,
         )
         for processes, out, count in ((1, "one", games // 5), (2, "two", games)):
@@ -162,7 +162,7 @@ def main() -> int:
         whole = table(folder / "two")
         parts = {out: table(folder / out) for out in ("one", "dask")}
         equal = {out: part.equals(whole.slice(0, part.num_rows)) for out, part in parts.items()}
-        print(f"the same results, {whole.num_rows} games: {equal}", flush=True)
+        print(f"identical results, {whole.num_rows} games: {equal}", flush=True)
         wall, ours = empty_tasks(ProcessEngine(2, WARM), folder)
         print(
             f"a chunk without games, processes: {1e3 * wall:.2f} ms, {1e3 * ours:.2f} ms of processor time here",

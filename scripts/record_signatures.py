@@ -1,6 +1,6 @@
-"""Record which kernels hunts call, and with arguments of which types: `python scripts/record_signatures.py`.
+"""Record which kernels hunts call, and the types of their arguments: `python scripts/record_signatures.py`.
 
-Run it when kernels are added, or called in another way; what is not recorded is compiled when it is first called.
+Run it when kernels are added or their calls change; kernels that are not recorded are compiled at their first call.
 """
 
 import os
@@ -10,7 +10,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 FOLDER = TemporaryDirectory()
-# Nothing is found compiled, so that all is seen.
+# With an empty cache, every compilation is observed.
 os.environ["NUMBA_CACHE_DIR"] = FOLDER.name
 
 from numba.core import event  # noqa: E402
@@ -23,7 +23,7 @@ STUDY = "robots: 2\n"
 
 
 class Compilations(event.Listener):
-    """Kernels in the order in which a hunt has them compiled, what they call before them, with the seconds of each."""
+    """Kernels in the order in which a hunt compiles them, inner ones first, each with its compile time in seconds."""
 
     def __init__(self) -> None:
         self.lines: list[tuple[float, str]] = []
@@ -32,16 +32,16 @@ class Compilations(event.Listener):
         self._since = 0.0
 
     def on_start(self, _: object) -> None:
-        """A compilation begins."""
+        """Handle the begin of a compilation."""
         self._switch()
         self._own.append(0.0)
 
     def on_end(self, ended: event.Event) -> None:
-        """A compilation has ended, perhaps one within another."""
+        """Handle the end of a compilation, which may be nested in another one."""
         self._switch()
         seconds = self._own.pop()
         kernel = ended.data["dispatcher"]
-        # Formulas go by a name that is a plain function's.
+        # Formulas have the name of a plain function.
         if is_kernel(kernel):
             self.lines.append((seconds, as_line(kernel, ended.data["args"], moves=self.ticks > 0)))
         elif self._own:
@@ -54,7 +54,7 @@ class Compilations(event.Listener):
         self._since = now
 
 
-# What was recorded before would be compiled ahead by others, out of sight.
+# Other processes would compile previously recorded kernels, where they are not observed.
 RECORDED.write_text("")
 calls = Compilations()
 event.register("numba:compile", calls)
@@ -62,7 +62,7 @@ step = Team.step
 
 
 def counted(*arguments: object) -> object:
-    """A tick."""
+    """Count a tick, and run it."""
     result = step(*arguments)
     calls.ticks += 1
     return result

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Makes .venv from requirements.lock. Does nothing when it is there and up to date.
-# On Debian, as root, it installs the system packages that are missing; otherwise it says which are.
+# Creates .venv from requirements.lock. Does nothing if it exists and is up to date.
+# On Debian, as root, it installs missing system packages; otherwise it prints their names.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 . scripts/packages.sh
@@ -13,7 +13,7 @@ if [ -x $venv/bin/python ] && [ "$(cat $stamp 2>/dev/null)" = "$wanted" ]; then
     exit 0
 fi
 
-# The first Python from 3.11 on that can make environments; PYTHON names one in particular. The last one is uv's.
+# The first Python from 3.11 on that can create environments; PYTHON can name one. The last one is uv's.
 find_python() {
     local candidate
     for candidate in ${PYTHON:-python3.11 python3 python3.12 python3.13 "${HOME:-}/.local/bin/python3.11"}; do
@@ -32,12 +32,12 @@ if ! python=$(find_python); then
     fi
     packaged=$(packaged_python)
     if [ -z "$packaged" ] || dpkg --compare-versions "$packaged" lt 3.11; then
-        # Ubuntu 22.04, for example: an upgrade of its packages is no help.
+                # On Ubuntu 22.04, for example, upgrading packages does not help.
         cat >&2 <<END
-Set-up needs Python 3.11 or later with its venv module. The packages of this system have ${packaged:-none}. Do one of these, and start again:
-  as any user, with uv:  python3 -m pip install --user uv && ~/.local/bin/uv python install 3.11    (pip: the package python3-pip)
+Set-up needs Python 3.11 or later with its venv module. This system's packages have ${packaged:-none}. Do one of these, then run set-up again:
+  as any user, with uv:  python3 -m pip install --user uv && ~/.local/bin/uv python install 3.11    (pip is in the package python3-pip)
   on Ubuntu:             sudo apt-get install software-properties-common && sudo add-apt-repository ppa:deadsnakes/ppa && sudo apt-get install python3.11 python3.11-venv
-If you have a Python that is not in PATH: make setup PYTHON=/path/to/python3.11
+If your Python is not in PATH: make setup PYTHON=/path/to/python3.11
 END
         exit 1
     fi
@@ -49,19 +49,19 @@ END
     echo "Installing them with apt-get." >&2
     DEBIAN_FRONTEND=noninteractive apt-get install -q -y --no-install-recommends $packages
     if ! python=$(find_python); then
-        echo "There is still no such Python. Name one: make setup PYTHON=/path/to/python3.11" >&2
+        echo "No suitable Python was found. Name one: make setup PYTHON=/path/to/python3.11" >&2
         exit 1
     fi
 fi
 
-# What Qt's windows need of the system, and their typeface. Without them everything but the windows works.
+# System packages for Qt's windows, and their typeface. Without them everything except the windows works.
 missing_for_windows() {
     local package
     for package in libgl1 libegl1 libxkbcommon0 libdbus-1-3 libfontconfig1 libxkbcommon-x11-0 libxcb-cursor0 \
         libxcb-icccm4 libxcb-keysyms1 libxcb-shape0 fonts-inter; do
         is_installed "$package" || echo "$package"
     done
-    # Debian 13 has it under the other name.
+        # In Debian 13, it has the second name.
     is_installed libglib2.0-0 libglib2.0-0t64 || echo libglib2.0-0
 }
 
@@ -69,21 +69,21 @@ if command -v dpkg-query >/dev/null && command -v apt-get >/dev/null; then
     packages=$(missing_for_windows | tr '\n' ' ')
     if [ -n "$packages" ] && [ "$(id -u)" = 0 ]; then
         echo "Installing for the windows: $packages"
-        # shellcheck disable=SC2086 # one word a package
+        # shellcheck disable=SC2086 # one word per package
         if ! apt-get update -q >/dev/null ||
             ! DEBIAN_FRONTEND=noninteractive apt-get install -q -y --no-install-recommends $packages >/dev/null; then
-            echo "They could not all be installed: windows may not open. All else works." >&2
+            echo "Some of them could not be installed: windows may not open. Everything else works." >&2
         fi
     elif [ -n "$packages" ]; then
-        echo "Windows need some packages of the system: sudo apt-get install $packages" >&2
+        echo "Windows need some system packages: sudo apt-get install $packages" >&2
     fi
 fi
 
 if ! $venv/bin/python -c '' 2>/dev/null; then
-    echo "Making $venv with $python"
+    echo "Creating $venv with $python"
     "$python" -m venv --clear $venv
 fi
-echo "Installing what requirements.lock pins; the first time this takes a minute"
+echo "Installing the packages in requirements.lock; the first time, this takes a minute"
 $venv/bin/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements.lock
 $venv/bin/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation -e .
 echo "$wanted" >$stamp

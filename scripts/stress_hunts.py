@@ -1,13 +1,13 @@
-"""Play many random hunts on all cores, and tell what went wrong in them and how long robots had to wait.
+"""Play many random hunts on all cores, and report faults and how long robots had to wait.
 
-Run it from the project's folder: `.venv/bin/python scripts/stress_hunts.py` (`make stress`). Every hunt is its own
-session as `thbridge play` would run it, its treasures, noise and participant drawn by its seed. Ends with 1 when
+Run it from the project's folder: `.venv/bin/python scripts/stress_hunts.py` (`make stress`). Each hunt is a separate
+session like that of `thbridge play`; its seed determines treasures, noise and participant. The exit code is 1 if
 robots collided, a hunt did not end, or a goal was given up.
 
-With `--conditions all --count 200` it plays hunts in every condition of dialogues instead, each with map, team, energy,
-participant, manner of robots, things in the way and mishaps drawn by its seed, the same under all conditions. It prints
-score, rooms and energy by condition, and how each compares with the scripted questions on the same seeds. Goals may be
-given up there: things stand in rooms, and robots die.
+With `--conditions all --count 200` it plays hunts in all conditions of dialogues instead. The seed of a hunt determines
+map, team, energy, participant, manner of robots, obstacles and failures, equally in all conditions. It prints score,
+rooms and energy by condition, and compares each condition with the scripted questions on the same seeds. Goals may be
+given up there, because obstacles stand in rooms and robots die.
 """
 
 import argparse
@@ -61,9 +61,9 @@ PARTICIPANTS: Mapping[str, Callable[[Attitude, BotStrategy], bool]] = {
         attitude is not Attitude.SCEPTICAL and strategy is BotStrategy.RANDOM
     ),
 }
-"""Groups of participants that are compared; the attentive ones listen to what robots say."""
+"""Groups of participants to compare; attentive ones consider what robots say."""
 MOVED_DISTANCE = 0.05
-"""Meters, and radians, that count as having moved."""
+"""Meters, and radians, from which a robot counts as moved."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,21 +81,21 @@ class Outcome:
     """Result of a hunt.
 
     Attributes:
-        hunt: the hunt.
-        ended: it came to its end.
-        seconds: simulated.
+        hunt: hunt that was played.
+        ended: True if it reached its end.
+        seconds: simulated time, seconds.
         goals: number of goals reached.
-        failures: the reasons of the goals that were not, as codes.
-        collisions: of all robots.
+        failures: codes of the reasons for goals that were not reached.
+        collisions: number of collisions of all robots.
         waited: longest time that a robot with a goal stood still, seconds.
         open: longest time from a goal to its end, seconds.
-        cpu: processor seconds.
-        score: of the game.
+        cpu: processor time, seconds.
+        score: score of the game.
         rooms: number of rooms visited.
-        energy: left to all robots.
-        replies: of the participant in dialogues.
+        energy: energy left to all robots.
+        replies: number of the participant's replies in dialogues.
         who: attitude and strategy of the participant.
-        fault: the exception that ended the hunt; empty without one.
+        fault: exception that ended the hunt; empty if there was none.
     """
 
     hunt: Hunt
@@ -116,7 +116,7 @@ class Outcome:
 
 
 class GoalTimer:
-    """Measures how long goals stay open, and how long robots stand still meanwhile."""
+    """Timer of open goals, and of the time that robots with a goal stand still."""
 
     def __init__(self, robots: int) -> None:
         self._goal: list[int | None] = [None] * robots
@@ -128,7 +128,7 @@ class GoalTimer:
         self.failures: list[str] = []
 
     def saw(self, snapshot: TeamSnapshot) -> None:
-        """Take one tick."""
+        """Process one tick."""
         for robot, output in enumerate(snapshot.robots):
             navigation, tick = output.navigation, snapshot.tick
             goal = None if navigation.goal is None else navigation.goal.id
@@ -151,7 +151,7 @@ class GoalTimer:
 
 
 class Draw:
-    """Draws by a seed and the name of a stream, one after the other."""
+    """Random choices, given by a seed and the name of a stream."""
 
     def __init__(self, seed: int, stream: str) -> None:
         self._key, self._number = noise.key(seed, stream), 0
@@ -164,19 +164,19 @@ class Draw:
 
 @cache
 def setting_at(place: str) -> StudySetting:
-    """Return the setting of a study with this map, also with what robots need to argue; reading takes long."""
+    """Return the setting of a study with this map and with the data for arguing robots; reading it is slow."""
     talk = DialogueSection(condition=DialogueCondition.COLLABORATOR)
     return read_setting(replace(Study(dialogue=talk), map=place), Path())
 
 
 def drawn_hunt(seed: int, condition: DialogueCondition) -> Hunt:
-    """Return a hunt whose map and team are drawn by its seed."""
+    """Return a hunt whose seed determines map and team."""
     draw = Draw(seed, "drawn team")
     return Hunt(draw(("arena8", "office", "warehouse12")), draw(range(1, 5)), seed, condition)
 
 
 def drawn_study(hunt: Hunt, condition: DialogueCondition) -> Study:
-    """Return the study of a hunt in a condition; all else is drawn by the hunt's seed alone."""
+    """Return the study of a hunt in a condition; everything else depends only on the hunt's seed."""
     draw = Draw(hunt.seed, "drawn study")
     manner = MannerSection(
         attitude=draw(tuple(Attitude)),
@@ -206,11 +206,11 @@ def study_of(hunt: Hunt) -> Study:
 
 
 def played(hunt: Hunt) -> Outcome:
-    """Play one hunt to its end, or to an exception, which is kept."""
+    """Play one hunt to its end, or to an exception, which is stored."""
     try:
         return play(hunt)
     except Exception as fault:
-        # The others are to be played all the same.
+        # One failed hunt must not stop the others.
         return Outcome(hunt, False, 0.0, 0, (), 0, 0.0, 0.0, 0.0, fault=repr(fault))
 
 
@@ -250,14 +250,14 @@ def play(hunt: Hunt) -> Outcome:
 
 
 def report_line(robots: int, outcomes: Sequence[Outcome]) -> str:
-    """Return one line on the hunts with so many robots."""
+    """Return one line about the hunts with this number of robots."""
     failures = Counter(reason for outcome in outcomes for reason in outcome.failures)
     simulated, cpu = (math.fsum(values) for values in zip(*((o.seconds, o.cpu) for o in outcomes), strict=True))
     missed = f"{failures.total()} not {dict(failures)}" if failures else "0 not"
     return (
         f"{robots:2} robots: {len(outcomes)} hunts, {sum(not o.ended for o in outcomes)} hung, "
         f"{sum(o.collisions for o in outcomes)} collisions, {sum(o.goals for o in outcomes)} goals reached, {missed}; "
-        f"longest stand {max(o.waited for o in outcomes):.0f} s, longest goal {max(o.open for o in outcomes):.0f} s; "
+        f"longest wait {max(o.waited for o in outcomes):.0f} s, longest goal {max(o.open for o in outcomes):.0f} s; "
         f"{simulated / cpu:.0f} simulated s per CPU s"
     )
 
@@ -310,29 +310,29 @@ def play_conditions(pool: Executor, conditions: Sequence[DialogueCondition], see
 
 
 def conditions_of(words: str) -> tuple[DialogueCondition, ...]:
-    """Parse conditions from "script,adviser" or "all". Raises ArgumentTypeError."""
+    """Parse conditions from "script,adviser" or "all". Raise ArgumentTypeError for others."""
     try:
         return tuple(DialogueCondition if words == "all" else map(DialogueCondition, words.split(",")))
     except ValueError as fault:
-        raise argparse.ArgumentTypeError(f"{fault}: all, or some of {', '.join(DialogueCondition)}") from fault
+        raise argparse.ArgumentTypeError(f"{fault}: write all, or some of {', '.join(DialogueCondition)}") from fault
 
 
 def batches(words: str) -> list[tuple[int, int]]:
-    """Parse numbers of robots and of hunts from "3x100,8x20". Raises ArgumentTypeError."""
+    """Parse numbers of robots and of hunts from "3x100,8x20". Raise ArgumentTypeError for others."""
     found = [re.fullmatch(r"([1-9]\d*)x([1-9]\d*)", word) for word in words.split(",")]
     read = [(int(each[1]), int(each[2])) for each in found if each is not None]
     if len(read) < len(found):
-        raise argparse.ArgumentTypeError(f"{words!r} is not like 3x100,8x20: ROBOTSxHUNTS, with commas between")
+        raise argparse.ArgumentTypeError(f"{words!r} is not a list of ROBOTSxHUNTS, such as 3x100,8x20")
     return read
 
 
 def main() -> int:
     """Play all hunts."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    usual, shape = "2x100,4x100,8x100,16x20", "ROBOTSxHUNTS, with commas between"
+    usual, shape = "2x100,4x100,8x100,16x20", "ROBOTSxHUNTS, separated by commas"
     parser.add_argument("--hunts", type=batches, default=usual, help=shape)
-    parser.add_argument("--conditions", type=conditions_of, help="all, or some with commas between")
-    parser.add_argument("--count", type=int, default=200, help="of hunts in each condition")
+    parser.add_argument("--conditions", type=conditions_of, help="all, or some, separated by commas")
+    parser.add_argument("--count", type=int, default=200, help="number of hunts in each condition")
     parser.add_argument("--first-seed", type=int, default=1)
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1)
     options = parser.parse_args()
@@ -342,7 +342,7 @@ def main() -> int:
             seeds = range(options.first_seed, options.first_seed + options.count)
             return 0 if play_conditions(pool, options.conditions, seeds) else 1
         for robots, count in options.hunts:
-            # A small map has no room for so many to start.
+            # A small map has no space for so large a team at the start.
             places = MAPS if robots <= 10 else MAPS[1:]
             hunts = [Hunt(places[n % len(places)], robots, options.first_seed + n) for n in range(count)]
             outcomes = list(pool.map(play, hunts))

@@ -1,4 +1,4 @@
-"""Write `docs/reference/parameters.md`: every parameter of the navigation stack, from where the programs have them.
+"""Write `docs/reference/parameters.md`: every parameter of the navigation stack, from the program's own classes.
 
 python scripts/write_parameters.py [FILE]
 """
@@ -20,38 +20,40 @@ ROOT = Path(__file__).parents[1]
 HEAD = """\
 # Parameters
 
-Every parameter of a robot's software, under the name it has in ROS. `scripts/write_parameters.py` writes this page from
-the classes in `sim/parameters`, which the study file's reader and its error messages are made of too.
+Every parameter of a robot's software, under its name in ROS. `scripts/write_parameters.py` writes this page from the
+classes in `sim/parameters`, which also define the study file's reader and its error messages.
 
-* **yes**: does here what it does in ROS. **live**: that, and it may change while the robot runs, which it can in ROS by
-  dynamic_reconfigure (but for the goal tolerances of TrajectoryPlannerROS). **accepted**: means something inside ROS
-  only; files may have it, and are told that it changes nothing. **ours**: ROS has no such name.
-* *ROS* is the default that really applies in ROS noetic, from a node's code or from its `.cfg`, whichever wins there.
-  *Hunts* is what a study begins with, where that is something else.
-* Files of ROS are read as they are: `thbridge localize --params amcl.yaml`, `thbridge drive --params`, and in a study
-  `ros_parameters: [amcl.yaml, costmap_common_params.yaml, move_base_params.yaml]`. Where a launch file loads one into a
-  namespace (`ns="local_costmap"`), name it with that: `local_costmap:costmap_local.yaml`.
-* **What files of ROS leave out is as in ROS**: a node that any of them is for (amcl; or move_base with its costmaps and
-  planners) begins with the column *ROS*, and those of these defaults that hunts do not have are told, also by `--json`
-  (`ros_defaults`). `thbridge localize` begins there without files too. Presets of noise and lines of the study win over
-  that. Other nodes, and names that ROS does not have, stay as in hunts; so does what the sections `world` and `robot`
-  of a study leave out.
+* **yes**: has the same effect as in ROS. **live**: also, it may change while the robot runs, as in ROS with
+  dynamic_reconfigure (except the goal tolerances of TrajectoryPlannerROS, which cannot change in ROS). **accepted**:
+  has a meaning only inside ROS; files may contain it, and a message says that it has no effect. **ours**: ROS has no
+  such name.
+* *ROS* is the default that really applies in ROS Noetic: from a node's code or from its `.cfg`, whichever takes
+  precedence there. *Hunts* is the default of a study, if it is different.
+* ROS files are read unchanged: `thbridge localize --params amcl.yaml`, `thbridge drive --params`, and in a study
+  `ros_parameters: [amcl.yaml, costmap_common_params.yaml, move_base_params.yaml]`. If a launch file loads one into a
+  namespace (`ns="local_costmap"`), add the namespace to its name: `local_costmap:costmap_local.yaml`.
+* **Parameters that ROS files omit have ROS's defaults.** If any of the files is for a node (amcl; or move_base with its
+  costmaps and planners), the node begins with the column *ROS*. Defaults that differ from those of hunts are printed,
+  also by `--json` (`ros_defaults`). `thbridge localize` begins with them even without files. Presets of noise and lines
+  of the study take precedence. Other nodes, and names that ROS does not have, keep the values of hunts; so do
+  parameters that the sections `world` and `robot` of a study omit.
 * Files of ROS 2's Nav2 are read by the same options: amcl, the costmaps, navfn, DWB (as DWAPlannerROS) and its
-  checkers, under their own names and with Nav2's defaults, which are told. DWB's weights of paths and goals are halved,
-  as DWB takes half of a cell's side for them; a critic that `critics` does not list has the weight 0. A costmap without
-  `plugins` has the static, obstacle and inflation layers there; without `track_unknown_space: true` it takes the map's
-  unknown cells for free. The first goal checker and progress checker hold, also Nav2's by default (0.25 m
-  and 0.25 rad; 10 s for 0.5 m). Two defaults differ from Nav2, with a message: missing limits of speed and
-  acceleration (0 in Nav2, so that the robot does not move), and heights of obstacles (lasers here see in one plane).
-  `move_base` replans at its own `planner_frequency`; Nav2's behavior tree replans once a second. What has no
-  counterpart is named, and has no effect: other planners (MPPI, Smac), nodes, critics and ranges.
-* Layers and sensors are as in ROS 1, too: without `plugins`, a costmap has the map only by `static_map: true`, without
-  `observation_sources` it sees nothing. A costmap of which no file says anything keeps map, laser and the robot's body.
+  checkers, under their own names and with Nav2's defaults, which are printed. DWB's weights of paths and goals are
+  halved, because DWB uses half the side of a cell for them; a critic that `critics` does not list has weight 0. Without
+  `plugins`, a costmap has the static, obstacle and inflation layers there. Without `track_unknown_space: true`, it
+  treats unknown cells of the map as free. The first goal checker and progress checker are used, also Nav2's default
+  ones (0.25 m and 0.25 rad; 10 s for 0.5 m). Two defaults differ from Nav2, with a message: missing limits of speed and
+  acceleration (0 in Nav2, so that the robot does not move), and heights of obstacles (lasers here scan in one plane).
+  `move_base` replans at its own `planner_frequency`; Nav2's behavior tree replans once a second. Parameters without a
+  counterpart are named in a message and have no effect: other planners (MPPI, Smac), nodes, critics and ranges.
+* Layers and sensors are as in ROS 1, too: without `plugins`, a costmap has the map only with `static_map: true`, and
+  without `observation_sources` it uses no sensor. A costmap that no file mentions keeps the map, laser and robot's
+  body.
 """
 
 TITLES = {
     ("amcl",): "amcl",
-    ("ekf",): "Kalman filter (robot_pose_ekf's place)",
+    ("ekf",): "Kalman filter (in place of robot_pose_ekf)",
     ("ukf",): "Unscented Kalman filter",
     ("fake_localization",): "fake_localization",
     ("global_costmap", "local_costmap"): "costmap_2d",
@@ -61,14 +63,14 @@ TITLES = {
     ("DWAPlannerROS",): "dwa_local_planner",
     ("move_base",): "move_base",
 }
-"""Headings, by the sections under them; the costmaps have nearly all parameters in common."""
+"""Headings by the sections below them; the costmaps share nearly all parameters."""
 OURS = "not ROS's"
 NOTHING = "–"
 
 
 @dataclass(frozen=True)
 class Row:
-    """One parameter."""
+    """Row of one parameter."""
 
     name: str
     state: str
@@ -85,13 +87,13 @@ class Row:
 
 
 def rows(standard: object, hunts: object, prefix: str = "", ours: bool = False) -> Iterator[Row]:
-    """Return the rows of all parameters of a section and of those inside it.
+    """Return the rows of all parameters of a section and of its subsections.
 
     Args:
-        standard: the section with ROS's defaults.
-        hunts: the section as studies begin with it.
-        prefix: of the names, with its dot.
-        ours: ROS has no such section.
+        standard: section with ROS's defaults.
+        hunts: section with the defaults of studies.
+        prefix: prefix of the names, with its dot.
+        ours: True if ROS has no such section.
     """
     into = type(standard)
     hints = get_type_hints(into)
@@ -110,7 +112,7 @@ def rows(standard: object, hunts: object, prefix: str = "", ours: bool = False) 
             lists = [", ".join(entry.name for entry in entries) or "none" for entries in (own, other)]
             yield Row(name, state, lists[0], lists[1] if lists[1] != lists[0] else NOTHING, meaning=meaning(help_text))
             inner = f"{prefix}NAME." if names else f"{name}[]."
-            # Sections with a name of their own begin at the class's defaults, whatever those that are there say.
+            # Sections with a name of their own begin with the class's defaults, regardless of existing sections.
             sample = item() if names else own[0]
             for row in rows(sample, sample, inner, ours):
                 if not row.name.endswith(".name"):
@@ -138,7 +140,7 @@ def rows(standard: object, hunts: object, prefix: str = "", ours: bool = False) 
 
 
 def shown(value: object) -> str:
-    """Return a value as files have it."""
+    """Return a value as files contain it."""
     if isinstance(value, tuple):
         return f"[{', '.join(map(shown, value))}]"
     words = {None: "null", True: "true", False: "false"}
@@ -146,12 +148,12 @@ def shown(value: object) -> str:
 
 
 def meaning(help_text: str) -> str:
-    """Return a help text without its remark on whose parameter it is."""
+    """Return a help text without its remark about the parameter's origin."""
     return re.sub(rf"\s*\({OURS}(?:; )?([^)]*)\)", lambda found: f" ({found[1]})" if found[1] else "", help_text)
 
 
 def both(first: list[Row], second: list[Row]) -> Iterator[Row]:
-    """Return the rows of two sections in one table; where they differ, the global costmap's word comes first."""
+    """Yield the rows of two sections as one table; where they differ, the global costmap comes first."""
     others = {row.name: row for row in second}
     for row in first:
         other = others.pop(row.name, None)
@@ -189,6 +191,6 @@ if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     page = ROOT / "docs" / "reference" / "parameters.md"
     parser.add_argument(
-        "file", nargs="?", type=Path, metavar="FILE", default=page, help="by default docs/reference/parameters.md"
+        "file", nargs="?", type=Path, metavar="FILE", default=page, help="default: docs/reference/parameters.md"
     )
     parser.parse_args().file.write_text(document(), encoding="utf-8")

@@ -1,1 +1,1 @@
-"""The parts of `long_run.py`: companions of a session, samples of what programs hold, and whether that grows."""
+"""Parts of `long_run.py`: clients of a session, samples of used resources, and tests for growth."""

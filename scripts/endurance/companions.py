@@ -1,4 +1,4 @@
-"""Companions of a session: a participant, a watcher, a ROS node and a MAVLink station, each a program of its own."""
+"""Companions of a session, each a separate program: a participant, a watcher, a ROS node and a MAVLink station."""
 
 import argparse
 import asyncio
@@ -36,7 +36,7 @@ from thbridge.watching.wire import SessionMessage, parse_status
 
 HOST = "127.0.0.1"
 PASSES = 10.0
-"""Seconds between two requests of the watcher, and two nodes that come and go."""
+"""Seconds between two requests of the watcher, and between two short-lived nodes."""
 TOLD = 2.0
 """Seconds between two reports of a companion."""
 CORRIDOR = (Pose2(0.0, 1.0, 0.0), Pose2(4.0, 1.0, 0.0), Pose2(6.0, 1.0, 0.0))
@@ -46,7 +46,7 @@ Counts = Counter[str]
 
 
 class PlaysAgain:
-    """Player that begins another game whenever one is over."""
+    """Player that starts another game after each game."""
 
     def __init__(self, counts: Counts) -> None:
         self._counts = counts
@@ -65,7 +65,7 @@ class PlaysAgain:
 
 
 class SecondSeat:
-    """TabUI's role under another name, so that it plays beside a participant's window."""
+    """Role TabUI under another name, so that it can play in addition to a participant's window."""
 
     def __init__(self, role: TabUI, name: str) -> None:
         self._role = role
@@ -74,7 +74,7 @@ class SecondSeat:
         self._messages: list[TextMessage] = []
 
     def connected(self) -> None:
-        """See `RoleRunner`, for this and the next two."""
+        """See `RoleRunner`, also for the next two methods."""
         self._role.connected()
 
     def receive(self, message: TextMessage) -> None:
@@ -82,7 +82,7 @@ class SecondSeat:
         self._messages.append(message)
 
     def step(self) -> Sequence[TextMessage]:
-        """Return the role's messages; notices are believed in the name of their connection only."""
+        """Return the role's messages; notices are accepted only in the name of their connection."""
         messages, self._messages = self._messages, []
         said = self._role.step(int((time.monotonic() - self._began) / TICK), messages)
         return [dataclasses.replace(each, sender=self._name) if is_notice(each) else each for each in said]
@@ -103,7 +103,7 @@ async def participate(counts: Counts, given: argparse.Namespace) -> None:
 
 
 async def watch(counts: Counts, given: argparse.Namespace) -> None:
-    """Watch as a researcher's window does, and ask for something now and then."""
+    """Watch like a researcher's window, and send a request now and then."""
     client = WatchClient(HOST, given.watch)
     running = asyncio.create_task(client.run())
     asked = time.monotonic()
@@ -128,7 +128,7 @@ async def watch(counts: Counts, given: argparse.Namespace) -> None:
 
 
 async def subscribe(counts: Counts, given: argparse.Namespace) -> None:
-    """Subscribe to where all robots are, and let nodes come and go besides."""
+    """Subscribe to the poses of all robots, and also start and end other nodes."""
     topics = ["/tf", *(f"/robot{each + 1}/amcl_pose" for each in range(given.robots))]
 
     def count(_data: bytes, _publisher: str) -> None:
@@ -152,14 +152,14 @@ async def subscribe(counts: Counts, given: argparse.Namespace) -> None:
 
 
 async def command(counts: Counts, given: argparse.Namespace) -> None:
-    """Send heartbeats, and drive a robot now and then, which is given back then."""
+    """Send heartbeats, and now and then drive a robot, then release it."""
     async with open_station(Address(HOST, given.mavlink), True, None) as link:
         link.station = station = GroundStation()
         began, trips = time.monotonic(), 0
         trip: StationTrip | None = None
         while True:
             events, now = await link.poll(), time.monotonic()
-            counts["frames"] = sum(each.frames for each in station.robots.values())  # of integers
+            counts["frames"] = sum(each.frames for each in station.robots.values())  # sum of integers
             if trip is not None:
                 trip.advance(events, now)
                 if trip.outcome is not None:
@@ -180,7 +180,7 @@ COMPANIONS: Mapping[str, Callable[[Counts, argparse.Namespace], Coroutine[None, 
 
 
 async def accompany(given: argparse.Namespace) -> None:
-    """Run a companion until it is ended, and keep what it counts in a file for the sampler."""
+    """Run a companion until it is ended, and write its counts to a file for the sampler."""
     counts: Counts = Counter()
 
     async def report() -> None:

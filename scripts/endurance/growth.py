@@ -1,4 +1,4 @@
-"""Growth of what programs of a long run hold, and of what a tick costs them, by the samples taken of them."""
+"""Growth of the resources that programs of a long run use, and of the time per tick, computed from samples."""
 
 import csv
 from collections.abc import Mapping
@@ -12,14 +12,14 @@ from sim.common.observations import TICK
 from sim.numerics.float_array import FloatArray
 
 WARM_UP = 0.2
-"""Share of a run after which growth is looked for: by then caches are full, and allocators have their arenas."""
+"""Share of a run before which samples are ignored: by then caches are full, and allocators have their arenas."""
 TREND = 10
-"""Fewest samples of which a trend is made."""
+"""Least number of samples for a trend."""
 
 
 @dataclass(frozen=True, slots=True)
 class Bound:
-    """Most that a figure may grow within a simulated hour, after the warm-up; `slack`: within the whole run besides."""
+    """Greatest growth of a figure per simulated hour after the warm-up; `slack` is added once for the whole run."""
 
     growth: float
     slack: float
@@ -30,19 +30,19 @@ BOUNDS: Mapping[str, Bound] = {
     "descriptors": Bound(0.0, 4.0),
     "threads": Bound(0.0, 1.0),
 }
-"""By the ends of columns' names. Caches, and what is kept for late watchers, fill for some hours: within the slack."""
+"""Bounds by the ends of column names. Caches and data for late watchers fill for some hours, within the slack."""
 SLOWER = 1.25
-"""Most that a tick's processor time may be in the second half of what follows the warm-up, as a share of the first: of
-the yardstick's time, where the run has measured that."""
+"""Greatest ratio of a tick's processor time in the second half after the warm-up to the first half. Times are divided
+by the yardstick's time if the run measured it."""
 COUNTED = {
     "games": "games",
-    "visits": "visits at the doors",
-    "failed_visits": "in vain",
+    "visits": "connections of visitors",
+    "failed_visits": "of them failed",
     "lost": "connections lost",
     "dropped": "messages dropped for the watcher",
-    "ros_messages": "messages by ROS to the node",
-    "ros_nodes_passed": "nodes that came and went",
-    "mavlink_frames": "frames by MAVLink",
+    "ros_messages": "ROS messages to the node",
+    "ros_nodes_passed": "short-lived ROS nodes",
+    "mavlink_frames": "MAVLink frames",
     "mavlink_trips": "trips of the station",
     "journals_MB": "MB of journals",
     "bags_MB": "MB of bags",
@@ -51,7 +51,7 @@ COUNTED = {
 
 @dataclass(frozen=True, slots=True)
 class Growth:
-    """Growth of a figure: units a simulated hour, with a 95 % interval; the most of it that is allowed in this run."""
+    """Growth of a figure per simulated hour, with a 95 % interval, and the greatest growth allowed in this run."""
 
     begun: float
     ended: float
@@ -62,28 +62,28 @@ class Growth:
 
     @property
     def is_beyond(self) -> bool:
-        """True where even the lower end of the interval is beyond the bound."""
+        """True if even the lower end of the interval exceeds the bound."""
         return self.low > self.allowed
 
 
 def growth_of(hours: FloatArray, values: FloatArray, bound: Bound) -> Growth:
-    """Return the growth of a figure, by Theil and Sen's median of slopes, which single samples do not move."""
+    """Return the growth of a figure by the Theil-Sen estimator (median of slopes), which is robust against outliers."""
     hourly, _, low, high = stats.theilslopes(values, hours)
     allowed = bound.growth + bound.slack / max(hours[-1] - hours[0], 1e-9)
     return Growth(values[0], values[-1], hourly, low, high, allowed)
 
 
 def slowdown_of(times: FloatArray) -> float:
-    """Return the median of the second half of times as a share of that of the first."""
+    """Return the median of the second half of times divided by that of the first half."""
     half = len(times) // 2
     return float(np.nanmedian(times[half:]) / np.nanmedian(times[:half]))
 
 
 class Samples:
-    """The samples of a run.
+    """Samples of a run.
 
     Args:
-        path: of its CSV file.
+        path: path of their CSV file.
     """
 
     def __init__(self, path: Path) -> None:
@@ -96,21 +96,21 @@ class Samples:
         self.processes = [name.removesuffix("_threads") for name in self.columns if name.endswith("_threads")]
 
     def growth(self, process: str, what: str) -> Growth:
-        """Return the growth of what a process holds, after the warm-up."""
+        """Return the growth of a resource of a process, after the warm-up."""
         return growth_of(self.hours[self.warm], self.columns[f"{process}_{what}"][self.warm], BOUNDS[what])
 
     def tick_milliseconds(self, process: str) -> FloatArray:
-        """Return the processor time that a process takes for a tick, between each two samples."""
+        """Return the processor time of a process per tick, between successive samples."""
         used, passed = np.diff(self.columns[f"{process}_cpu_s"]), np.diff(self.columns["sim_s"])
         return 1000.0 * used * TICK / np.where(passed > 0.0, passed, np.nan)
 
     def slowdown(self, process: str) -> float:
-        """Return how much slower ticks have become, after the warm-up, than the machine has."""
+        """Return the slowdown of ticks after the warm-up, relative to the slowdown of the machine."""
         return slowdown_of((self.tick_milliseconds(process) / self.yardstick[1:])[self.warm[1:]])
 
 
 def judge(samples: Samples) -> bool:
-    """Print what has grown; return True where nothing is beyond its bound, and nobody was turned away."""
+    """Print the growth; return True if no bound is exceeded and no connection was refused."""
     if np.count_nonzero(samples.warm) < TREND:
         print("The run was too short for a trend.")
         return False
@@ -118,7 +118,7 @@ def judge(samples: Samples) -> bool:
     print(f"{samples.hours[-1]:.2f} simulated hours in {last['wall_s'] / 60:.0f} minutes:")
     print(", ".join(f"{last[column]:.0f} {words}" for column, words in COUNTED.items()))
     held = not last["failed_visits"]
-    print(f"{'':<24} {'first':>9} {'last':>9} {'an hour':>9}  {'95 % interval':<20} {'allowed':>9}")
+    print(f"{'':<24} {'first':>9} {'last':>9} {'per hour':>9}  {'95 % interval':<20} {'allowed':>9}")
     for process in samples.processes:
         for what in BOUNDS:
             each = samples.growth(process, what)
@@ -132,7 +132,7 @@ def judge(samples: Samples) -> bool:
     slower, times = samples.slowdown(main), samples.tick_milliseconds(main)[samples.warm[1:]]
     held &= slower <= SLOWER
     print(
-        f"A tick takes {main} {np.nanmedian(times):.2f} ms of processor time; {slower:.2f} times as much in the second "
-        f"half as in the first, {SLOWER} are allowed.  {'SLOWER' if slower > SLOWER else ''}"
+        f"A tick takes {main} {np.nanmedian(times):.2f} ms of processor time. In the second half it takes "
+        f"{slower:.2f} times as long as in the first half ({SLOWER} is allowed).  {'SLOWER' if slower > SLOWER else ''}"
     )
     return held

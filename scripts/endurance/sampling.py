@@ -1,4 +1,4 @@
-"""Samples of what programs hold, taken from outside by way of /proc, and visits at their doors meanwhile."""
+"""Samples of the resources that programs use, read from /proc, and test connections to their ports."""
 
 import csv
 import json
@@ -10,13 +10,13 @@ from pathlib import Path
 
 HOST = "127.0.0.1"
 YARDSTICK = 200_000
-"""Rounds of the fixed piece of work: some tens of milliseconds."""
+"""Rounds of the fixed piece of work, which takes some tens of milliseconds."""
 PATIENCE = 30.0
-"""Seconds that a visitor waits."""
+"""Timeout of a visitor, seconds."""
 
 
 def load_of(pid: int) -> dict[str, float]:
-    """Return what a process holds now, and the seconds of processor time it has used. Raises OSError: it has ended."""
+    """Return the resources and processor seconds that a process uses now. Raise OSError if it has ended."""
     process = Path(f"/proc/{pid}")
     pages = int((process / "statm").read_text().split()[1])
     fields = (process / "stat").read_text().rpartition(")")[2].split()
@@ -29,7 +29,7 @@ def load_of(pid: int) -> dict[str, float]:
 
 
 def yardstick() -> float:
-    """Return the processor time of a fixed piece of work now, ms: beside busy neighbors a core does less."""
+    """Return the processor time of a fixed piece of work, ms: a core is slower if its neighbors are busy."""
     began = time.thread_time()
     for number in range(YARDSTICK):
         str(number)
@@ -37,7 +37,7 @@ def yardstick() -> float:
 
 
 class Visitors:
-    """Programs that come to the doors, want an answer, and go.
+    """Short-lived clients that connect to the ports, wait for an answer, and leave.
 
     Args:
         text: port of the text server.
@@ -52,7 +52,7 @@ class Visitors:
         self._watch = watch
 
     def visit(self) -> None:
-        """Visit each door once, and note how long the text server had us wait."""
+        """Connect to each port once, and record how long the text server took to answer."""
         self.visits += 1
         try:
             with socket.create_connection((HOST, self._text), PATIENCE) as client:
@@ -70,7 +70,7 @@ class Visitors:
 
 
 def received(client: socket.socket) -> bytes:
-    """Wait for bytes. Raises OSError where none come any more."""
+    """Wait for bytes. Raise OSError if the connection is closed."""
     data = client.recv(2**16)
     if not data:
         raise ConnectionError
@@ -78,7 +78,7 @@ def received(client: socket.socket) -> bytes:
 
 
 class Recorded:
-    """Recordings of a run: journals, and bags whose finished pieces are removed so that the disk holds a day."""
+    """Recordings of a run: journals, and bags; finished parts of bags are removed so that the disk does not fill."""
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
@@ -92,16 +92,16 @@ class Recorded:
             self._removed += path.stat().st_size
             path.unlink()
         held = [path.stat().st_size for path in bags[-2:]]
-        return sum(journals) / 2**20, (self._removed + sum(held)) / 2**20  # of integers
+        return sum(journals) / 2**20, (self._removed + sum(held)) / 2**20  # sums of integers
 
 
 class Sampler:
-    """Writes a row of figures now and then.
+    """Writer of periodic rows of figures.
 
     Args:
-        folder: of the run.
-        processes: their ids by their names.
-        visitors: whose waits are written.
+        folder: folder of the run.
+        processes: process ids, by name.
+        visitors: visitors, for the times they waited.
     """
 
     def __init__(self, folder: Path, processes: Mapping[str, int], visitors: Visitors) -> None:

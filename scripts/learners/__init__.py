@@ -1,1 +1,1 @@
-"""Policies that choose rooms in environments, and a learner of one."""
+"""Policies that choose rooms in environments, and a learner of a policy."""

@@ -1,4 +1,4 @@
-"""Policies: which room each robot of an environment chooses next."""
+"""Policies that choose the next room of each robot in an environment."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -16,7 +16,7 @@ Infos: TypeAlias = Mapping[str, Mapping[str, object]]
 
 
 class Policy(Protocol):
-    """Chooses rooms."""
+    """Policy that chooses rooms."""
 
     def begin(self, env: Env, seed: int) -> None:
         """Begin the episode of a seed."""
@@ -26,7 +26,7 @@ class Policy(Protocol):
 
 
 class RandomPolicy:
-    """Any room; the same ones for the same seed while agents have the same choices."""
+    """Policy that chooses a random room; the same seed gives the same rooms if agents have the same choices."""
 
     def begin(self, env: Env, seed: int) -> None:
         """See `Policy`."""
@@ -41,7 +41,7 @@ class RandomPolicy:
 
 
 class CheapestPolicy:
-    """The room that costs least, of equal ones the first."""
+    """Policy that chooses the cheapest room, of equal ones the first."""
 
     def begin(self, env: Env, seed: int) -> None:
         """See `Policy`."""
@@ -52,15 +52,15 @@ class CheapestPolicy:
 
 
 class TablePolicy:
-    """A preference for each room by agent and place: drawn by softmax while it learns, else the greatest.
+    """Policy with a preference for each room by agent and place: sampled by softmax while learning, otherwise greedy.
 
     Args:
         table: (agents, rooms + 1, rooms) preferences; place 0 is the start, others are rooms by number.
-        dice: draws while it learns; None: the greatest preference is chosen.
+        dice: random generator while it learns. If None, the room with the greatest preference is chosen.
 
     Attributes:
-        table: as above.
-        gradient: of the log-probability of all choices of the episode, by the table.
+        table: table of preferences.
+        gradient: gradient of the log-probability of all choices of the episode with respect to the table.
     """
 
     def __init__(self, table: NDArray[np.float64], dice: np.random.Generator | None = None) -> None:
@@ -70,7 +70,7 @@ class TablePolicy:
 
     @classmethod
     def read(cls, file: Path) -> "TablePolicy":
-        """Return the policy in a file of `save`."""
+        """Return the policy in a file that `save` wrote."""
         return cls(np.load(file))
 
     def begin(self, env: Env, seed: int) -> None:
@@ -95,7 +95,7 @@ class TablePolicy:
 
 
 def play(env: Env, policy: Policy, seed: int) -> int:
-    """Play the episode of a seed to its end, one agent after the other, and return the score."""
+    """Play the episode of a seed to its end, with one agent after the other, and return the score."""
     observations, infos = env.reset(seed=seed)
     policy.begin(env, seed)
     while env.agents:

@@ -72,7 +72,7 @@ class Track:
             errors: (m, 3) time, distance (m) and absolute angle (rad) between the two; empty if either is missing.
             energy: (k, 2) time, energy left, in the game's units, or in percent if the bag has only that.
             attempts: drives to goals, in order.
-            distance: distance driven, meters: from the truth if it is known, otherwise the estimate, otherwise odometry.
+            distance: distance driven, meters: from the truth if known, otherwise the estimate, otherwise odometry.
             odometry: (o, 4) time, x, y, theta in the frame of odometry.
             speeds: (o, 3) time, m/s, rad/s from odometry messages; empty if odometry is only in tf.
             commands: (c, 3) time, m/s, rad/s of commanded speeds.

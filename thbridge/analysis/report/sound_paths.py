@@ -9,8 +9,8 @@ from thbridge.ros.clock_changes import stamps_by_clock
 from thbridge.ros.odometry_faults import RecordedFault, sound_poses
 
 LATEST, EARLIEST = 10.0, -0.25
-"""Greatest and least time from the stamp of a message to its recording, seconds, if one clock sets both: tf2 keeps 10 s,
-and a recorder that uses /clock lags by up to one period of it."""
+"""Greatest and least time from the stamp of a message to its recording, seconds, if one clock sets both: tf2 keeps
+transforms for 10 s, and a recorder that uses /clock lags by up to one period of it."""
 RECORDED, STAMPED = 0, 1
 """Columns of the times in rows of time of recording, stamp, x, y, theta."""
 
