@@ -56,14 +56,14 @@ def test_a_recorded_session_is_read_and_replayed(old: Path) -> None:
     said = invoke("replay", old / "hunt.bag").output
     # Another release may give something else for a seed; then it says where, and with what it was recorded.
     is_same = "are the same, bit for bit" in said
-    assert is_same or ("The first difference:" in said and "Recorded with other versions" in said), said
+    assert is_same or ("First difference:" in said and "Recorded with other versions" in said), said
 
 
 @pytest.mark.slow
 def test_a_study_with_people_goes_on_where_it_was(study: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     assert "no faults" in output_of("study", "check", study)
     status = output_of("study", "status", study)
-    assert "2 of 2 runs that count" in status
+    assert "2 of 2 runs complete" in status
     people = re.findall(r"P-\w{5}", status)
     for name, instead in (
         ("WindowProcess", lambda *_: WindowOfTwo(people=1)),

@@ -28,7 +28,7 @@ def test_a_whole_hunt_with_robots_of_another_process(tmp_path: Path):
             tmp_path, "simr", "--study", "study.yaml", "--ros-master", uri, "--server", at, "--bag", str(bag)
         )
         programs.append(simr)
-        until("all robots to be found", lambda: "All robots are there" in simr.text, programs)
+        until("all robots to be found", lambda: "All robots have been found" in simr.text, programs)
         programs.append(Program(tmp_path, "hider", "--server", at))
         player = Program(tmp_path, "tabui", "--server", at, "--json")
         programs.append(player)

@@ -80,7 +80,7 @@ def test_after_a_game_the_terminal_says_how_another_begins_and_so_it_does(tmp_pa
         tabui = running[-1]
         until("the end of the game", lambda: tabui.process.poll() is not None, running)
         assert tabui.process.returncode == 0
-        assert "or when `thbridge server` (or `thbridge play`) is stopped and started again." in tabui.text
+        assert "or stop and restart `thbridge server` (or `thbridge play`)." in tabui.text
         assert running[0].stop() == 0
         running.append(running[0].again())
         until("another game", lambda: first_of(2) == ["started", "hidden"], running)

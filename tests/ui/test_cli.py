@@ -233,7 +233,7 @@ def test_the_study_that_is_written_is_without_fault_and_says_the_defaults() -> N
     assert invoke("study", "init", "study.yaml").exit_code == 0
     assert invoke("study", "check", "study.yaml").stdout == "study.yaml: no faults\n"
     assert load_study(Path("study.yaml")).value.seed == 1
-    assert "there is such a file already" in refusal("study", "init", "study.yaml")
+    assert "this file already exists" in refusal("study", "init", "study.yaml")
 
 
 @pytest.mark.parametrize(
@@ -265,7 +265,7 @@ def test_a_language_is_chosen_for_one_run(monkeypatch: pytest.MonkeyPatch) -> No
     monkeypatch.setattr("thbridge.app.play.play", play)
     assert invoke("play", "--language", "de", "--headless", "--rate", "0").exit_code == 3
     assert [setting.texts.language for setting in played] == ["de"]
-    assert "no language 'xx'. Choose one of these: de, en." in refusal("play", "--language", "xx")
+    assert "no language 'xx'. Choose one of de, en." in refusal("play", "--language", "xx")
 
 
 @pytest.mark.parametrize("option", [("play", "--rate", "0,2"), ("plan", "--map", "m.yaml", "--start", "0,2", "0")])
@@ -389,13 +389,13 @@ def test_names_without_effect_are_told_where_a_study_is_read() -> None:
 
 def test_a_person_needs_no_templates_and_no_seed() -> None:
     message = refusal("tabui", "--participant", "person", "--templates", "./nowhere", "--seed", "3")
-    assert "--templates has no effect here: it is for simulated participants.\n" in message
+    assert "--templates has no effect here: it applies only to simulated participants.\n" in message
     assert "--seed has no effect here" in message
     assert "standard input is a file" in message, "it would start otherwise"
 
 
 def test_real_robots_are_not_simulated_and_not_hurried() -> None:
-    assert "--ros: robots of a ROS graph are there already" in refusal("simr", "--robots-from", "ros", "--ros")
+    assert "--ros: real robots are on a ROS graph already" in refusal("simr", "--robots-from", "ros", "--ros")
     assert "--rate: real robots have the time" in refusal("simr", "--robots-from", "ros", "--rate", "2")
     Path("study.yaml").write_text("robots_from: ros\n")
     assert "this study is for real robots" in refusal("play", "study.yaml")
@@ -413,18 +413,18 @@ def test_robots_by_themselves_are_no_vehicles() -> None:
 
 def test_fewer_robots_than_the_study_has_software_for_are_refused() -> None:
     Path("study.yaml").write_text("robots: 2\neach: {2: {localization: truth}}\n")
-    assert "--robots 1: the study has software for robot 2" in refusal("play", "study.yaml", "--robots", "1")
+    assert "--robots 1: the study configures robot 2 under `each`" in refusal("play", "study.yaml", "--robots", "1")
 
 
 def test_play_gives_one_object_and_exit_code_1_when_time_is_up() -> None:
     done = invoke("play", "--json", "--port", "0", "--max-seconds", "1", "--bag", "new/a.bag")
     assert done.exit_code == 1
-    assert done.stderr.endswith("the game was not over after 1 simulated seconds\n")
+    assert done.stderr.endswith("the game had not ended after 1 simulated seconds\n")
     assert json.loads(done.stdout)["sim_seconds"] == 1.0
     assert Path("new/a.bag").is_file()
     assert not Path("new/a.html").exists()
     again = invoke("play", "--json", "--report", "--port", "0", "--max-seconds", "1", "--bag", "new/a.bag")
-    assert "The older recording is now new/a-1.bag." in again.stderr
+    assert "The older recording was renamed to new/a-1.bag." in again.stderr
     assert json.loads(again.stdout)["bag"] == "new/a.bag"
     assert Path("new/a.html").is_file()
 
@@ -465,7 +465,7 @@ def test_where_nobody_can_watch_is_refused_and_so_is_a_key_that_is_none(folder: 
     assert "key.txt, line 1: there is no key in this line" in refusal("simr", "--watch", "0", "--watch-key", "key.txt")
     Path("study.yaml").write_text("watch: {port: 0, key: key.txt}\n")
     assert "there is no key in this line" in refusal("play", "study.yaml", "--headless")
-    message = "--watch: real robots are watched on their graph"
+    message = "--watch: watch real robots on their ROS graph"
     assert message in refusal("simr", "--robots-from", "ros", "--watch", "6010")
 
 

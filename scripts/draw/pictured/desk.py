@@ -43,7 +43,7 @@ def at_the_desk() -> Iterator[Shot]:
     window.resize(*SIZE)
     window.show()
     form = f"{last.participant}: {progress.runs[last.participant].plan[last.step - 1].name}, page 1 of 1"
-    troubles = ("At the kiosk, keys and clicks go to another window.",)
+    troubles = ("Another window at the kiosk receives keys and clicks. Click into the kiosk's window.",)
     told = ToldToDesk(last.clocks.wall, ("texts/welcome.txt was changed",), form, troubles, last.participant)
     window.receive(desk_state(design, progress, entries, told))
     yield Shot("desk", window)

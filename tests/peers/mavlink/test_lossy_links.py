@@ -41,7 +41,7 @@ def lossy(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Program, i
         lossy_link(mavsdk, LOSS, seed=2) as other,
         rovers(folder, (one.port, other.port), "--rate", str(RATE)) as play,
     ):
-        until("the robots to be reached", lambda: "Robots speak MAVLink" in play.text, [play])
+        until("the robots to be reached", lambda: "MAVLink links of the robots" in play.text, [play])
         yield play, script, mavsdk, (one, other)
 
 

@@ -47,7 +47,7 @@ def test_the_manuals_example_sends_a_robot_into_a_room(tmp_path: Path) -> None:
     with rovers(tmp_path, (port,)) as play:
         names: dict[str, object] = {}
         exec(example_for("pymavlink", port), names)
-        until("the robot to be sent", lambda: "Robot 1 sets out for room 2" in play.text, [play])
+        until("the robot to be sent", lambda: "Robot 1 leaves for room 2" in play.text, [play])
         names["station"].close()
 
 

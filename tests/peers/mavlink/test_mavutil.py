@@ -20,7 +20,7 @@ def both(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Script, Scr
     one = Script(f"udpin:127.0.0.1:{udp}", 255)
     ports = ("--identity", "ardupilot", "--tcp", f"127.0.0.1:{tcp}")
     with rovers(tmp_path_factory.mktemp("mavutil"), (udp,), *ports) as play:
-        until("the robots to be reached", lambda: "Robots speak MAVLink" in play.text, [play])
+        until("the robots to be reached", lambda: "MAVLink links of the robots" in play.text, [play])
         other = Script(f"tcp:127.0.0.1:{tcp}", 254)
         for script, system in ((one, 1), (other, 2)):
             script.beat()

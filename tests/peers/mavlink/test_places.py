@@ -36,7 +36,7 @@ def test_places_off_the_map_are_denied_and_visited_rooms_skipped(tmp_path: Path)
     port = free_udp_port()
     script = Script(f"udpin:127.0.0.1:{port}", 255)
     with rovers(tmp_path, (port,), section="  visited_rooms: skip\n") as play:
-        until("the robots to be reached", lambda: "Robots speak MAVLink" in play.text, [play])
+        until("the robots to be reached", lambda: "MAVLink links of the robots" in play.text, [play])
         script.beat()
         assert script.master.wait_heartbeat(timeout=PATIENCE) is not None
         script.follows(1)

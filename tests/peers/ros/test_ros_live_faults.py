@@ -93,7 +93,7 @@ def under_way(program: Program) -> None:
 def ends_well(program: Program, folder: Path) -> None:
     """Whether it stops when it is told to, with a bag from its first tick to its last."""
     assert program.stop() == 1, program.text
-    assert "what was recorded up to here is complete" in program.text
+    assert "the recording is complete up to this point" in program.text
     assert "Traceback" not in program.text
     ticks = [message.stamp_ns for message in messages(folder / "hunt.bag") if message.topic == "/robot1/odom"]
     assert len(ticks) > 50
@@ -229,7 +229,7 @@ def test_a_port_that_something_else_has_is_told_before_anything_begins(tmp_path:
 @pytest.mark.parametrize(
     ("arguments", "word"),
     [
-        (("--ros-master", "localhost"), "'localhost' is not a master's address"),
+        (("--ros-master", "localhost"), "'localhost' is not the address of a ROS master"),
         pytest.param(("--ros-host", "192.0.2.1"), "192.0.2.1", marks=pytest.mark.slow),
         pytest.param(("--ros-host", "no such host"), "no such host", marks=pytest.mark.slow),
     ],

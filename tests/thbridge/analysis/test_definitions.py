@@ -39,9 +39,9 @@ def test_types_are_known_by_md5_or_else_by_name(definition: str, md5: str | None
     for name in ("odom", "scan", "tf", "poses"):
         one, other = ((tmp_path / folder / f"{name}.parquet").read_bytes() for folder in ("from-whole", "tables"))
         assert one == other
-    why = "which its md5 sum names" if md5 is None else "which its messages fit"
+    why = "because its md5 sum matches" if md5 is None else "because its messages match"
     assert sorted(done.notices) == [
-        f"{topic}: the bag has no whole definition of its type; that of {msgtype} in ROS Noetic is taken, {why}."
+        f"{topic}: the bag has no complete definition of its type; the definition of {msgtype} in ROS Noetic is used, {why}."
         for topic, msgtype in (("/odom", "nav_msgs/Odometry"), ("/scan", SCAN))
     ]
     (tmp_path / "ros2").mkdir()

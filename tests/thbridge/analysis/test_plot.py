@@ -62,7 +62,7 @@ def test_the_same_report_gives_the_same_bytes(report: Report, kind: FigureFormat
 def test_what_is_missing_is_told(what: FigureKind) -> None:
     refused = draw(what, read_report([]), TWO_COLUMNS)
     assert isinstance(refused, RequestRefused)
-    assert "There is nothing to plot" in refused.sentence
+    assert "Nothing to plot" in refused.sentence
 
 
 def test_the_band_is_what_the_localiser_admits(report: Report) -> None:

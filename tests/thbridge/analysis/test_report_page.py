@@ -66,7 +66,7 @@ def test_the_page_needs_nothing_but_itself(page: str) -> None:
 def test_every_figure_is_there_and_well_formed(page: str) -> None:
     drawn = re.findall(r"<svg.*?</svg>", page, re.DOTALL)
     titles = re.findall(r"<h2>(.*?)</h2>", page)
-    assert titles == ["Robots", "Score", "Paths", "Localisation error", "Energy", "Timeline", "What happened"]
+    assert titles == ["Robots", "Score", "Paths", "Localization error", "Energy", "Timeline", "Event log"]
     assert len(drawn) == 4
     for svg in drawn:
         ElementTree.fromstring(svg)
@@ -113,7 +113,7 @@ def test_the_page_tells_who_made_way_for_whom_when_and_how_long(report: Report) 
     page = render([replace(report, tracks=(replace(first, ways_made=made), second))], "a.bag")
     plain = re.sub(r"\s+", " ", re.sub(r"<[^>]+>", " ", page))
     assert "1:01 1:13 robot 1 robot 2 12.5 1:20 1:21 robot 1 robot 2 1.0" in plain
-    assert "Made way, s robot 1" in plain
+    assert "Making way, s robot 1" in plain
     assert re.search(r"robot 1 .* 13\.5 robot 2 ", plain)
 
 
@@ -122,7 +122,7 @@ def test_a_foreign_bag_says_what_is_missing(tmp_path: Path) -> None:
     with BagWriter(path, Definitions(())) as writer:
         writer.write(RosMessage(Topic("/chatter", "std_msgs/String"), 1, b"\x02\x00\x00\x00hi"))
     page = build_report(path)
-    assert "Not in this bag" in page
+    assert "Missing in this bag" in page
     assert "There is no map" in page
     assert "<svg" not in page
 

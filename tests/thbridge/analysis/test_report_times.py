@@ -88,7 +88,7 @@ def test_whatever_is_recorded_late_is_compared_by_its_stamps(
         (lambda ns: ns + HOUR, "are 3599.5 s after the time of recording"),
         (lambda ns: ns + 2 * LATE, "are 0.5 s after the time of recording"),
         (lambda ns: BEGIN, "have one stamp for many poses"),
-        (lambda ns: ns - 8 * TENTH * (ns > BEGIN + 30 * TENTH) * 10, "are of a clock that was set"),
+        (lambda ns: ns - 8 * TENTH * (ns > BEGIN + 30 * TENTH) * 10, "are from a clock that was changed"),
     ],
 )
 def test_stamps_of_another_clock_are_not_used_and_it_says_so(
@@ -184,7 +184,7 @@ def test_an_estimate_that_jumps_is_not_driven_and_named(tmp_path: Path) -> None:
         entries.append(entry("/amcl_pose", ns, ns, 0.05 * number + 8.0 * (number >= 30)))
     track = track_of(tmp_path, Planted(entries))
     assert track.distance == pytest.approx(58 * 0.05)
-    assert "the estimate jumps 1 times, where the robot was not driven" in track.sources
+    assert "the estimate jumps 1 times without a drive" in track.sources
 
 
 def test_a_drive_that_is_played_again_is_driven_twice_without_the_way_back(tmp_path: Path) -> None:

@@ -102,7 +102,7 @@ def test_the_session_is_in_the_metadata(tmp_path: Path, hunt: Path) -> None:
 
 def test_a_folder_that_exists_is_kept(tmp_path: Path, hunt: Path) -> None:
     (tmp_path / "hunt").mkdir()
-    with pytest.raises(BadFile, match="there is such a folder already"):
+    with pytest.raises(BadFile, match="this folder already exists"):
         to_ros2(hunt, tmp_path / "hunt")
     assert [path.name for path in tmp_path.iterdir()] == ["hunt"]
 

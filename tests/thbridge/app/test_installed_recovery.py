@@ -190,7 +190,7 @@ def test_a_trial_finds_what_is_wrong_with_a_behavior(name: str, problem: str) ->
 def test_the_command_finds_what_differs_in_another_process() -> None:
     done = invoke("plugins", "check", "--recovery", "hashed")
     assert done.exit_code == 2
-    assert "hashed: in another process it decided otherwise with the same seed" in done.output
+    assert "hashed: in another process it decided differently with the same seed" in done.output
 
 
 def test_the_command_lists_what_is_installed_and_checks_what_is_named() -> None:

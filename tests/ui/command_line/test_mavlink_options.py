@@ -44,7 +44,7 @@ def test_a_target_of_a_robot_that_there_is_not() -> None:
 @pytest.mark.parametrize("other", ["h:1", "h:1/2"])
 def test_an_address_for_one_robot_and_for_others(other: str) -> None:
     message = refusal("--mavlink", "--robots", "3", "--udp", "h:1/1", "--udp", other)
-    assert f"--udp: h:1 is there for other robots already. Give '{other}' another port." in message
+    assert f"--udp: h:1 is already used for other robots. Use another port for '{other}'." in message
 
 
 @pytest.mark.parametrize(

@@ -65,7 +65,7 @@ def test_a_door_with_keys_is_encrypted_and_needs_no_network() -> None:
     Path("study.yaml").write_text("server: {host: 0.0.0.0}\nkeys: keys\n")
     arguments = ("--headless", "--rate", "0", "--max-seconds", "1", "--no-report", "--port", str(free_port()))
     done = invoke("play", "study.yaml", *arguments, "--watch", "0.0.0.0:0", "--bag", "a.bag")
-    assert "Open to whoever shows a key, encrypted: the text server, researchers' windows." in done.stderr
+    assert "Accepting remote clients that present a key (TLS): the text server, researchers' windows." in done.stderr
     assert "without" not in done.stderr
 
 

@@ -61,7 +61,7 @@ def test_standard_output_is_not_shared_with_json(tmp_path: Path, bag: Path) -> N
     command = [sys.executable, "-c", PROGRAM, "bag", "cut", str(bag), "--to", "-", "--json"]
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, check=False, text=True)
     assert done.returncode == 2
-    assert "--json: standard output is for the file already." in done.stderr
+    assert "--json: standard output is already used for the file." in done.stderr
     assert done.stdout == ""
 
 

@@ -55,7 +55,7 @@ def test_letters_of_all_writings_stay() -> None:
         (OSError(errno.ENAMETOOLONG, "File name too long", "x" * 5000), f"{'x' * 200}...: file name too long."),
         (PermissionError(errno.EACCES, "Permission denied", "a"), "a: permission denied."),
         (OSError(errno.ENOSPC, "No space left on device"), "the disk: no space left on device."),
-        (MemoryError(), "There is not enough memory for it."),
+        (MemoryError(), "Not enough memory."),
     ],
 )
 def test_what_the_system_says_of_a_file_ends_a_command_in_a_message(

@@ -47,7 +47,7 @@ def test_an_argument_is_asked_about(file: Path) -> None:
     ("options", "told"),
     [
         (("--query", "z"), "--query: there is no argument z"),
-        (("--explain",), "--explain: it needs to know of what."),
+        (("--explain",), "--explain requires an argument to explain."),
     ],
 )
 def test_what_cannot_be_is_told(file: Path, options: tuple[str, ...], told: str) -> None:

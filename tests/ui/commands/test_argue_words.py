@@ -15,7 +15,7 @@ CIRCLE = ArgumentationFramework.of("abc", [("a", "b"), ("b", "c"), ("c", "a")])
 NIXON = ArgumentationFramework.of("abcd", [("b", "a"), ("c", "b"), ("c", "d"), ("d", "c")])
 SELF = ArgumentationFramework.of("ab", [("a", "a"), ("a", "b")])
 TWICE = ArgumentationFramework.of("abcd", [("b", "a"), ("c", "a"), ("d", "b"), ("d", "c")])
-UNDECIDED_END = "The opponent wins: {} does not have to be accepted. It does not have to be rejected either."
+UNDECIDED_END = "The opponent wins: {} need not be accepted, and need not be rejected."
 
 
 @pytest.mark.parametrize(
@@ -25,34 +25,34 @@ UNDECIDED_END = "The opponent wins: {} does not have to be accepted. It does not
             chain(3),
             "a2",
             [
-                "Proponent: a2 has to be accepted.",
+                "Proponent: a2 must be accepted.",
                 "Opponent:  But a1 attacks a2.",
-                "Proponent: a0 attacks a1, and has to be accepted.",
+                "Proponent: a0 attacks a1, and must be accepted.",
                 "Opponent:  Nothing attacks a0. I concede a0.",
                 "Opponent:  a0 attacks a1. I take a1 back.",
-                "Opponent:  I have taken back all that attacks a2. I concede a2.",
-                "The proponent wins: a2 has to be accepted.",
+                "Opponent:  I have taken back every attacker of a2. I concede a2.",
+                "The proponent wins: a2 must be accepted.",
             ],
         ),
         (
             chain(2),
             "a1",
             [
-                "Proponent: a1 has to be accepted.",
+                "Proponent: a1 must be accepted.",
                 "Opponent:  But a0 attacks a1.",
                 "Proponent: Nothing attacks a0. I have no answer.",
-                "The opponent wins: a1 has to be rejected.",
+                "The opponent wins: a1 must be rejected.",
             ],
         ),
         (
             CIRCLE,
             "a",
             [
-                "Proponent: a has to be accepted.",
+                "Proponent: a must be accepted.",
                 "Opponent:  But c attacks a.",
-                "Proponent: b attacks c, and has to be accepted.",
+                "Proponent: b attacks c, and must be accepted.",
                 "Opponent:  But a attacks b.",
-                "This goes round in a circle, which decides nothing: a attacks b, b attacks c, c attacks a.",
+                "These attacks form a cycle, which decides nothing: a attacks b, b attacks c, c attacks a.",
                 UNDECIDED_END.format("a"),
             ],
         ),
@@ -60,10 +60,10 @@ UNDECIDED_END = "The opponent wins: {} does not have to be accepted. It does not
             SELF,
             "b",
             [
-                "Proponent: b has to be accepted.",
+                "Proponent: b must be accepted.",
                 "Opponent:  But a attacks b.",
-                "Proponent: a attacks itself, and has to be accepted.",
-                "What attacks itself cannot be accepted.",
+                "Proponent: a attacks itself, and must be accepted.",
+                "An argument that attacks itself cannot be accepted.",
                 UNDECIDED_END.format("b"),
             ],
         ),
@@ -80,7 +80,7 @@ def test_a_discussion_says_who_attacks_whom_and_how_it_ends(
     [
         (chain(1), "GR", "a0", ["a0 is in the grounded extension: nothing attacks it."]),
         (chain(3), "GR", "a2", ["a2 is in the grounded extension: a1 attacks it, but a0 attacks a1."]),
-        (TWICE, "GR", "a", ["a is in the grounded extension: what attacks it is attacked in turn, b by d, c by d."]),
+        (TWICE, "GR", "a", ["a is in the grounded extension: its attackers are attacked in turn, b by d, c by d."]),
         (
             NIXON,
             "PR",
@@ -96,7 +96,7 @@ def test_a_discussion_says_who_attacks_whom_and_how_it_ends(
             "a",
             [
                 "a is not in the complete extension: c attacks it."
-                " Nothing in the extension attacks c or a, so that both are undecided."
+                " Nothing in the extension attacks c or a, so both are undecided."
             ],
         ),
         (
@@ -105,7 +105,7 @@ def test_a_discussion_says_who_attacks_whom_and_how_it_ends(
             "a",
             [
                 "a is not in the grounded extension: it attacks itself."
-                " Nothing in the extension attacks it, so that it is undecided."
+                " Nothing in the extension attacks it, so it is undecided."
             ],
         ),
         (CIRCLE, "ST", "a", []),
@@ -120,7 +120,7 @@ def test_a_reason_says_what_attacks_and_what_answers(
 
 @given(framework=frameworks())
 def test_nothing_is_said_that_is_not_so(framework: ArgumentationFramework) -> None:
-    ends = {"in": "has to be accepted.", "out": "has to be rejected.", "undecided": "rejected either."}
+    ends = {"in": "must be accepted.", "out": "must be rejected.", "undecided": "need not be rejected."}
     for name in framework.arguments:
         lines = list(discussion_in_words(framework, discuss(framework, name)))
         assert lines[-1].endswith(ends[grounded_label(framework, name)])

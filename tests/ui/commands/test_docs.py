@@ -28,7 +28,7 @@ def test_pages_are_listed_and_printed_as_they_are_written() -> None:
 def test_an_unknown_page_is_answered_with_the_nearest() -> None:
     refused = invoke("docs", "sweep")
     assert (refused.exit_code, refused.stdout) == (2, "")
-    assert "The nearest name is sweeps." in refused.stderr
+    assert "A similar name is sweeps." in refused.stderr
 
 
 def test_each_page_that_a_help_text_or_a_message_names_is_there() -> None:

@@ -40,4 +40,4 @@ def test_a_door_wants_keys_that_are_there_and_cannot_be_guessed() -> None:
     Path("a.key").chmod(0o600)
     short = invoke("play", "--headless", "--watch", "0", "--watch-key", "a.key")
     assert short.exit_code == 2
-    assert "this key can be guessed: it has 1 characters" in short.stderr
+    assert "this key is easy to guess, because it has only 1 characters" in short.stderr

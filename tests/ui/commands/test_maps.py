@@ -57,7 +57,7 @@ def test_a_new_map_is_measured_by_a_study_that_does_not_fit_it_and_then_plays(he
     done = maps(*measure, "two/mapTimes", "--jobs", 2)
     assert done.exit_code == 0, done.stderr
     assert done.stderr.splitlines()[-1] == (
-        "Wrote two/mapTimes, into the map's folder: games on this map take it from now on. Nothing more is to do."
+        "Wrote two/mapTimes into the map's folder. Games on this map now use it."
     )
     assert (here / "mapTimes").read_bytes() == (here / "two" / "mapTimes").read_bytes()
     (here / "play.yaml").write_text("map: ./two\n")
@@ -84,7 +84,7 @@ def test_a_stopped_measurement_goes_on_and_writes_the_same_bytes(here: Path, mon
     driven = []
     monkeypatch.setattr(KeptTrips, "add", lambda kept, result: (driven.append(result.trip), add(kept, result)))
     done = maps(*measure, "mapTimes", "--progress", "json")
-    assert "1 of 4 trips are kept from an earlier run (mapTimes.trips). Measuring the others." in done.stderr
+    assert "1 of 4 trips were kept from an earlier run (mapTimes.trips). Measuring the others." in done.stderr
     assert '"task": "trips", "done": 4, "total": 4' in done.stderr
     assert len(driven) == 3
     assert killed[0] not in driven
@@ -221,7 +221,7 @@ class TestNew:
     @pytest.mark.parametrize(
         ("words", "told"),
         [
-            (("two.png",), "an image does not say how large it is. Give the width"),
+            (("two.png",), "the size of an image in meters is not known. Write the width"),
             (("none.png", "--resolution", "0.1"), "none.png: there is no such file"),
             (("two/map.yaml", "--resolution", "0.1", "--to", "x"), "--resolution: two/map.yaml says that itself"),
             (("two/map.yaml", "--negate", "--to", "x"), "--negate: two/map.yaml says that itself"),
@@ -245,7 +245,7 @@ class TestNew:
     def test_fewer_rooms_or_starts_than_wanted_are_told(self, here: Path) -> None:
         done = maps("new", "two/map.yaml", "--to", "x", "--no-times", "--rooms", 5, "--robots", 40)
         assert "Rooms: 2 of 5 wanted found" in done.stdout
-        assert "of 40: no more have room" in done.stdout
+        assert "of 40 (no space for more)" in done.stdout
         done = maps("new", "two/map.yaml", "--to", "y", "--no-times", "--rooms", 1)
         assert "Rooms: 1 found: 1 Room 1" in done.stdout
 
@@ -257,7 +257,7 @@ def test_ways_that_were_not_driven_are_told_by_their_rooms() -> None:
     stuck, lost = "the robot is stuck", "no path"
     times = [pair(0, 1, None), pair(0, 2, stuck), pair(1, 2, stuck), pair(2, 1, lost)]
     told = unreached_words(times, Path("lab"))
-    assert told.startswith("3 of 4 ways were not driven to the end and are no moves (99); mostly: the robot is stuck.")
+    assert told.startswith("3 of 4 paths were not completed and are no moves (99); main reason: the robot is stuck.")
     assert "Most begin or end in room 2 (3 ways), room 1 (2 ways)." in told
     assert "thbridge maps edit lab" in told
 
@@ -279,7 +279,7 @@ class TestPlans:
         command = ["maps", "new", "plan.png", "--width", "32.5", "--no-times"]
         told = invoke(*command)
         assert told.exit_code == 1
-        assert "plan.png: only 2" in told.stderr and "% of the floor can be reached. Lines thinner than " in told.stderr
+        assert "plan.png: only 2" in told.stderr and "% of the floor is reachable. Lines thinner than " in told.stderr
         assert "and 12 more places. If they are doors" in told.stderr
         assert not Path("plan").exists()
         opened = invoke(*command, "--thinner", "3")
@@ -304,7 +304,7 @@ class TestPlans:
         plan().resize((3900, 2700), Image.Resampling.NEAREST).save("plan.png")
         done = invoke("maps", "new", "plan.png", "--width", "32.5", "--no-times", "--thinner", "6")
         assert done.exit_code == 0, done.stderr
-        assert "A pixel is 0.00833333 m wide, finer than robots need: 2 x 2 of them become a cell of 0.0166667 m." in (
+        assert "A pixel is 0.00833333 m wide, finer than needed: 2 x 2 pixels become one cell of 0.0166667 m." in (
             done.stderr
         )
         assert "1950 x 1350 cells of 0.0166667 m" in done.stdout
@@ -316,17 +316,17 @@ class TestPlans:
         image.point(lambda shade: max(shade, 127)).save("plan.png")
         done = invoke("maps", "new", "plan.png", "--width", "32.5", "--no-times")
         assert done.exit_code == 2
-        told = "mostly gray 127. Lasers see occupied cells alone, so robots would be lost. Write a map.yaml beside it"
+        told = "mostly gray 127. Lasers see occupied cells alone, so robots would be lost. Write a map.yaml next to it"
         assert told in done.stderr
         assert "`resolution: 0.05`" in done.stderr and "`occupied_thresh: 0.452`" in done.stderr
 
     @pytest.mark.parametrize(
         ("options", "told"),
         [
-            (("--width", "3250"), "--width: a pixel would be 2.5 m wide, which is not between 0.001 and 0.5 m."),
+            (("--width", "3250"), "--width: a pixel would be 2.5 m wide, outside 0.001 to 0.5 m."),
             (("--resolution", "3"), "'3' is out of range. Write a number, 0.001 to 0.5."),
-            (("--width", "30", "--resolution", "0.05"), "--width, --resolution: each says how large the image is."),
-            ((), "Give the width of the whole image in meters by --width"),
+            (("--width", "30", "--resolution", "0.05"), "--width, --resolution: each gives the size of the image."),
+            ((), "Write the width of the whole image in meters with --width"),
         ],
     )
     def test_sizes_are_checked(self, tmp_path, monkeypatch, options, told):
@@ -339,8 +339,8 @@ class TestPlans:
     @pytest.mark.parametrize(
         ("pixels", "thinner", "told"),
         [
-            ((650, 450), 6, "% of all that is drawn, so walls are among it. Use --thinner 3."),
-            ((325, 225), 2, "of the floor can be reached: doors are closed, or narrower than a robot."),
+            ((650, 450), 6, "% of all that is drawn, so it probably includes walls. Use --thinner 3."),
+            ((325, 225), 2, "of the floor is reachable: doors may be closed, or narrower than a robot."),
         ],
     )
     def test_a_width_that_takes_walls_or_leaves_doors_shut_is_told(self, tmp_path, monkeypatch, pixels, thinner, told):
@@ -354,8 +354,8 @@ class TestPlans:
         [
             (("--height", "2250"), "--height: a pixel would be 5 m high and 0.05 m wide."),
             (("--height", "0.5"), "--height: a pixel would be 0.00111111 m high and 0.05 m wide."),
-            (("--names", "A;B;C"), "--names: 'A;B;C' is one name. Write commas between names."),
-            (("--thinner", "3", "--rooms", "2", "--names", "A,B,C"), "Give fewer; or ask for them by --rooms 3."),
+            (("--names", "A;B;C"), "--names: 'A;B;C' is one name. Separate names by commas."),
+            (("--thinner", "3", "--rooms", "2", "--names", "A,B,C"), "Write fewer names; or set --rooms 3."),
         ],
     )
     def test_further_slips_are_told_with_their_remedy(self, tmp_path, monkeypatch, options, told):

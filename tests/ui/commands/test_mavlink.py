@@ -169,7 +169,7 @@ def test_a_robot_that_is_not_there(at: Address, fleet: Fleet) -> None:
 
 
 def test_nobody_there(at: Address) -> None:
-    assert f"{at}: nobody speaks MAVLink there. Start `thbridge play --mavlink`" in failure(
+    assert f"{at}: no program sends MAVLink there. Start `thbridge play --mavlink`" in failure(
         "status", at, "--seconds", 0.2
     )
 
@@ -178,7 +178,7 @@ def test_an_address_that_another_program_has(at: Address) -> None:
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as other:
         other.bind((at.host, at.port))
         message = failure("status", at, "--seconds", 0.2)
-    assert f"{at}: another program has this address, or another machine, and no robot answers." in message
+    assert f"{at}: this address belongs to another program or machine, and no robot answers." in message
 
 
 def test_a_robot_that_waits_to_be_spoken_to(at: Address) -> None:
@@ -216,7 +216,7 @@ def test_an_address_that_is_none(text: str) -> None:
 
 @pytest.mark.parametrize("point", [("nan", "0"), ("0", "inf"), ("1e9", "0")])
 def test_a_point_that_is_none(point: tuple[str, str]) -> None:
-    assert "is not within 100,000" in refusal("goto", 1, *point)
+    assert "is not within -100,000 to 100,000" in refusal("goto", 1, *point)
 
 
 # Keys
@@ -255,13 +255,13 @@ def test_what_robots_said_to_one_command_is_known_to_the_next(at: Address, signe
 def test_a_wrong_key(at: Address, signed: Fleet, key: Path) -> None:
     key.write_text("another\n")
     message = failure("status", at, "--signing-key", key, "--seconds", 0.9)
-    assert f"frames were refused, for they are not signed with the key of {key}." in " ".join(message.split())
+    assert f"frames were refused, because they are not signed with the key in {key}." in " ".join(message.split())
 
 
 @pytest.mark.usefixtures("impatient")
 def test_a_key_that_is_missing(at: Address, signed: Fleet) -> None:
     message = failure("goto", 1, 0, 0, "--at", at)
-    assert "Robot 1 does not answer. If it wants signatures, give --signing-key." in message
+    assert "Robot 1 does not answer. If it requires signed frames, add --signing-key." in message
 
 
 @pytest.mark.usefixtures("impatient")
@@ -319,7 +319,7 @@ def test_a_replay_for_people(recorded: Path) -> None:
 
 def test_a_replay_in_two_studies(recorded: Path, tmp_path: Path) -> None:
     message = refusal("replay", recorded, tmp_path / "s.yaml", "--with", "seed=2")
-    assert "--with: it changes the recording's study; another study has others." in message
+    assert "--with: it changes the study in the recording, but a study file is given." in message
 
 
 def test_a_replay_onto_itself(recorded: Path) -> None:

@@ -68,7 +68,7 @@ def test_a_difference_is_told_and_ends_with_1(hunt: Path) -> None:
             writer.write(RosMessage(Topic(message.topic, message.msgtype), message.stamp_ns, data))
     done = invoke("replay", "forged.bag")
     assert done.exit_code == 1
-    assert f"The first difference: message {victim}," in done.stdout.replace("\n", " ")
+    assert f"First difference: message {victim} (" in done.stdout.replace("\n", " ")
     assert "twist.covariance[35]" in done.stdout
 
 
@@ -97,7 +97,7 @@ def test_requests_that_come_too_early_for_the_changed_robots_are_counted(hunt: P
     done = invoke("replay", hunt, "--with", "robot.TrajectoryPlannerROS.max_vel_x=0.2", "--json")
     assert done.exit_code == 0, done.output
     assert "Requests of the participant that were refused: " in done.stderr
-    assert "let a simulated participant play anew by --participant" in done.stderr
+    assert "replace the recorded participant with a simulated one: --participant" in done.stderr
 
 
 def test_the_recorded_study_names_who_played() -> None:

@@ -24,7 +24,7 @@ def test_a_machine_is_told_by_every_name() -> None:
 
 def test_other_versions_are_named() -> None:
     assert sentences(HERE | {"numpy": "1.0"}) == [
-        f"Recorded with other versions, which may make a difference: numpy 1.0 then, {HERE['numpy']} now."
+        f"Recorded with other versions, which may change results: numpy 1.0 then, {HERE['numpy']} now."
     ]
 
 
@@ -43,4 +43,4 @@ def test_another_machine_is_named(other: dict[str, str], told: str) -> None:
 
 def test_recordings_from_before_all_machines_computed_the_same_are_told() -> None:
     (sentence,) = sentences(versions())
-    assert sentence.startswith("Recorded before sessions were made to be the same on every machine")
+    assert sentence.startswith("Recorded by a version whose results depended on the machine")

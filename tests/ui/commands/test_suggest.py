@@ -92,10 +92,10 @@ def test_what_does_not_go_together_is_told(study: Path, options: tuple[str, ...]
 def test_a_planner_is_for_a_team() -> None:
     done = invoke("suggest", "--costs", "c", "--at", "0", "--unvisited", "1", "--planner", "greedy")
     assert done.exit_code == 2
-    assert "--planner: it shares rooms out to a team" in done.stderr
+    assert "--planner: it applies only to a team" in done.stderr
 
 
 def test_without_a_team_all_of_one_robot_is_asked_for() -> None:
     done = invoke("suggest", "--at", "0")
     assert done.exit_code == 2
-    assert "for one robot give --costs, --at and --unvisited" in done.stderr
+    assert "for one robot, write --costs, --at and --unvisited" in done.stderr

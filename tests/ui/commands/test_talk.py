@@ -90,7 +90,7 @@ def test_a_person_may_be_the_robot_and_sees_stores_and_beliefs() -> None:
     assert '1  question(in_image(bottle, image5))   "Does picture 5 show a bottle?"   (opens information' in told
     assert "said by the robot: question(in_image(bottle, image5))" in told
     assert "said by the human: assert(U(in_image(bottle, image5)))" in told
-    assert "takes the other not to know: in_image(bottle, image5)" in told
+    assert "believes that the other does not know: in_image(bottle, image5)" in told
 
 
 @settings(max_examples=12)
@@ -103,8 +103,8 @@ def test_any_typing_is_taken_and_the_end_of_it_is_no_fault(lines: list[str]) -> 
 @pytest.mark.parametrize(
     ("options", "told"),
     [
-        (("--seed", 1), "--example: nothing to talk about."),
-        ((*EXAMPLE, "--exchange", 6), "--exchange: 6 is not there. The example has 1 to 5."),
+        (("--seed", 1), "--example: the example is missing."),
+        ((*EXAMPLE, "--exchange", 6), "--exchange: 6 does not exist. The example has exchanges 1 to 5."),
         ((*EXAMPLE, "--game", "chess"), "--game: there is no game chess. There are: "),
         ((*EXAMPLE, "--games", "nowhere"), "nowhere: there is no such folder."),
         ((*EXAMPLE, "--language", "tlh"), "there is no language tlh."),
@@ -118,7 +118,7 @@ def test_what_cannot_be_talked_about_is_told(options: tuple[object, ...], told: 
 
 def test_the_shipped_games_are_told_with_their_ends() -> None:
     told = talk("check")
-    assert "persuasion, about a literal; it ends after 60 moves at the latest" in told
+    assert "persuasion, about a literal; it ends after at most 60 moves" in told
     assert "ends: agreement, disagreement, unknown; stalemate," in told
     assert f"{len(read_rulebook().games)} games, no languages, no faults" in told
 

@@ -109,8 +109,8 @@ def test_a_desk_that_crashes_whenever_it_is_opened_is_told(
         desk = Desk(RunningStudy(study, log), study.folder, command=(sys.executable, "-c", "raise SystemExit(1)"))
         asyncio.run(asyncio.wait_for(_keep_desk(desk, study.folder.root), 60))
     told = capfd.readouterr().err
-    assert "The desk has crashed; it is opened again." in told
-    assert "There is no desk: it crashes whenever it is opened. The study goes on without it." in told
+    assert "The desk has crashed. It is opened again." in told
+    assert "The desk has failed: it crashes each time it is opened. The study continues without it." in told
     assert "thbridge study watch" in told
 
 

@@ -77,7 +77,7 @@ def study_status(folder: FolderOfExperiment, as_json: AsJson = False) -> None:
         told = {"changed": None if changed is None else list(changed), "recordings": left, "most_lag_seconds": most}
         print_json({"planned": design.allocation.size, **counts, **told})
         return
-    say(f"{design.file.title}: {counts['complete']} of {design.allocation.size} complete runs")
+    say(f"{design.file.title}: {counts['complete']} of {design.allocation.size} runs complete")
     for run in runs:
         reason = f" ({run.reason})" if run.reason else ""
         number, steps = progress.step_count(run.participant)

@@ -36,7 +36,7 @@ def test_chunks_out_of_order(tmp_path: Path) -> None:
     judgement = judged(tmp_path, clean(), reverse_chunks=True)
     finding = found(judgement, "chunk-order")
     assert (finding.severity, finding.tools) == (FindingSeverity.ERROR, (BagTool.ROSBAG, BagTool.FOXGLOVE))
-    assert "says it lasts -2.7 s where it does 2.9 s, and Foxglove leaves out all before 2.9 s" in finding.what
+    assert "reports -2.7 s instead of 2.9 s, and Foxglove omits all messages before 2.9 s" in finding.what
     assert found(judgement, "chunks-overlap").tools == (BagTool.FOXGLOVE,)
     assert found(judgement, "back-in-time").count > 1
 

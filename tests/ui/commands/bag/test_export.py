@@ -32,7 +32,7 @@ def test_json(bag: Path, tmp_path: Path) -> None:
 def test_a_topic_that_is_not_there(bag: Path, tmp_path: Path) -> None:
     done = run(bag, tmp_path / "out", "--topics", "/camera")
     assert done.exit_code == 2
-    assert f"there is no topic /camera. No topic is like it; `thbridge bag info {bag}`" in done.stderr
+    assert f"there is no topic /camera. No topic has a similar name; `thbridge bag info {bag}`" in done.stderr
     assert not (tmp_path / "out").exists()
 
 
@@ -40,7 +40,7 @@ def test_a_topic_that_is_not_there(bag: Path, tmp_path: Path) -> None:
 def test_a_name_that_is_nearly_right_is_answered_by_the_right_one(bag: Path, tmp_path: Path, option: str) -> None:
     done = run(bag, tmp_path / "out", option, "odm")
     assert done.exit_code == 2
-    assert "The nearest right ones are " in done.stderr
+    assert "Similar names are " in done.stderr
     assert "odom" in done.stderr
 
 

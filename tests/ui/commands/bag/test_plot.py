@@ -49,7 +49,7 @@ def test_trajectories_that_are_named(folder: Path, tmp_path: Path) -> None:
     ("options", "message"),
     [
         (["--truth", "/scan"], "--truth: /scan: it is of type sensor_msgs/LaserScan. Name one of /odom."),
-        (["--estimate", "/none"], "--estimate: /none: there is no such topic in the bag. Name one of /odom."),
+        (["--estimate", "/none"], "--estimate: /none: the bag has no such topic. Name one of /odom."),
     ],
 )
 def test_topics_that_hold_no_trajectory(folder: Path, tmp_path: Path, options: list[str], message: str) -> None:

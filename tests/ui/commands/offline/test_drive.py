@@ -163,7 +163,7 @@ def test_unmapped_obstacles_that_do_not_fit_are_named(tmp_path: Path) -> None:
         assert told in done.stderr
     half = grey(tmp_path, "half", ["#" * 4] * 4, "[-2.1, 0, 0]")
     done = drive(*CORRIDOR, "--goal", "0.5", "0", "--unmapped", str(half), "--timeout", "0.1")
-    assert "occupied cells lie outside the map and stand nowhere" in done.stderr
+    assert "occupied cells lie outside the map and are ignored" in done.stderr
 
 
 def test_defaults_of_ros_are_told(tmp_path: Path) -> None:

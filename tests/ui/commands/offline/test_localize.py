@@ -134,7 +134,7 @@ def test_the_path_is_drawn_over_the_map_the_same_each_time(folder: Path, tmp_pat
 
 def test_times_without_a_place_are_told(folder: Path) -> None:
     assert "It was lost at" in run(folder, "--global").stdout
-    assert "It was not lost at any update." in run(folder, *start()).stdout
+    assert "The robot was not lost at any update." in run(folder, *start()).stdout
 
 
 def test_the_only_odometry_is_taken_whatever_its_name(tmp_path: Path) -> None:
@@ -212,7 +212,7 @@ def test_the_time_offset_of_odometry_is_reported_and_corrected(tmp_path: Path) -
     plain, *corrected = (
         run(tmp_path, *start(), "--json", *more) for more in ([], ["--time-offset", "auto"], ["--time-offset", "0.15"])
     )
-    assert "Correct it by --time-offset auto" in plain.stderr
+    assert "Correct it with --time-offset auto" in plain.stderr
     told = json.loads(plain.stdout)
     assert told["time_offset"]["seconds"] == pytest.approx(0.15, abs=0.02)
     assert told["time_offset"]["deviation"] < 0.02
@@ -224,7 +224,7 @@ def test_the_time_offset_of_odometry_is_reported_and_corrected(tmp_path: Path) -
         assert told["time_offset_applied"] == pytest.approx(0.15, abs=0.02)
     lines = " ".join(run(tmp_path, *start(), "--time-offset", "0.15").stdout.split())
     assert "The odometry leads the scans by 0.1" in lines
-    assert "0.150 s of it are corrected." in lines
+    assert "Of this, 0.150 s are corrected." in lines
 
 
 def test_a_drive_without_turns_says_nothing_about_the_clocks(folder: Path) -> None:

@@ -23,8 +23,8 @@ def test_from_a_new_study_to_its_tables(folder: Path, tmp_path: Path) -> None:
     digest = output_of("study", "freeze", folder).splitlines()[0]
     assert len(digest) == 64
     said = output_of("study", "rehearse", folder, "--to", tmp_path / "rehearsal", "--no-games")
-    assert "4 of 4 runs that count" in said
-    assert "Frozen, and as it was." in said
+    assert "4 of 4 runs complete" in said
+    assert "Frozen, and unchanged since then." in said
     output_of("study", "export", tmp_path / "rehearsal", "--to", tmp_path / "tables")
     people = pd.read_parquet(tmp_path / "tables" / "tables" / "participants.parquet")
     assert (people.state == "complete").sum() == 4

@@ -146,7 +146,7 @@ def test_what_is_not_there_is_done_by_the_next_command_once_it_is(study: Path, t
         assert f"The withdrawal of {first} is not finished" in said
     for each in (export, backup):
         (away / each.name).rename(each)
-    assert f"The withdrawal of {first}, which was interrupted, is finished" in output_of("study", "status", study)
+    assert f"The interrupted withdrawal of {first} is finished" in output_of("study", "status", study)
     assert traces(tmp_path, [first, CODES[0], WORDS[0]]) == []
     assert "interrupted" not in output_of("study", "status", study)
 
@@ -155,11 +155,11 @@ def test_an_export_that_no_longer_exists_is_forgotten_if_somebody_says_so(study:
     first, *_ = people(study)
     export = tmp_path / "export"
     output_of("study", "export", study, "--to", export)
-    assert "there is such a folder" in refusal_of("study", "withdraw", study, "--gone", export)
+    assert "this folder exists" in refusal_of("study", "withdraw", study, "--gone", export)
     assert "was written there" in refusal_of("study", "withdraw", study, "--gone", tmp_path / "other")
     shutil.rmtree(export)
     refusal_of("study", "withdraw", study, first, "--yes")
-    assert f"of {first}, which was interrupted, is finished" in output_of("study", "withdraw", study, "--gone", export)
+    assert f"interrupted withdrawal of {first} is finished" in output_of("study", "withdraw", study, "--gone", export)
     assert traces(tmp_path, [first, CODES[0], WORDS[0]]) == []
 
 
@@ -274,7 +274,7 @@ def test_each_command_of_a_study_finishes_a_withdrawal_first(
         log.delete(sequences_of(log.read(), first), NOON)
     words = [{"OUT": tmp_path / "out", "CODE": plan.withdrawal.code}.get(word, word) for word in COMMANDS[name]]
     done = invoke("study", name, study, *words)
-    assert f"The withdrawal of {first}, which was interrupted, is finished" in " ".join(done.output.split())
+    assert f"The interrupted withdrawal of {first} is finished" in " ".join(done.output.split())
     assert traces(tmp_path, [first, CODES[0], WORDS[0]]) == []
 
 

@@ -54,10 +54,10 @@ def test_check_tells_how_many_games_there_are_and_plays_none() -> None:
 @pytest.mark.parametrize(
     ("options", "told"),
     [
-        (("--shard", "3/2"), "--shard: '3/2' is no part of a whole. Write for example --shard 2/8, from 1/8 to 8/8."),
-        (("--scheduler", "tcp://a:1"), "--scheduler: only a Dask cluster has one. Add --engine dask, or leave"),
-        (("--engine", "dask"), "--engine dask: where is the cluster? Add --scheduler, such as tcp://"),
-        (("--slurm", "partition=short"), "--slurm: only jobs of Slurm have such options. Add --engine slurm, or leave"),
+        (("--shard", "3/2"), "--shard: '3/2' is not of the form I/N. Write, for example, --shard 2/8 (from 1/8 to 8/8)."),
+        (("--scheduler", "tcp://a:1"), "--scheduler: only a Dask cluster has a scheduler. Add --engine dask, or omit"),
+        (("--engine", "dask"), "--engine dask: the address of the cluster is missing. Add --scheduler, such as tcp://"),
+        (("--slurm", "partition=short"), "--slurm: these options are only for Slurm jobs. Add --engine slurm, or omit"),
         (("--engine", "slurm", "--slurm", "short"), "--slurm: 'short' is not KEY=VALUE. Write for example --slurm par"),
     ],
 )
@@ -112,9 +112,9 @@ def test_the_same_games_give_the_same_figure(played: Path, folder: Path, suffix:
 @pytest.mark.parametrize(
     ("options", "told"),
     [
-        (("--to", "a.gif"), "--to: a.gif is no figure. Give a file name that ends in .png, .svg or .pdf."),
-        (("--to", "a.png", "--x", "team"), "--x: 'team' is no factor of this sweep. Write one of noise.odometry."),
-        (("--to", "a.png", "--measure", "over"), "--measure: 'over' is no number of these games. Write one of score, "),
+        (("--to", "a.gif"), "--to: a.gif is not a figure. Write a file name that ends in .png, .svg or .pdf."),
+        (("--to", "a.png", "--x", "team"), "--x: 'team' is not a factor of this sweep. Write one of noise.odometry."),
+        (("--to", "a.png", "--measure", "over"), "--measure: 'over' is not a numeric measure of these games. Write one of score, "),
     ],
 )
 def test_figures_that_cannot_be(played: Path, options: tuple[str, ...], told: str) -> None:
@@ -128,5 +128,5 @@ def test_games_that_are_not_the_same_again_end_with_1(monkeypatch: pytest.Monkey
     monkeypatch.setattr(engines, "ProcessEngine", lambda _processes, _warm: InlineEngine())
     done = invoke("sweep", "design.yaml", "--processes", "1")
     assert done.exit_code == 1
-    assert "games that were played again were NOT the same: do not trust these results." in done.stderr
+    assert "repeated games gave DIFFERENT results: do not trust this sweep." in done.stderr
     assert "seed 1: not the same again (first by " in done.stderr

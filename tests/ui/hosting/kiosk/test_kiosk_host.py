@@ -778,10 +778,10 @@ def test_the_researcher_begins_ends_and_excludes_runs(tmp_path: Path) -> None:
     states = [(run.state, run.reason) for run in laboratory.people]
     assert states == [(RunState.LEFT, "fire drill"), (RunState.EXCLUDED, "fire drill"), (RunState.COMPLETE, "")]
     first, second = (run.participant for run in laboratory.people[:2])
-    assert told == [None, f"{first} is still under way.", None, None, f"{second} is still under way.", None]
+    assert told == [None, f"{first} is still in the study.", None, None, f"{second} is still in the study.", None]
     by = [event.actor for event in laboratory.events if event.kind == EventKind.RUN_ENDED]
     assert by == ["experimenter", "program"]
-    assert again == [f"{first} is not under way.", f"{second} is excluded already."]
+    assert again == [f"{first} is not in the study now.", f"{second} is already excluded."]
     assert len([event for event in laboratory.events if event.kind == EventKind.RUN_EXCLUDED]) == 1
 
 
