@@ -833,8 +833,8 @@ def main() -> int:
         options += ["--foxglove", str(doors.foxglove)]
         # With a new part every two seconds, a descriptor must always be free for the next one.
         (folder / "study.yaml").write_text("recording: {split_duration: 2}\n")
-        told = folder / "told.txt"
-        with told.open("wb") as file:
+        output = folder / "output.txt"
+        with output.open("wb") as file:
             session = subprocess.Popen(
                 [*command, *options],
                 cwd=folder,
@@ -845,9 +845,9 @@ def main() -> int:
         if given.descriptors:
             resource.prlimit(session.pid, resource.RLIMIT_NOFILE, (given.descriptors, given.descriptors))
         try:
-            while "join at" not in told.read_text():
+            while "join at" not in output.read_text():
                 if session.poll() is not None:
-                    print(told.read_text())
+                    print(output.read_text())
                     return 1
                 time.sleep(0.1)
             titles = f"{'wait':>10} {'of':<8} {'lag':>9} {'refused':>7} {'cut':>6} {'memory':>10} {'files':>5}"
@@ -857,7 +857,7 @@ def main() -> int:
             if session.poll() is None:
                 session.send_signal(signal.SIGTERM)
             session.wait(60)
-        text = told.read_text()
+        text = output.read_text()
         parts = len(list(folder.glob("hunt_*.bag")))
         recorded = parts > 1 and not list(folder.glob("*.active"))
     traceback = "Traceback" in text

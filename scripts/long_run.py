@@ -93,9 +93,9 @@ class Running:
             time.sleep(0.1)
 
     def _start(self, name: str, *words: str) -> subprocess.Popen[bytes]:
-        told = self._opened.enter_context((self.folder / f"{name}.txt").open("wb"))
+        output = self._opened.enter_context((self.folder / f"{name}.txt").open("wb"))
         process = subprocess.Popen(
-            words, cwd=self.folder, stdout=told, stderr=told, stdin=subprocess.DEVNULL, env=self.environment
+            words, cwd=self.folder, stdout=output, stderr=output, stdin=subprocess.DEVNULL, env=self.environment
         )
         self._opened.callback(end, process)
         return process

@@ -115,7 +115,7 @@ class Sampler:
     def sample(self) -> dict[str, float]:
         """Write a row, and return it."""
         journals, bags = self._recorded.megabytes()
-        player, watcher, node, station = map(self._told, ("participant", "watcher", "node", "station"))
+        player, watcher, node, station = map(self._latest, ("participant", "watcher", "node", "station"))
         row: dict[str, float] = {
             "wall_s": round(time.monotonic() - self._began, 1),
             "sim_s": watcher.get("stamp_ms", 0) / 1000.0,
@@ -144,7 +144,7 @@ class Sampler:
         self._written = True
         return row
 
-    def _told(self, companion: str) -> dict[str, int]:
+    def _latest(self, companion: str) -> dict[str, int]:
         """Return the latest report of a companion."""
         try:
             return dict(json.loads((self._folder / f"{companion}.json").read_text()))

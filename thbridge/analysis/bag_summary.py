@@ -42,7 +42,7 @@ class TopicSummary:
     """Summary of one topic.
 
     Attributes:
-        name: with its leading slash.
+        name: name, with its leading slash.
         msgtype: type of its messages; several types, separated by commas, if publishers disagree.
         md5: md5 sum of the type; several sums, separated by commas, if publishers disagree.
         messages: number of messages.

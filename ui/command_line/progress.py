@@ -80,14 +80,14 @@ class ProgressLines:
         with self._lock:
             task = self._tasks.get(self._latest)
             left = None if task is None else task.seconds_left(now)
-            told = {
+            values = {
                 "task": self._latest,
                 "done": None if task is None else task.done,
                 "total": (None if task is None else task.total) or None,
                 "elapsed_seconds": round(now - self._began, 1),
                 "seconds_left": None if left is None else round(left, 1),
             }
-        return json.dumps(told)
+        return json.dumps(values)
 
 
 @contextmanager

@@ -132,7 +132,7 @@ def with_mavlink(study: Study, options: MavlinkOptions) -> Study:
                 f"--udp: {text!r} is not an address. Write HOST:PORT, such as 127.0.0.1:14550, or HOST:PORT/ROBOT.",
             )
         if target.number is not None and target.number > study.robots:
-            fail(BAD_INPUT, f"--udp: {text!r}: there is no robot {target.number}. There are {study.robots}.")
+            fail(BAD_INPUT, f"--udp: {text!r}: there is no robot {target.number}. The study has {study.robots}.")
         if target.address in taken:
             fail(BAD_INPUT, f"--udp: {target.address} is already used for other robots. Use another port for {text!r}.")
         taken.add(target.address)

@@ -164,7 +164,7 @@ def play(
     people = windowed or bool(others) or who == PERSON or ports is not None
     limit = max_seconds or (math.inf if people else AN_HOUR)
     pace = next(given for given in (rate, study.rate, float(people or ros.join)) if given is not None)
-    told = hosts_of(graph, as_json)
+    callbacks = hosts_of(graph, as_json)
     ring = keys_of(study, study_file, keys)
     door = watch_of(study, study_file, watching, ring)
     check_doors(study, ring, door, graph)
@@ -176,7 +176,7 @@ def play(
             pace, bag, frozenset(), "", limit, graph, watch=door, foxglove=watching.foxglove, mavlink=ports, keys=ring
         )
         compile_ahead(whole_hunt=True, look=look.value)
-        games = WindowGames(study, study_file, options, report_page is not False, told)
+        games = WindowGames(study, study_file, options, report_page is not False, callbacks)
         play_in_window(games, offered, ("--look", look.value))
         return
     if who == PERSON:
@@ -219,7 +219,7 @@ def play(
             keys=ring,
             run=new_token(),
         )
-        program = hunt.play(setting, player.tabui, options, ready, follow, told)
+        program = hunt.play(setting, player.tabui, options, ready, follow, callbacks)
         shown = nullcontext(untold) if who == PERSON else shown_progress(progress, "play", beside_text=not as_json)
         with shown as tell:
             outcome = run(program, player.typed)

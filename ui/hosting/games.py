@@ -35,8 +35,8 @@ PRACTICE = Study(map="practice", templates="practice", robots=1)
 def practice_setting(game: StudySetting) -> StudySetting:
     """Return the setting of the practice game before a game: same seed, server, sound, answers and language."""
     study = game.study
-    told = dataclasses.replace(PRACTICE.participant, sound=study.participant.sound)
-    own = setting_of(dataclasses.replace(PRACTICE, seed=study.seed, server=study.server, participant=told), None)
+    participant = dataclasses.replace(PRACTICE.participant, sound=study.participant.sound)
+    own = setting_of(dataclasses.replace(PRACTICE, seed=study.seed, server=study.server, participant=participant), None)
     return dataclasses.replace(own, templates=own.templates.answering_as(game.templates), texts=game.texts)
 
 

@@ -121,7 +121,7 @@ class TerminalPlayer:
             case ["m", room, *words] if _is_number(room) and words:
                 self._measure(view, int(room), words)
             case ["t", room, *words] if _is_number(room) and words:
-                self._tell(view, int(room), words)
+                self._report_property(view, int(room), words)
             case ["l", room] if _is_number(room):
                 self._wanted = (LeaveTreasure(int(room)),)
             case ["u", room] if _is_number(room):
@@ -187,7 +187,7 @@ class TerminalPlayer:
         else:
             self._wanted = (MeasureProperty(room, asked.name),)
 
-    def _tell(self, view: View, room: int, words: Sequence[str]) -> None:
+    def _report_property(self, view: View, room: int, words: Sequence[str]) -> None:
         told = _begun([each for each in view.properties if each.told_by is Teller.PERSON], words)
         typed = " ".join(words).casefold()
         values = [] if told is None else [each for each in told.values if typed.endswith(told.shown(each).casefold())]
@@ -284,7 +284,7 @@ class Telling:
                 lines += self._asked(dialogue, told.get(dialogue.dialogue, 0))
         for words in view.last_words:
             if words not in before.last_words:
-                lines += self._told(words, told.get(words.dialogue, 0))
+                lines += self._sentences(words, told.get(words.dialogue, 0))
                 lines += () if words.is_told else (outcome_of(self.texts, words),)
         if view.refusal is not None and view.refusal != before.refusal:
             lines.append(self._refused(view.refusal))
@@ -395,11 +395,11 @@ class Telling:
         numbered = enumerate(zip(dialogue.choices, acts, strict=True), start=1)
         yours = f"  {self.texts.text('popups.your_decision')}"
         return [
-            *self._told(dialogue, told),
+            *self._sentences(dialogue, told),
             *(f"  {to}{number}  {text}{yours if act == OVERRIDE else ''}" for number, (text, act) in numbered),
         ]
 
-    def _told(self, dialogue: DialogueView | LastWords, told: int) -> list[str]:
+    def _sentences(self, dialogue: DialogueView | LastWords, told: int) -> list[str]:
         """Return the sentences of a dialogue from number `told` on."""
         who = {"robot": self.texts.text("window.robot", robot=dialogue.robot), "you": self.texts.text("window.you")}
         said = spoken(dialogue)[told:]

@@ -58,8 +58,8 @@ class ExperimentSource:
     def state(self, shown: str, kiosk: str = "", troubles: tuple[str, ...] = (), read_only: str = "") -> DeskState:
         """Return the desk's view; see `ToldToDesk` for the arguments."""
         troubles = (self._trouble, *troubles) if self._trouble else troubles
-        told = ToldToDesk(self._now(), self._changed, kiosk, troubles, shown, read_only)
-        return desk_state(self._design, self._progress, self._follower.entries[: self._progress.sequence], told)
+        inputs = ToldToDesk(self._now(), self._changed, kiosk, troubles, shown, read_only)
+        return desk_state(self._design, self._progress, self._follower.entries[: self._progress.sequence], inputs)
 
     def _look_at_freeze(self) -> None:
         """Compare the study with its frozen fingerprint; this reads all planned files."""

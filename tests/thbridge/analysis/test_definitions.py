@@ -41,7 +41,8 @@ def test_types_are_known_by_md5_or_else_by_name(definition: str, md5: str | None
         assert one == other
     why = "because its md5 sum matches" if md5 is None else "because its messages match"
     assert sorted(done.notices) == [
-        f"{topic}: the bag has no complete definition of its type; the definition of {msgtype} in ROS Noetic is used, {why}."
+        f"{topic}: the bag has no complete definition of its type; "
+        f"the definition of {msgtype} in ROS Noetic is used, {why}."
         for topic, msgtype in (("/odom", "nav_msgs/Odometry"), ("/scan", SCAN))
     ]
     (tmp_path / "ros2").mkdir()

@@ -56,9 +56,7 @@ def test_a_new_map_is_measured_by_a_study_that_does_not_fit_it_and_then_plays(he
     of_another_map.unlink()
     done = maps(*measure, "two/mapTimes", "--jobs", 2)
     assert done.exit_code == 0, done.stderr
-    assert done.stderr.splitlines()[-1] == (
-        "Wrote two/mapTimes into the map's folder. Games on this map now use it."
-    )
+    assert done.stderr.splitlines()[-1] == ("Wrote two/mapTimes into the map's folder. Games on this map now use it.")
     assert (here / "mapTimes").read_bytes() == (here / "two" / "mapTimes").read_bytes()
     (here / "play.yaml").write_text("map: ./two\n")
     assert invoke("study", "check", "play.yaml").exit_code == 0

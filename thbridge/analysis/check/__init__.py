@@ -1,4 +1,4 @@
-"""Check of a bag: whether rosbag, rviz, Foxglove, PlotJuggler and evo accept it, and why not."""
+"""Check that rosbag, rviz, Foxglove, PlotJuggler and evo can read a bag, with reasons if they cannot."""
 
 from thbridge.analysis.check.finding import NO_TRAJECTORY, BagTool, Finding, FindingSeverity
 from thbridge.analysis.check.judge import Judgement, judge

@@ -310,8 +310,8 @@ class LongArrays:
     def findings(self, bag: BagStructure) -> Iterator[Finding]:
         """Yield one finding for all topics."""
         if self._longest:
-            told = ", ".join(f"{topic} ({length})" for topic, length in sorted(self._longest.items()))
-            what = f"by default it plots {PLOTTED_ARRAY} elements of an array, but there are more in {told}"
+            lengths = ", ".join(f"{topic} ({length})" for topic, length in sorted(self._longest.items()))
+            what = f"by default it plots {PLOTTED_ARRAY} elements of an array, but there are more in {lengths}"
             remedy = "raise its maximum array size, or omit these topics"
             yield Finding("long-array", FindingSeverity.NOTE, (BagTool.PLOTJUGGLER,), None, what, remedy)
 

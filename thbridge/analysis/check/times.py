@@ -215,7 +215,7 @@ class TrajectoryStamps:
             what = (
                 "transforms are stamped 0: tf2 cannot use them for later messages"
                 if has_frames
-                else "headers are stamped 0: evo has no time for them"
+                else "headers are stamped 0: evo cannot use them"
             )
             remedy = "set the stamps in the driver"
             concerned = (BagTool.RVIZ, BagTool.FOXGLOVE, BagTool.EVO) if has_frames else tools

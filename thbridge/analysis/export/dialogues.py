@@ -113,15 +113,15 @@ class DialogueTables:
             return
         columns = [column.name for column in piece.table.columns]
         for row in zip(*map(_listed, piece.values), strict=True):
-            told = dict(zip(columns, row, strict=True))
-            game, time = int(str(told.get("game", 0))), float(str(told["t_s"]))
+            fields = dict(zip(columns, row, strict=True))
+            game, time = int(str(fields.get("game", 0))), float(str(fields["t_s"]))
             if piece.table.msgtype == DIALOGUE_MOVE:
-                move = _move(told)
+                move = _move(fields)
                 self._gatherers[game].take_move(time, move)
                 self._turns[game, move.robot, time] = move.talk
             else:
                 self._take_state(
-                    game, time, DialogueStateRecord(int(str(told["talk"])), _robot(told), str(told["json"]))
+                    game, time, DialogueStateRecord(int(str(fields["talk"])), _robot(fields), str(fields["json"]))
                 )
 
     def _take_state(self, game: int, time: float, state: DialogueStateRecord) -> None:
@@ -137,7 +137,11 @@ class DialogueTables:
         if self._turns:
             yield _rows(
                 GAMES,
-                [_of_game(each) for _, told in sorted(self._gatherers.items()) for each in told.dialogues().games],
+                [
+                    _of_game(each)
+                    for _, gatherer in sorted(self._gatherers.items())
+                    for each in gatherer.dialogues().games
+                ],
             )
         for _, turns in groupby(sorted(self._turns.items()), key=lambda turn: turn[0][:2]):
             yield _rows(BELIEFS, [*self._beliefs(dict(turns))])
@@ -155,8 +159,8 @@ class DialogueTables:
                 elif each not in after:
                     change = _Change.LOST
                 belief = after.get(each) or before[each]
-                told = (belief.holder, belief.literal, belief.source, belief.at, belief.confidence)
-                yield (key[1] + 1, key[2], talk, *told, change.value)
+                fields = (belief.holder, belief.literal, belief.source, belief.at, belief.confidence)
+                yield (key[1] + 1, key[2], talk, *fields, change.value)
             before, former = after, talk
 
 
@@ -174,17 +178,17 @@ def _of_game(game: RecordedGame) -> _Row:
     return (number_of(game.robot), game.began, game.talk, game.number, game.parent, *about, game.ended, game.replied)
 
 
-def _move(told: Mapping[str, object]) -> DialogueMoveRecord:
-    number = {name: int(str(told[name])) for name in ("talk", "dialogue", "parent", "index_")}
-    text = {name: str(told.get(name, "")) for name in _TEXTS}
+def _move(fields: Mapping[str, object]) -> DialogueMoveRecord:
+    number = {name: int(str(fields[name])) for name in ("talk", "dialogue", "parent", "index_")}
+    text = {name: str(fields.get(name, "")) for name in _TEXTS}
     return DialogueMoveRecord(
         talk=number["talk"],
         dialogue=number["dialogue"],
         parent=number["parent"] or None,
         index=number["index_"],
-        robot=_robot(told),
-        game=str(told["game_"]),
-        is_booked=bool(told["booked"]),
+        robot=_robot(fields),
+        game=str(fields["game_"]),
+        is_booked=bool(fields["booked"]),
         **text,
     )
 
@@ -192,8 +196,8 @@ def _move(told: Mapping[str, object]) -> DialogueMoveRecord:
 _TEXTS = ("speaker", "author", "locution", "content", "before", "after", "text", "heard", "fault")
 
 
-def _robot(told: Mapping[str, object]) -> int:
-    return int(str(told["robot"])) - 1
+def _robot(fields: Mapping[str, object]) -> int:
+    return int(str(fields["robot"])) - 1
 
 
 def _listed(values: Values) -> list[object]:

@@ -88,7 +88,7 @@ MEANINGS: Mapping[str, Mapping[str, FieldMeaning]] = {
         "system_status": FieldMeaning("", "code of MAV_STATE"),
     },
     "nav_msgs/MapMetaData": {
-        "map_load_time": FieldMeaning("", "when the map was loaded"),
+        "map_load_time": FieldMeaning("", "time at which the map was loaded"),
         "resolution": FieldMeaning("m", "size of a cell"),
         "width": FieldMeaning("", "number of cells in a row"),
         "height": FieldMeaning("", "rows"),

@@ -120,7 +120,7 @@ def _piece(track: Track) -> TableRows:
 
 
 FRAMES = {
-    (NAME, column.name): "map" if column.name.startswith(("true", "estimated")) else "that of its odometry"
+    (NAME, column.name): "map" if column.name.startswith(("true", "estimated")) else "frame of its odometry"
     for column in _COLUMNS
     if column.name.startswith(("true", "estimated", "odometry"))
 }

@@ -115,16 +115,16 @@ class DialogueGatherer:
     def _game(self, robot: int, number: int) -> RecordedGame:
         course, times = self._courses[robot, number], self._times[robot, number]
         first, last = course[0], course[-1]
-        told = last.after if last.after in ENDS else self._ends.get((robot, number), "")
+        ending = last.after if last.after in ENDS else self._ends.get((robot, number), "")
         return RecordedGame(
             robot=robot,
             number=number,
             kind=last.game,
             opener=first.speaker,
-            end=told if told in ENDS else "unfinished",
+            end=ending if ending in ENDS else "unfinished",
             moves=sum(not move.is_booked for move in course),
             challenges=sum(move.locution == "challenge" for move in self._with_outer(course)),
-            gave_in=last.speaker if told == DialogueEnd.AGREEMENT and self._held_out(last) else "",
+            gave_in=last.speaker if ending == DialogueEnd.AGREEMENT and self._held_out(last) else "",
             talk=first.talk,
             parent=first.parent or 0,
             topic=first.content,

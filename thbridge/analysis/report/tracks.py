@@ -171,12 +171,12 @@ class SeriesByTopic:
     def _track(self, robot: str, robots: frozenset[str], duration: float) -> Track:
         sources = _Sources(self, robot, robots)
         paths = sources.paths()
-        told = np.array(self.carried.get(robot, ()), dtype=np.float64)
-        if len(paths.truth.cuts) and not len(told):
+        kidnapped = np.array(self.carried.get(robot, ()), dtype=np.float64)
+        if len(paths.truth.cuts) and not len(kidnapped):
             sources.notes.append(f"the truth jumps {len(paths.truth.cuts)} times without a drive")
         if not len(paths.truth.rows) and len(paths.relocated):
             sources.notes.append(f"the estimate jumps {len(paths.relocated)} times without a drive")
-        carried = np.union1d(told, paths.truth.cuts)
+        carried = np.union1d(kidnapped, paths.truth.cuts)
         cut_paths = (
             (paths.truth.rows, carried),
             (paths.estimate, paths.relocated),

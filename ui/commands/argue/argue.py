@@ -61,23 +61,23 @@ def argue(
         fail(BAD_INPUT, f"--query: there is no argument {query} in {file}. Its arguments are, for example: {of}.")
     found = extensions(framework, semantics)
     names = sorted((sorted(each, key=name_order) for each in found), key=lambda each: [*map(name_order, each)])
-    told: dict[str, object] = {"semantics": semantics.value, "extensions": names}
+    result: dict[str, object] = {"semantics": semantics.value, "extensions": names}
     lines = [f"{{{', '.join(each)}}}" for each in names] or ["No extension exists."]
     if query is not None:
         credulous, sceptical = any(query in each for each in found), all(query in each for each in found)
-        told |= {"query": query, "credulous": credulous, "sceptical": sceptical}
+        result |= {"query": query, "credulous": credulous, "sceptical": sceptical}
         how = "every" if sceptical and found else "some" if credulous else "no"
         lines.append(f"{query} is in {how} extension.")
     if explain and query is not None:
         discussion = discuss(framework, query)
-        told["discussion"] = [{"locution": move.locution.value, "argument": move.argument} for move in discussion]
-        told["grounded"] = is_won(discussion)
-        told["label"] = grounded_label(framework, query)
+        result["discussion"] = [{"locution": move.locution.value, "argument": move.argument} for move in discussion]
+        result["grounded"] = is_won(discussion)
+        result["label"] = grounded_label(framework, query)
         lines += membership_in_words(framework, semantics, found, query)
         lines += ["", f"Discussion: whether {query} is in the grounded extension:"]
         lines += discussion_in_words(framework, discussion)
     if as_json:
-        print_json(told)
+        print_json(result)
     else:
         for line in lines:
             say(line)

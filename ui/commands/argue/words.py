@@ -66,8 +66,8 @@ def _reason_in_words(framework: ArgumentationFramework, extension: Extension, na
             case [(attacker, answer)]:
                 return f"{attacker} attacks it, but {answer} attacks {attacker}"
             case several:
-                told = ", ".join(_few([f"{attacker} by {answer}" for attacker, answer in several]))
-                return f"its attackers are attacked in turn, {told}"
+                answered = ", ".join(_few([f"{attacker} by {answer}" for attacker, answer in several]))
+                return f"its attackers are attacked in turn, {answered}"
     against = answer_to(name)
     if against is not None:
         return f"{against} attacks it, and is in the extension"

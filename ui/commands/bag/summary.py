@@ -15,11 +15,13 @@ def show_summary(found: RecordingSummary) -> None:
     say(f"{found.path}: {found.duration:.1f} s, {found.messages} messages, {found.size / 1e6:.1f} MB{files}")
     say(f"compression: {found.compression}")
     if found.session is not None:
-        told = found.session.versions
-        versions = ", ".join(f"{name} {version}" for name, version in told.items() if name not in MACHINE)
+        recorded = found.session.versions
+        versions = ", ".join(f"{name} {version}" for name, version in recorded.items() if name not in MACHINE)
         say(f"recorded by thbridge, seed {found.session.seed}: {visible(versions)}")
         # Processor features are many words that only programs compare.
-        machine = ", ".join(f"{name} {told[name]}" for name in MACHINE if name in told and "features" not in name)
+        machine = ", ".join(
+            f"{name} {recorded[name]}" for name in MACHINE if name in recorded and "features" not in name
+        )
         say(f"recorded on: {visible(machine) or 'an unknown machine'}")
     rows = [("topic", "messages", "Hz", "from", "to", "", "type", "md5", "published by")]
     for topic in found.topics:

@@ -64,8 +64,8 @@ def holder(port: int) -> str | None:
     if lsof is None:
         return None
     command = [lsof, "-nP", f"-iTCP:{port}", "-sTCP:LISTEN", "-Fpc"]
-    told = subprocess.run(command, capture_output=True, text=True, check=False).stdout
-    fields = {line[0]: line[1:] for line in told.splitlines() if line}
+    listing = subprocess.run(command, capture_output=True, text=True, check=False).stdout
+    fields = {line[0]: line[1:] for line in listing.splitlines() if line}
     return f"{fields['c']} (process {fields['p']})" if {"c", "p"} <= set(fields) else None
 
 

@@ -111,13 +111,13 @@ def read_drawing(source: Path, size: PaperSize, negate: bool) -> OccupancyGrid:
         opaque = pixels[..., 3] / 255.0 if pixels.shape[2] == 4 else 1.0
         pixels = np.rint(colours * opaque + 255.0 * (1.0 - opaque)).astype(np.uint8)
     if not LEAST_CELL <= resolution <= LARGEST_CELL:
-        told = f"a pixel would be {resolution:g} m wide, outside {LEAST_CELL} to {LARGEST_CELL} m"
-        fail(BAD_INPUT, f"--width: {told}. Write the width of the whole image in meters.")
+        message = f"a pixel would be {resolution:g} m wide, outside {LEAST_CELL} to {LARGEST_CELL} m"
+        fail(BAD_INPUT, f"--width: {message}. Write the width of the whole image in meters.")
     if size.height is not None:
         across = size.height / rows
         if not 1.0 / MOST_STRETCH <= across / resolution <= MOST_STRETCH:
-            told = f"a pixel would be {across:g} m high and {resolution:g} m wide"
-            fail(BAD_INPUT, f"--height: {told}. Write the height of the whole image in meters.")
+            message = f"a pixel would be {across:g} m high and {resolution:g} m wide"
+            fail(BAD_INPUT, f"--height: {message}. Write the height of the whole image in meters.")
         pixels = squared(pixels, size.height / rows / resolution)
     if size.turn:
         pixels = turned(pixels, size.turn)
@@ -160,15 +160,15 @@ def cleaned(source: Path, grid: OccupancyGrid, thinner: int | None) -> CleanedDr
     closed = blocked_paths(grid, inscribed) if thinner is None else None
     if closed is not None:
         places = _listed([f"({x:.1f}, {y:.1f})" for x, y in closed.places])
-        told = (
+        message = (
             f"{source}: only {closed.reached:.0%} of the floor is reachable. Lines thinner than {closed.thinner} "
             f"pixels block paths at {places}. If they are doors, "
             f"furniture or letters, remove them with --thinner {closed.thinner}; if they are walls, keep them with "
             "--thinner 0."
         )
         if closed.reached < MOST_FLOOR:
-            fail(FAILED, told)
-        note(told)
+            fail(FAILED, message)
+        note(message)
     else:
         _note_closed_floor(grid, inscribed, None)
     drawing = CleanedDrawing(grid, np.zeros(grid.cells.shape, dtype=np.bool_))
@@ -207,16 +207,16 @@ def _note_closed_floor(grid: OccupancyGrid, inscribed: float, remedy: str | None
     """Print a warning if most of the floor is unreachable; with a remedy, also if a room is unreachable."""
     reached, others = reached_floor(grid, inscribed)
     if 0.0 < reached < MOST_FLOOR:
-        told = f"Only {reached:.0%} of the floor is reachable"
+        message = f"Only {reached:.0%} of the floor is reachable"
         remedy = remedy or "If lines, furniture or letters close them, use --thinner"
     elif others and remedy is not None:
         places = _listed([f"({x:.1f}, {y:.1f}), {area:.1f} m²" for (x, y), area in others])
-        told = f"Floor at {places}, cannot be reached"
+        message = f"Floor cannot be reached at {places}"
     else:
         return
     note(
-        f"{told}: doors may be closed, or narrower than a robot. {remedy}, use an image with more pixels, or open the "
-        "doors in the image."
+        f"{message}: doors may be closed, or narrower than a robot. {remedy}, use an image with more pixels, or open "
+        "the doors in the image."
     )
 
 
@@ -224,9 +224,9 @@ def find_arena(grid: OccupancyGrid, rooms: int | None, robots: int, names: Seque
     """Find rooms and start poses, and print them."""
     found = find_rooms(grid, *radii(np.array(FOOTPRINT)), wanted=rooms)
     arena = arena_of(grid, found, robots, names)
-    told = ", ".join(f"{entry.room.people} {entry.name}" for entry in arena.rooms)
+    names_found = ", ".join(f"{entry.room.people} {entry.name}" for entry in arena.rooms)
     wanted = "" if rooms is None or rooms == len(arena.rooms) else f" of {rooms} wanted"
-    say(f"Rooms: {len(arena.rooms)}{wanted} found{': ' if told else ''}{told}")
+    say(f"Rooms: {len(arena.rooms)}{wanted} found{': ' if names_found else ''}{names_found}")
     say(f"Start poses: {len(arena.starts)}{'' if len(arena.starts) == robots else f' of {robots} (no space for more)'}")
     return arena
 
@@ -311,14 +311,14 @@ def measure_map(folder: Path, place: Map, runs: int, jobs: int, tell: Tell) -> b
     """
     count = len(place.rooms)
     again = command("maps", "measure", folder, "--runs", runs, "--out", folder / MAP_TIMES)
-    told = f"Measuring {runs * count * count} trips on {jobs} cores; to skip this, use --no-times."
-    note(told if count < MANY else f"{told} You can stop this, and continue it with `{again}`.")
+    message = f"Measuring {runs * count * count} trips on {jobs} cores; to skip this, use --no-times."
+    note(message if count < MANY else f"{message} You can stop this, and continue it with `{again}`.")
     course = MeasurementSetup(place, WorldParameters(), RobotParameters(), SEED)
     with bad_input():
         times = measure_trips(course, runs, jobs, folder / MAP_TIMES, tell, f"`{again}`")
         write_times(folder / MAP_TIMES, map_times(times_matrix(times, count)))
     means = [pair.mean for pair in times if pair.mean is not None]
-    span = f"{min(means):.0f} s to {max(means):.0f} s a trip" if means else "no trip arrived"
+    span = f"{min(means):.0f} s to {max(means):.0f} s per trip" if means else "no trip arrived"
     say(f"Measured: {len(means)} of {len(times)} paths, {span}; wrote {folder / MAP_TIMES}")
     if len(means) < len(times):
         note(unreached_words(times, folder))

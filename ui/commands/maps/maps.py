@@ -31,8 +31,8 @@ def maps_check(
     seen = None if check.map is None else survey(check.map)
     errors = len(check.errors)
     if as_json:
-        told = None if seen is None else survey_as_json(seen)
-        print_json({"ok": errors == 0, "findings": [finding_as_json(each) for each in check.findings], "map": told})
+        figures = None if seen is None else survey_as_json(seen)
+        print_json({"ok": errors == 0, "findings": [finding_as_json(each) for each in check.findings], "map": figures})
     else:
         if seen is not None and not errors:
             show_survey(seen, folder)

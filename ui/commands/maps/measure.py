@@ -74,8 +74,8 @@ def maps_measure(
         for refusal in pair.refusals:
             note(f"{spoken_place(pair.start)} to {spoken_place(pair.goal)}: not reached: {refusal}")
     if as_json:
-        told = None if to is None else str(to)
-        print_json({"map": place.name, "runs": runs, "file": told, "trips": [times_as_json(pair) for pair in times]})
+        file = None if to is None else str(to)
+        print_json({"map": place.name, "runs": runs, "file": file, "trips": [times_as_json(pair) for pair in times]})
     elif to != STANDARD_OUTPUT:
         show_times(times, f"{place.name}: mean seconds of {runs} trips each")
     unreached = sum(pair.mean is None for pair in times)

@@ -148,7 +148,7 @@ def maps_edit(
     from thbridge.offline.arena import Arena
     from ui.commands.maps.drawing import check_written, read_left_out, same_trips
 
-    _require_window(f"Or edit {folder / 'rooms.yaml'} as text, and check it by `thbridge maps check`")
+    _require_window(f"Or edit {folder / 'rooms.yaml'} as text, and check it with `thbridge maps check`")
     if not folder.is_dir():
         fail(BAD_INPUT, f"{folder}: there is no such folder. Name the folder of your map; copy a shipped map first.")
     check = check_map(folder)

@@ -34,7 +34,7 @@ T = TypeVar("T")
 OTHER = "127.0.0.1:14540"
 
 
-_TELL_SECONDS = 2.0
+_PROGRESS_SECONDS = 2.0
 """Seconds between two lines of progress while a robot drives."""
 
 
@@ -89,7 +89,7 @@ async def drive_robot(link: StationSocket, robot: int, destination: Target, keep
             if trip.stage is not stage and trip.stage is StationTripStage.UNDER_WAY:
                 note(f"Robot {robot} is on its way.")
                 shown = clock()
-            if trip.stage is StationTripStage.UNDER_WAY and clock() - shown >= _TELL_SECONDS:
+            if trip.stage is StationTripStage.UNDER_WAY and clock() - shown >= _PROGRESS_SECONDS:
                 shown = clock()
                 note(f"{trip.remaining:.1f} m to go")
             stage = trip.stage

@@ -99,11 +99,11 @@ def drive(
         result = DriveResult(False, False, 0.0, 0.0, 0.0, f"the start is not free: {result.sentence}")
     if as_json:
         clearance = result.min_clearance if math.isfinite(result.min_clearance) else None
-        told = dataclasses.asdict(result) | {"min_clearance": clearance}
+        values = dataclasses.asdict(result) | {"min_clearance": clearance}
         if params:
-            told["notices"] = list(files.notices)
-            told["ros_defaults"] = [default.as_json() for default in files.defaults]
-        print_json(told)
+            values["notices"] = list(files.notices)
+            values["ros_defaults"] = [default.as_json() for default in files.defaults]
+        print_json(values)
         return
     out.print("Reached." if result.reached else f"Not reached: {result.reason}.", highlight=False, soft_wrap=True)
     note(

@@ -113,11 +113,11 @@ def localize(
     share_outputs()
     offset = time_offset_in(time_offset)
     with bad_input():
-        software, told, defaults = read_localization_parameters(params or [], localization)
+        software, file_notices, defaults = read_localization_parameters(params or [], localization)
         grid = grid_at(map_yaml)
         seat = None if laser_pose is None else pose_in(laser_pose)
         recording = open_recording(bag, scan_topic, odom_topic, seat, max_odom_speed)
-    notices = (*told, *recording.notices)
+    notices = (*file_notices, *recording.notices)
     for sentence in (*notices, *sentences_of(defaults)):
         note(sentence)
     announce_compiling()

@@ -48,7 +48,7 @@ Compared = tuple[RunFigures | None, RunFigures | None]
 
 def replayed_as_json(done: Replayed, to: Path | None, figures: Sequence[Compared]) -> dict[str, object]:
     """Return the result of a replay as a JSON object, with the compared figures, by game if there are several."""
-    told: dict[str, object] = {
+    result: dict[str, object] = {
         "equal": done.difference is None and done.finished,
         "first_difference": None if done.difference is None else dataclasses.asdict(done.difference),
         "messages": done.messages,
@@ -62,10 +62,10 @@ def replayed_as_json(done: Replayed, to: Path | None, figures: Sequence[Compared
         for was, now in figures
     ]
     if len(games) == 1:
-        told |= games[0]
+        result |= games[0]
     elif games:
-        told["games"] = games
-    return told
+        result["games"] = games
+    return result
 
 
 def show_replayed(done: Replayed, figures: Sequence[Compared]) -> None:

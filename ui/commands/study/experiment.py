@@ -74,8 +74,8 @@ def study_status(folder: FolderOfExperiment, as_json: AsJson = False) -> None:
     counts = {str(state): sum(run.state is state for run in runs) for state in RunState}
     most = {run.participant: run.lag for run in runs if run.lag is not None}
     if as_json:
-        told = {"changed": None if changed is None else list(changed), "recordings": left, "most_lag_seconds": most}
-        print_json({"planned": design.allocation.size, **counts, **told})
+        details = {"changed": None if changed is None else list(changed), "recordings": left, "most_lag_seconds": most}
+        print_json({"planned": design.allocation.size, **counts, **details})
         return
     say(f"{design.file.title}: {counts['complete']} of {design.allocation.size} runs complete")
     for run in runs:
@@ -211,8 +211,8 @@ def study_export(
         entries, changed = place.entries(), deviations(place, installed)
         written = export_experiment(place, design, entries, to, installed, changed)
     say(", ".join(f"{rows} {name}" for name, rows in written.rows.items()))
-    for told in written.notes:
-        note(told)
+    for details in written.notes:
+        note(details)
     python, r = shlex.join(["python", str(to / "analysis.py")]), shlex.join(["Rscript", str(to / "analysis.R")])
     note(f"Wrote {to}. Compare and plot its conditions with `{python}` or `{r}`.")
 
@@ -232,8 +232,8 @@ def study_backup(
         place.read()
         place.entries()
         lacking = back_up(place, to)
-    for told in lacking:
-        note(told)
+    for details in lacking:
+        note(details)
     note(f"{to} is verified and up to date. It can be used instead of the study: `{command('study', 'status', to)}`.")
     if lacking:
         raise typer.Exit(FAILED)

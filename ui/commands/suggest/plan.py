@@ -110,8 +110,8 @@ def show_plan(plan: SuggestedPlan, names: RoomNames) -> None:
         table.add_row(robot_name(robot), way, energy_text(tour.cost), *losses)
     out.print(table)
     sent = [(at, tour.rooms[0].people) for at, tour in enumerate(plan.tours) if tour.rooms]
-    told = "; ".join(f"{robot_name(at)} to {names.titled(room)}" for at, room in sent)
-    show(f"Next: {told or 'all robots stay'}.")
+    moves = "; ".join(f"{robot_name(at)} to {names.titled(room)}" for at, room in sent)
+    show(f"Next: {moves or 'all robots stay'}.")
     show(f"Each room is worth {plan.points:.3g} points on average, if its treasure is identified correctly.")
     if plan.best is None:
         show("There are too many rooms to prove a plan the best; a better one may exist.")

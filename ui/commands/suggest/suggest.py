@@ -76,8 +76,8 @@ def _suggest_to_robot(costs: Path, at: int, unvisited: str, as_json: bool) -> No
     proven = least == tour.cost
     rooms = [each.people for each in tour.rooms]
     if as_json:
-        told = {"next": rooms[0], "tour": rooms, "cost": _plain(tour.cost), "proven": proven}
-        print_json(told | {"at_least": None if least is None else _plain(least)})
+        result = {"next": rooms[0], "tour": rooms, "cost": _plain(tour.cost), "proven": proven}
+        print_json(result | {"at_least": None if least is None else _plain(least)})
         return
     kind = "the cheapest" if proven else "a good"
     show(f"Next room {rooms[0]}; {kind} tour is {' '.join(map(str, rooms))} and costs {_plain(tour.cost)}.")

@@ -54,8 +54,8 @@ def show_design(design: SweepDesign) -> None:
 
 def progress_as_json(progress: SweepProgress, root: Path) -> dict[str, object]:
     """Return the result of a run as the JSON object of --json."""
-    told = dataclasses.asdict(progress)
-    return told | {"cpu_seconds": round(progress.cpu_seconds, 2), "folder": str(root)}
+    values = dataclasses.asdict(progress)
+    return values | {"cpu_seconds": round(progress.cpu_seconds, 2), "folder": str(root)}
 
 
 def show_progress(progress: SweepProgress, root: Path) -> None:

@@ -90,7 +90,7 @@ class TerminalTalk:
             self.show(f"{self._indent(play)}Dialogue {play.number} opens: {play.game.name} about {play.topic}{inside}")
         for utterance in self._now.record[len(before.record) :]:
             self.heard(utterance)
-            follows = " (follows from that)" if utterance.is_booked else ""
+            follows = " (follows automatically)" if utterance.is_booked else ""
             indent = self._indent(self._now.play(utterance.dialogue))
             self.show(f"{indent}  {utterance.side}: {utterance.move}{follows}")
             if sentence := self._sentence(utterance.move, utterance.side):
@@ -111,7 +111,7 @@ class TerminalTalk:
         for number, act in enumerate(possible, start=1):
             opens = "" if act.opening is None else f"   (opens {act.opening.game})"
             yield f"  {number}  {act.move}   {self._sentence(act.move, side)}{opens}".rstrip()
-        yield "  n  nothing more   ?  help" if between else "  ?  help"
+        yield "  n  no more   ?  help" if between else "  ?  help"
 
     def _indent(self, play: GamePlay) -> str:
         return "" if play.parent is None else f"{self._indent(self._now.play(play.parent))}    "

@@ -132,7 +132,7 @@ def talk_check(
 
     checked = [check_folder(folder) for folder in folders or ([] if strategy or author else [shipped_folder()])]
     ok = readable = not any(each.faults for each in checked)
-    told: dict[str, object] = {"folders": [each.as_json() for each in checked]}
+    values: dict[str, object] = {"folders": [each.as_json() for each in checked]}
     lines = [line for each in checked for line in each.lines()]
     if strategy is not None and readable:
         from ui.commands.talk.trials import check_strategy
@@ -140,7 +140,7 @@ def talk_check(
         with bad_input():
             tried = check_strategy(strategy, rulebook_with(folders or []), conversations, seed or 0)
         ok = tried.ok
-        told["strategy"] = tried.as_json()
+        values["strategy"] = tried.as_json()
         lines += tried.lines()
     if author is not None and readable:
         from ui.commands.talk.trials import check_author
@@ -149,10 +149,10 @@ def talk_check(
         with bad_input():
             worded = check_author(author, languages, rulebook_with(folders or []), conversations, seed or 0)
         ok &= worded.ok
-        told["author"] = worded.as_json()
+        values["author"] = worded.as_json()
         lines += worded.lines()
     if as_json:
-        print_json({"ok": ok, **told})
+        print_json({"ok": ok, **values})
     else:
         for line in lines:
             say(line)

@@ -22,8 +22,8 @@ def templates_check(name: SetName, as_json: AsJson = False) -> None:
         print_json({"ok": True, "properties": len(templates.properties), "treasures": len(templates.kinds)})
         return
     end = f"{len(templates.kinds)} treasures, {len(templates.properties)} properties: no faults"
-    told = (*contents(templates), *sentences(templates, NOWHERE), *translations(templates, folder, NOWHERE))
-    for line in (*told, *(f"warning: {warning}" for warning in templates.warnings), end):
+    contained = (*contents(templates), *sentences(templates, NOWHERE), *translations(templates, folder, NOWHERE))
+    for line in (*contained, *(f"warning: {warning}" for warning in templates.warnings), end):
         say(line)
 
 

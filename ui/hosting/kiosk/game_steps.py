@@ -105,8 +105,8 @@ class GameSteps:
         visit = _Visit(self._pages, self._clock, self._token, practice=False)
         if self._pages.run.game is None:
             goes_on = how is ResumeRule.EXACT
-            told = "kiosk.game_comes_back" if goes_on else "kiosk.game_comes"
-            await self._pages.show(GamePrepared(0, self._pages.texts.text(told)))
+            key = "kiosk.game_comes_back" if goes_on else "kiosk.game_comes"
+            await self._pages.show(GamePrepared(0, self._pages.texts.text(key)))
             game = await self._at_game(visit, self._games.play(self._pages.run, step, visit, goes_on=goes_on))
             if game is not None:
                 self._conductor.tell(EventKind.GAME_PLAYED, self._pages.person, step, game, "program")

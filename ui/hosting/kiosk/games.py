@@ -164,7 +164,7 @@ class StudyGames:
         """Play a game and record each tick; return None if it did not reach its end."""
         over_at, last = 0, int(options.max_seconds * TICKS_PER_SECOND)
         meter = PaceMeter()
-        told = ended = False
+        warned = ended = False
 
         def ready(where: ListeningAddress | CannotListen) -> None:
             if isinstance(where, CannotListen):
@@ -172,7 +172,7 @@ class StudyGames:
             watcher.ready(where)
 
         def progress(moment: TickRecord) -> None:
-            nonlocal over_at, told, ended
+            nonlocal over_at, warned, ended
             record(moment)
             watcher.passed(moment.tick * TICK, meter.state.lag, (last - moment.tick) * TICK / options.rate)
             if over_at == 0 and moment.game is not None and moment.game.ended is not None:
@@ -180,8 +180,8 @@ class StudyGames:
             if over_at:
                 since = moment.tick - over_at
                 ended = since >= FINAL_TICKS and (watcher.has_seen_end() or since >= SEEN_WITHIN)
-            elif not told and moment.tick >= last - FINAL_TICKS:
-                told = True
+            elif not warned and moment.tick >= last - FINAL_TICKS:
+                warned = True
                 watcher.time_is_up()
 
         def left() -> bool:
@@ -193,7 +193,7 @@ class StudyGames:
         except HuntUnfinished as early:
             if early.stopped:
                 raise KioskStopped from None
-            return (early.outcome, meter.pace()) if told else None
+            return (early.outcome, meter.pace()) if warned else None
         return outcome, meter.pace()
 
 

@@ -175,7 +175,7 @@ class KioskHost:
         self._pages.check()
         before = self._pages.run
         if before.last_outcome is StepOutcome.FAILED and not before.under_way:
-            await self._tell_of_repetition(before)
+            await self._show_repetition(before)
         ahead = self._conductor.progress.next_step(self._pages.person)
         how = resumes(before, ahead) if before.under_way and ahead is not None else None
         step = self._conductor.begin(self._pages.person)
@@ -252,7 +252,7 @@ class KioskHost:
                     await self._pages.show(structs.replace(page, missing=(asked.id,)))
         self._conductor.tell_of_run(EventKind.RECRUITING_CODE, self._pages.person, {"code": code}, "participant")
 
-    async def _tell_of_repetition(self, run: Run) -> None:
+    async def _show_repetition(self, run: Run) -> None:
         """Show a person who failed a check that it will be repeated; do nothing if it will not."""
         check = next((step for step in run.plan[run.step - 1 :] if step.number in run.attempts), None)
         if check is None or check.number in run.failed:

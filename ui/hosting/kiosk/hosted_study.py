@@ -25,10 +25,10 @@ class HostedStudy:
         self.changed: Callable[[], None] = lambda: None
         self._conductor = conductor
         self._pages = pages
-        pages.changed = self._tell
-        conductor.listeners.append(self._tell)
+        pages.changed = self._notify
+        conductor.listeners.append(self._notify)
 
-    def _tell(self, *_event: LoggedEvent) -> None:
+    def _notify(self, *_event: LoggedEvent) -> None:
         self.changed()
 
     @property

@@ -88,7 +88,7 @@ class KioskPages:
         self.number = self.lag = 0
         self.admits = self.looks_away = self.closed = False
         self._conductor = conductor
-        self._heard: asyncio.Queue[FromKiosk | Woken] = asyncio.Queue()
+        self._messages: asyncio.Queue[FromKiosk | Woken] = asyncio.Queue()
 
     @property
     def run(self) -> Run:
@@ -103,12 +103,12 @@ class KioskPages:
 
     def wake(self) -> None:
         """Make `next` check for changes outside the window."""
-        self._heard.put_nowait(Woken())
+        self._messages.put_nowait(Woken())
 
     async def listen(self) -> None:
         """Receive the messages of the window, without end."""
         while True:
-            self._heard.put_nowait(await self.window.next_request())
+            self._messages.put_nowait(await self.window.next_request())
 
     async def show(self, page: Page) -> None:
         """Show a page."""
@@ -142,7 +142,7 @@ class KioskPages:
     async def next(self) -> FromKiosk | Woken:
         """Wait for a message about the shown page, or a change outside the window."""
         while True:
-            message = self._taken(await self._heard.get())
+            message = self._taken(await self._messages.get())
             if message is not None:
                 return message
 
@@ -159,8 +159,8 @@ class KioskPages:
 
     def waiting(self) -> Iterator[FromKiosk | Woken]:
         """Yield the messages that `next` would return without waiting."""
-        while not self._heard.empty():
-            message = self._taken(self._heard.get_nowait())
+        while not self._messages.empty():
+            message = self._taken(self._messages.get_nowait())
             if message is not None:
                 yield message
 

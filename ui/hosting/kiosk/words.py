@@ -103,12 +103,12 @@ def result(texts: Texts, game: Mapping[str, JsonValue] | None) -> str:
 
 def results(texts: Texts, games: Sequence[tuple[int, int | None]]) -> str:
     """Return sentences of a debriefing about each game: its score, and the best possible score if it is known."""
-    told = []
+    paragraphs = []
     for number, (score, best) in enumerate(games, 1):
         only = len(games) == 1
         said = texts.text("kiosk.your_score" if only else "kiosk.score_of_game", game=number, score=score)
-        told.append(said if best is None else f"{said} {texts.text('kiosk.best_possible', count=best)}")
-    return "\n\n".join(told)
+        paragraphs.append(said if best is None else f"{said} {texts.text('kiosk.best_possible', count=best)}")
+    return "\n\n".join(paragraphs)
 
 
 def before_debriefing(texts: Texts, run: Run) -> tuple[str, str]:

@@ -54,7 +54,10 @@ def test_check_tells_how_many_games_there_are_and_plays_none() -> None:
 @pytest.mark.parametrize(
     ("options", "told"),
     [
-        (("--shard", "3/2"), "--shard: '3/2' is not of the form I/N. Write, for example, --shard 2/8 (from 1/8 to 8/8)."),
+        (
+            ("--shard", "3/2"),
+            "--shard: '3/2' is not of the form I/N. Write, for example, --shard 2/8 (from 1/8 to 8/8).",
+        ),
         (("--scheduler", "tcp://a:1"), "--scheduler: only a Dask cluster has a scheduler. Add --engine dask, or omit"),
         (("--engine", "dask"), "--engine dask: the address of the cluster is missing. Add --scheduler, such as tcp://"),
         (("--slurm", "partition=short"), "--slurm: these options are only for Slurm jobs. Add --engine slurm, or omit"),
@@ -114,7 +117,10 @@ def test_the_same_games_give_the_same_figure(played: Path, folder: Path, suffix:
     [
         (("--to", "a.gif"), "--to: a.gif is not a figure. Write a file name that ends in .png, .svg or .pdf."),
         (("--to", "a.png", "--x", "team"), "--x: 'team' is not a factor of this sweep. Write one of noise.odometry."),
-        (("--to", "a.png", "--measure", "over"), "--measure: 'over' is not a numeric measure of these games. Write one of score, "),
+        (
+            ("--to", "a.png", "--measure", "over"),
+            "--measure: 'over' is not a numeric measure of these games. Write one of score, ",
+        ),
     ],
 )
 def test_figures_that_cannot_be(played: Path, options: tuple[str, ...], told: str) -> None:
