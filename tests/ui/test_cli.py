@@ -137,7 +137,7 @@ def test_an_address_is_host_and_port(program: str, address: str) -> None:
 @pytest.mark.parametrize("program", ["simr", "hider", "tabui"])
 def test_a_port_of_the_study_that_is_any_free_one_must_be_told(program: str) -> None:
     Path("study.yaml").write_text("server: {port: 0}\n")
-    assert "Tell which it is: --server HOST:PORT." in refusal(program, "--study", "study.yaml")
+    assert "Add the actual port: --server HOST:PORT." in refusal(program, "--study", "study.yaml")
 
 
 @pytest.mark.parametrize(
@@ -270,7 +270,7 @@ def test_a_language_is_chosen_for_one_run(monkeypatch: pytest.MonkeyPatch) -> No
 
 @pytest.mark.parametrize("option", [("play", "--rate", "0,2"), ("plan", "--map", "m.yaml", "--start", "0,2", "0")])
 def test_a_decimal_comma_is_refused_with_its_remedy(option: tuple[str, ...]) -> None:
-    assert "'0,2' is not a number. Write a point: 0.2." in " ".join(refusal(*option).replace("│", "").split())
+    assert "'0,2' is not a number. Use a decimal point: 0.2." in " ".join(refusal(*option).replace("│", "").split())
 
 
 @pytest.mark.parametrize(
@@ -396,7 +396,7 @@ def test_a_person_needs_no_templates_and_no_seed() -> None:
 
 def test_real_robots_are_not_simulated_and_not_hurried() -> None:
     assert "--ros: real robots are on a ROS graph already" in refusal("simr", "--robots-from", "ros", "--ros")
-    assert "--rate: real robots have the time" in refusal("simr", "--robots-from", "ros", "--rate", "2")
+    assert "--rate: real robots run in real time" in refusal("simr", "--robots-from", "ros", "--rate", "2")
     Path("study.yaml").write_text("robots_from: ros\n")
     assert "this study is for real robots" in refusal("play", "study.yaml")
     Path("study.yaml").write_text("robots: 1\nrobots_from: ros\nfleet: {robot: {namespace: ''}}\n")
@@ -455,7 +455,7 @@ def test_measuring_refuses_a_file_that_is_there_before_it_drives(folder: Path) -
 
 def test_where_nobody_can_watch_is_refused_and_so_is_a_key_that_is_none(folder: Path) -> None:
     for nowhere in ("door", "70000", ":6010", "here:"):
-        assert f"--watch: {nowhere!r} is no address" in refusal("play", "--headless", "--watch", nowhere)
+        assert f"--watch: {nowhere!r} is not an address" in refusal("play", "--headless", "--watch", nowhere)
     assert "--watch-key: nobody may watch" in refusal("play", "--headless", "--watch-key", "key.txt")
     assert "key.txt" in refusal("play", "--headless", "--watch", "0", "--watch-key", "key.txt")
     Path("key.txt").write_text("\nsecret\n")
@@ -482,7 +482,7 @@ def test_bag_info_tells_the_digest_of_the_messages() -> None:
     write_hundred_messages(Path("a.bag"))
     told = json_of("bag", "info", "a.bag", "--hash")["hash"]
     assert told == digest_of(Path("a.bag"))
-    assert f"hash of the messages: {told}\n" in invoke("bag", "info", "a.bag", "--hash").output
+    assert f"hash of all messages: {told}\n" in invoke("bag", "info", "a.bag", "--hash").output
     assert "hash" not in json_of("bag", "info", "a.bag")
 
 

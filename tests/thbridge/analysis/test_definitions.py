@@ -95,7 +95,7 @@ def test_what_nobody_knows_is_no_table_and_no_success(tmp_path: Path) -> None:
     bag = write(tmp_path / "a.bag", planted)
     done = invoke("bag", "export", bag, "--to", tmp_path / "tables")
     assert done.exit_code == 1
-    assert "/scan is left out: the bag has no definition of lab_msgs/Secret." in done.output
+    assert "/scan is omitted: the bag has no definition of lab_msgs/Secret." in done.output
     converted = invoke("bag", "to-mcap", bag)
     assert converted.exit_code == 0
     assert "/scan: the bag has no definition of its type" in converted.output

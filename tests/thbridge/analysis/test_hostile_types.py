@@ -40,7 +40,7 @@ def test_the_check_finds_them_and_other_commands_leave_them_out(msgtype: str, de
     bag = write(tmp_path / "hostile.bag", planted)
     exported = export_bag(bag, tmp_path / "out", [TableFormat.CSV])
     assert len(exported.notices) == 1
-    assert exported.notices[0].startswith("/x is left out: ")
+    assert exported.notices[0].startswith("/x is omitted: ")
     assert to_ros2(bag, tmp_path / "ros2").left_out == ("/x",)
 
 

@@ -42,22 +42,22 @@ def test_figures_leave_them_out_and_say_so(value: float, tmp_path: Path) -> None
     bag = write(tmp_path / "wild.bag", wild(value))
     report = read_report(messages(bag))
     assert report.left_out == (
-        "20 values of /tf are left out: they are not finite, or beyond 1e+09.",
-        "20 values of /odom are left out: they are not finite, or beyond 1e+09.",
+        "20 values of /tf are omitted: they are not finite, or beyond 1e+09.",
+        "20 values of /odom are omitted: they are not finite, or beyond 1e+09.",
     )
     assert set(report.left_out) <= set(report.missing)
     for kind in (FigureKind.PATHS, FigureKind.VELOCITY):
         drawn = draw(kind, report, ONE_COLUMN)
         assert not isinstance(drawn, RequestRefused)
         assert ONE_COLUMN.rendered(drawn, FigureFormat.SVG)
-    assert "20 values of /odom are left out" in build_report(bag, None)
+    assert "20 values of /odom are omitted" in build_report(bag, None)
 
 
 @pytest.mark.parametrize("value", BAD)
 def test_the_table_of_poses_leaves_them_out_and_others_keep_them(value: float, tmp_path: Path) -> None:
     bag = write(tmp_path / "wild.bag", wild(value))
     exported = export_bag(bag, tmp_path / "out", [TableFormat.CSV])
-    assert any(notice.startswith("poses: 10 values of /odom are left out") for notice in exported.notices)
+    assert any(notice.startswith("poses: 10 values of /odom are omitted") for notice in exported.notices)
     assert exported.tables["poses"][1] == 20
     assert exported.tables["odom"][1] == 30
 

@@ -109,7 +109,7 @@ def test_stage_with_several_robots() -> None:
     assert [track.name for track in found.tracks] == ["robot_0", "robot_1"]
     for track in found.tracks:
         assert track.errors[:, 1].tolist() == pytest.approx([0.25] * 20)
-        assert any("taken as places on the map" in sentence for sentence in track.sources)
+        assert any("used as positions on the map" in sentence for sentence in track.sources)
 
 
 def test_a_pr2_that_has_its_odometry_under_a_node() -> None:
@@ -146,7 +146,7 @@ def test_two_sources_of_odometry_are_one_robot() -> None:
             odometry("/camera/odom/sample", "camera_odom_frame", "camera_pose_frame"),
         )
     )
-    assert track.sources[0].startswith("odometry from /husky_velocity_controller/odom; there is also")
+    assert track.sources[0].startswith("odometry from /husky_velocity_controller/odom; other topics: ")
     assert "/odometry/filtered" in track.sources[0]
 
 
@@ -170,7 +170,7 @@ def test_named_trajectories_are_compared_whatever_they_are_called() -> None:
     assert read_report(messages).tracks == ()
     track = only(read_report(messages, named=TrajectoryTopics(truth="/lidar/a", estimate="/fused")))
     assert track.errors[:, 1].tolist() == pytest.approx([0.25] * 20)
-    assert track.sources[0] == "truth from /lidar/a, as told"
+    assert track.sources[0] == "truth from /lidar/a, as requested"
 
 
 def test_of_several_robots_that_one_whose_trajectories_are_named() -> None:

@@ -123,7 +123,7 @@ def test_a_foreign_bag_says_what_is_missing(tmp_path: Path) -> None:
         writer.write(RosMessage(Topic("/chatter", "std_msgs/String"), 1, b"\x02\x00\x00\x00hi"))
     page = build_report(path)
     assert "Missing in this bag" in page
-    assert "There is no map" in page
+    assert "No map:" in page
     assert "<svg" not in page
 
 

@@ -97,7 +97,7 @@ def test_stamps_of_another_clock_are_not_used_and_it_says_so(
     track = track_of(tmp_path, two(stamp_of_truth))
     # Half a second at half a meter a second.
     assert track.errors[:, 1] == pytest.approx(0.25, abs=1e-6)
-    told = f"compared by the time of recording, for the headers of /vicon/pose {reason}"
+    told = f"compared by the time of recording, because the headers of /vicon/pose {reason}"
     assert any(told in sentence for sentence in track.sources)
 
 

@@ -33,12 +33,12 @@ def refusal(*arguments: str) -> str:
 @pytest.mark.parametrize("option", ["--udp", "--udp-listen", "--tcp"])
 @pytest.mark.parametrize("address", ["14550", "localhost:", ":14550", "localhost:0", "localhost:65536", "::1:14550"])
 def test_an_address_that_is_none(option: str, address: str) -> None:
-    assert f"{option}: '{address}' is no address. Write HOST:PORT" in refusal("--mavlink", option, address)
+    assert f"{option}: '{address}' is not an address. Write HOST:PORT" in refusal("--mavlink", option, address)
 
 
 def test_a_target_of_a_robot_that_there_is_not() -> None:
     message = refusal("--mavlink", "--robots", "3", "--udp", "h:1/4")
-    assert "--udp: 'h:1/4': there is no robot 4. There are 3." in message
+    assert "--udp: 'h:1/4': there is no robot 4. The study has 3." in message
 
 
 @pytest.mark.parametrize("other", ["h:1", "h:1/2"])

@@ -49,7 +49,7 @@ def test_researchers_windows_of_other_machines_want_keys_and_encryption(
     program: tuple[str, ...], key: tuple[str, ...]
 ) -> None:
     told = refusal(*program, "--watch", "0.0.0.0:0", "--open-to", "10.0.0.0/24", *key)
-    assert told.startswith("researchers' windows: whoever reaches 0.0.0.0 would see the truth")
+    assert told.startswith("researchers' windows: any client at 0.0.0.0 could see the truth")
     assert "keys new NAME" in told
 
 
@@ -57,7 +57,7 @@ def test_a_folder_of_keys_that_is_none_or_empty_is_told() -> None:
     assert refusal("server", "--host", "0.0.0.0", "--keys", "keys").startswith("keys: there is no folder keys.")
     Path("keys").mkdir()
     Path("study.yaml").write_text("server: {host: 0.0.0.0}\nkeys: keys\n")
-    assert refusal("play", "study.yaml", "--headless").startswith("keys: there are no keys in keys. Make one: ")
+    assert refusal("play", "study.yaml", "--headless").startswith("keys: there are no keys in keys. Create one: ")
 
 
 def test_a_door_with_keys_is_encrypted_and_needs_no_network() -> None:
@@ -70,7 +70,7 @@ def test_a_door_with_keys_is_encrypted_and_needs_no_network() -> None:
 
 
 def test_networks_that_are_none_are_told() -> None:
-    assert "--open-to: 'lab' is no network" in refusal("server", "--open-to", "lab")
+    assert "--open-to: 'lab' is not a network" in refusal("server", "--open-to", "lab")
     Path("study.yaml").write_text("open_to: [10.0.0.0/24, 10.0.0.0/64]\n")
     assert "study.yaml, line 1, open_to[1]: '10.0.0.0/64' is no network" in refusal("server", "study.yaml")
 
@@ -79,6 +79,6 @@ def test_who_is_let_in_is_told_and_recorded() -> None:
     arguments = ("--headless", "--rate", "0", "--max-seconds", "1", "--no-report", "--port", str(free_port()))
     Path("study.yaml").write_text("server: {host: 0.0.0.0}\n")
     done = invoke("play", "study.yaml", *arguments, "--open-to", "10.0.0.0/24", "--bag", "a.bag")
-    assert "Open to 10.0.0.0/24, without key or encryption: the text server." in done.stderr
+    assert "Accepting clients from 10.0.0.0/24 without key or encryption: the text server." in done.stderr
     (session,) = (data for publisher, _, data in recorded(Path("a.bag")) if publisher.msgtype == types.SESSION)
     assert read_study_text(Path("a.bag"), unpack.session(session).study).open_to == ("10.0.0.0/24",)

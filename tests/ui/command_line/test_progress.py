@@ -11,11 +11,11 @@ from ui.command_line.progress import ProgressLines, shown_progress
 
 def test_a_line_counts_what_is_done_and_estimates_the_rest() -> None:
     lines = ProgressLines("trips", 100.0)
-    assert lines.sentence(130.0) == "trips: 30 s so far"
+    assert lines.sentence(130.0) == "trips: 30 s elapsed"
     lines.take("trips", 10, 90, 160.0)  # ten were there before: they say nothing about the rate
-    assert lines.sentence(160.0) == "trips: 10 of 90 (11%), 1 min so far"
+    assert lines.sentence(160.0) == "trips: 10 of 90 (11%), 1 min elapsed"
     lines.take("trips", 30, 90, 280.0)
-    assert lines.sentence(280.0) == "trips: 30 of 90 (33%), 3 min so far, about 6 min left"
+    assert lines.sentence(280.0) == "trips: 30 of 90 (33%), 3 min elapsed, about 6 min left"
     assert json.loads(lines.as_json(280.0)) == {
         "task": "trips",
         "done": 30,
@@ -29,7 +29,7 @@ def test_a_total_that_is_unknown_is_left_out() -> None:
     lines = ProgressLines("play", 100.0)
     lines.take("simulated seconds", 30, 0, 100.0)
     lines.take("simulated seconds", 90, 0, 160.0)
-    assert lines.sentence(160.0) == "simulated seconds: 90, 1 min so far"
+    assert lines.sentence(160.0) == "simulated seconds: 90, 1 min elapsed"
     told = json.loads(lines.as_json(160.0))
     assert (told["done"], told["total"], told["seconds_left"]) == (90, None, None)
 

@@ -19,10 +19,10 @@ def test_who_commands_a_robot_is_told() -> None:
     play.ask(ReleaseCommand(0))
     sentences = [sentence.split("s  ", 1)[1] for tick in play.hunt.tick_records for sentence in tell(tick, RoomNames())]
     assert [sentence for sentence in sentences if "commanded" in sentence] == [
-        "Robot 1 is commanded by ground station 255 from now on.",
-        "Robot 1 is commanded by /rviz from now on.",
-        "Robot 1 is commanded by ground station 255 from now on.",
-        "Robot 1 is commanded by the participant from now on.",
+        "Robot 1 is now commanded by ground station 255.",
+        "Robot 1 is now commanded by /rviz.",
+        "Robot 1 is now commanded by ground station 255.",
+        "Robot 1 is now commanded by the participant.",
     ]
 
 
@@ -48,8 +48,8 @@ def test_the_name_of_a_room_stands_beside_its_number() -> None:
     events = (RobotArrived(0, Room(3)), RobotArrived(1, Room(4)), TreasureLeft(Room(3)))
     tick = dataclasses.replace(play.hunt.tick_records[-1], events=events, utterances=())
     assert [sentence.split("s  ", 1)[1] for sentence in tell(tick, RoomNames({3: "Kitchen"}))] == [
-        "Robot 1 is in room 3 (Kitchen).",
-        "Robot 2 is in room 4.",
+        "Robot 1 has reached room 3 (Kitchen).",
+        "Robot 2 has reached room 4.",
         "The treasure in room 3 (Kitchen) is left alone.",
     ]
 
@@ -62,5 +62,5 @@ def test_a_sentence_is_one_line_where_no_terminal_is(capsys, monkeypatch) -> Non
     tick = dataclasses.replace(play.hunt.tick_records[-1], events=events, utterances=())
     print_story(tick, RoomNames({3: "Store of instruments beside the long corridor"}))
     assert capsys.readouterr().out == (
-        "    0.2 s  Robot 1 is in room 3 (Store of instruments beside the long corridor).\n"
+        "    0.2 s  Robot 1 has reached room 3 (Store of instruments beside the long corridor).\n"
     )

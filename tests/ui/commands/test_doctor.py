@@ -47,7 +47,7 @@ def test_a_folder_that_cannot_be_written_is_a_fault_and_the_exit_code_says_so(
     told = json.loads(done.stdout)
     assert (done.exit_code, told["ok"]) == (1, False)
     (fault,) = [check for check in told["checks"] if check["state"] == "fault"]
-    assert (fault["name"], "cannot be written to" in fault["message"]) == ("recordings", True)
+    assert (fault["name"], "is not writable" in fault["message"]) == ("recordings", True)
     assert check_folder("x", Path("/proc/none")).state is HealthState.FAULT
 
 
@@ -56,7 +56,7 @@ def test_a_port_that_is_held_is_named_with_its_program() -> None:
         port = held.getsockname()[1]
         (check,) = check_ports({port: "--port"})
         assert check.state is HealthState.WARNING
-        assert re.search(rf"held by .+ \(process {os.getpid()}\)", check.message)
+        assert re.search(rf"used by .+ \(process {os.getpid()}\)", check.message)
         assert "--port" in check.remedy
     (check,) = check_ports({port: "--port"})
     assert check.message == "free"
@@ -117,7 +117,7 @@ def test_ports_of_a_study(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> No
         told = json.loads(invoke("doctor", "study.yaml", "--json").stdout)
     ports = {check["name"]: check for check in told["checks"] if check["name"].startswith("port ")}
     assert ports.keys() == {f"port {port}", "port 5761", "port 8765", "port 11311"}
-    assert ports[f"port {port}"]["remedy"].endswith("choose another port by watch.port")
+    assert ports[f"port {port}"]["remedy"].endswith("choose another port with watch.port")
 
 
 def test_set_up_installs_the_packages_that_are_checked() -> None:
@@ -132,7 +132,7 @@ def test_packages_that_are_missing_or_of_another_version_are_named() -> None:
     wanted = ["numpy>=999", "nonsense-of-nobody", "typer>=0.1", 'no-such-extra>=1; extra == "x"']
     requirements = [Requirement(line) for line in wanted]
     first, second = lacking(requirements, "")
-    assert re.fullmatch(r"numpy is [\d.]+, and >=999 is needed", first)
+    assert re.fullmatch(r"numpy is [\d.]+, but >=999 is required", first)
     assert second == "nonsense-of-nobody is not installed"
     assert list(lacking(requirements, "x")) == ["no-such-extra is not installed"]
 

@@ -123,7 +123,7 @@ class TestCheck:
         assert "two: 8.0 m x 4.0 m, 80 x 40 cells of 0.1 m" in told
         assert "1.0 m to the corridor" in told
         assert "start poses: 2; robot 1 starts at (4, 1)" in told
-        assert "ways: 4 of 4" in told
+        assert "paths: 4 of 4" in told
         assert "`thbridge maps measure two --out two/mapTimes`" in told
         assert told.endswith("0 errors, 0 warnings\n")
         found = json.loads(maps("check", "two", "--json").stdout)
@@ -173,7 +173,7 @@ class TestNew:
         assert "Rooms: 2 found: 1 Kitchen, 2 Store" in done.stdout
         assert "Start poses: 2\n" in done.stdout
         assert "Checked: 0 errors, 0 warnings" in done.stdout
-        assert "Measured: 4 of 4 ways" in done.stdout
+        assert "Measured: 4 of 4 paths" in done.stdout
         assert done.stdout.endswith("Play on it: thbridge play --map ./lab\n")
         assert sorted(file.name for file in (here / "lab").iterdir()) == [
             "map.pgm",
@@ -209,21 +209,21 @@ class TestNew:
         assert "Rooms: 2 found" in done.stdout
         picture(here / "dark.png")
         refused = maps("new", "dark.png", "--resolution", 0.1, "--no-times", "--negate")
-        assert "if walls are dark, leave it out" in refused.stderr
+        assert "if walls are dark, omit it" in refused.stderr
 
     def test_commands_that_are_told_hold_for_names_with_blanks(self, here: Path) -> None:
         picture(here / "my lab.png")
         told = maps("new", "my lab.png", "--resolution", 0.1, "--no-times").stdout
-        assert told.endswith("Look at it: thbridge maps check 'my lab' --to 'my lab-rooms.png'\n")
+        assert told.endswith("Draw the map: thbridge maps check 'my lab' --to 'my lab-rooms.png'\n")
 
     @pytest.mark.parametrize(
         ("words", "told"),
         [
             (("two.png",), "the size of an image in meters is not known. Write the width"),
             (("none.png", "--resolution", "0.1"), "none.png: there is no such file"),
-            (("two/map.yaml", "--resolution", "0.1", "--to", "x"), "--resolution: two/map.yaml says that itself"),
-            (("two/map.yaml", "--negate", "--to", "x"), "--negate: two/map.yaml says that itself"),
-            (("two/map.yaml", "--to", "two"), "--to: two is there already"),
+            (("two/map.yaml", "--resolution", "0.1", "--to", "x"), "--resolution: two/map.yaml already contains this"),
+            (("two/map.yaml", "--negate", "--to", "x"), "--negate: two/map.yaml already contains this"),
+            (("two/map.yaml", "--to", "two"), "--to: two already exists"),
             (("two.png", "--resolution", "0.1", "--to", "x", "--names", "A,,B"), "--names: 'A,,B' has an empty name"),
             (("two.png", "--resolution", "0.1", "--to", "x", "--names", "A,B,C"), "3 names, but 2 rooms were found"),
         ],
@@ -256,7 +256,7 @@ def test_ways_that_were_not_driven_are_told_by_their_rooms() -> None:
     times = [pair(0, 1, None), pair(0, 2, stuck), pair(1, 2, stuck), pair(2, 1, lost)]
     told = unreached_words(times, Path("lab"))
     assert told.startswith("3 of 4 paths were not completed and are no moves (99); main reason: the robot is stuck.")
-    assert "Most begin or end in room 2 (3 ways), room 1 (2 ways)." in told
+    assert "Most begin or end in room 2 (3 paths), room 1 (2 paths)." in told
     assert "thbridge maps edit lab" in told
 
 
@@ -264,7 +264,7 @@ def test_where_no_window_can_be_opened_the_way_by_text_is_told(here: Path, monke
     monkeypatch.setenv("QT_QPA_PLATFORM", "offscreen")
     done = maps("new", "two/map.yaml", "--to", "x", "--draw")
     assert (done.exit_code, (here / "x").exists()) == (2, False)
-    assert "leave --draw out" in done.stderr
+    assert "omit --draw" in done.stderr
     assert "edit two/rooms.yaml as text" in maps("edit", "two").stderr
 
 
@@ -283,7 +283,7 @@ class TestPlans:
         opened = invoke(*command, "--thinner", "3")
         assert opened.exit_code == 0, opened.stderr
         assert "Rooms: 8 found" in opened.stdout
-        assert "Left out: lines and letters thinner than 3 pixels" in opened.stdout
+        assert "Removed: lines and letters thinner than 3 pixels" in opened.stdout
         left_out = read_left_out(Path("plan"), read_grid(Path("plan", "map.yaml")))
         assert left_out is not None and left_out.any()
 

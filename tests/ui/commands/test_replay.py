@@ -88,7 +88,7 @@ def test_what_if_for_people_is_a_table(hunt: Path) -> None:
     Path("other.yaml").write_text("noise: {preset: bad wheels}\n")
     done = invoke("replay", hunt, "--with", "other.yaml", "--participant", "nearest")
     assert done.exit_code == 0, done.output
-    assert "What became of it" in done.stdout
+    assert "Recorded and replayed" in done.stdout
     assert "robot 2: energy left" in done.stdout
     assert "refused" not in done.stderr
 

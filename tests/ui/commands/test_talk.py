@@ -58,7 +58,7 @@ def test_the_fourth_exchange_has_a_dialogue_inside_another_and_one_acceptance_fo
     assert (booked["locution"], booked["after"]) == ("accept", "agreement")
     assert told[-1] == booked
     shown = talk(*EXAMPLE, "--exchange", 4, "--human", "program")
-    assert "    Dialogue 3 opens: persuasion about order(1, Room1), inside dialogue 2, which waits" in shown
+    assert "    Dialogue 3 opens: persuasion about order(1, Room1), inside dialogue 2, which is paused" in shown
     assert "      human: accept(order(1, Room1))" in shown
 
 
@@ -105,7 +105,7 @@ def test_any_typing_is_taken_and_the_end_of_it_is_no_fault(lines: list[str]) -> 
     [
         (("--seed", 1), "--example: the example is missing."),
         ((*EXAMPLE, "--exchange", 6), "--exchange: 6 does not exist. The example has exchanges 1 to 5."),
-        ((*EXAMPLE, "--game", "chess"), "--game: there is no game chess. There are: "),
+        ((*EXAMPLE, "--game", "chess"), "--game: there is no game chess. Choose one of "),
         ((*EXAMPLE, "--games", "nowhere"), "nowhere: there is no such folder."),
         ((*EXAMPLE, "--language", "tlh"), "there is no language tlh."),
     ],
@@ -158,7 +158,7 @@ def test_a_no_may_be_questioned_and_the_dialogue_that_has_ended_goes_on() -> Non
     course = [
         "human: reject(selected(Room3))",
         "Dialogue 1 ends: disagreement, something was rejected",
-        f"Dialogue 2 opens: information-seeking about not {level}, inside dialogue 1, which waits",
+        f"Dialogue 2 opens: information-seeking about not {level}, inside dialogue 1, which is paused",
         f"robot: question(not {level})",
         f"human: assert(U({level}))",
         "Dialogue 2 ends: unknown, the one who was asked does not know",

@@ -27,7 +27,7 @@ def corrected(odometry: FloatArray, recorded: FloatArray, corrections: FloatArra
 
 
 def relocations(odometry: FloatArray, recorded: FloatArray, corrections: FloatArray) -> FloatArray:
-    """Return (k,) times of jumps: from each on, the correction gives another pose than the previous one would."""
+    """Return (k,) times of jumps, at which a new correction moves the pose by more than `RELOCATED`."""
     odometry, correction = _with_last(odometry, recorded, corrections)
     here, stale = _moved(odometry[1:], correction[1:]), _moved(odometry[1:], correction[:-1])
     moved = elementary_arrays.hypot(here[:, 1] - stale[:, 1], here[:, 2] - stale[:, 2])

@@ -310,7 +310,7 @@ class _Sources:
         return self._take("odometry", (topics, (ODOM_FRAME,)), (edges, ()))
 
     def _estimate(self, odometry: _Taken) -> tuple[_Taken, _Taken | None]:
-        """Return its estimated poses; preferably none, and the corrections map -> odom of its odometry instead."""
+        """Return its estimated poses, or no poses and the corrections map -> odom of its odometry, if they exist."""
         if self._named.estimate is not None:
             return self._by_name("estimate", self._named.estimate), None
         frame = frame_name(odometry.poses.frame)

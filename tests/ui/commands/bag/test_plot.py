@@ -42,7 +42,7 @@ def test_trajectories_that_are_named(folder: Path, tmp_path: Path) -> None:
     to = tmp_path / "error.png"
     done = run(folder, "--what", "error", "--to", str(to), "--truth", "/odom", "--estimate", "/odom")
     assert done.exit_code == 0, done.output
-    assert "truth from /odom, as told" in done.stderr
+    assert "truth from /odom, as requested" in done.stderr
 
 
 @pytest.mark.parametrize(

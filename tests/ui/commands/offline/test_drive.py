@@ -127,7 +127,7 @@ def test_obstacles_that_walk(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "told"),
     [
-        ("", "there is none"),
+        ("", "there are no things"),
         ("things: 3", "a list is needed"),
         ("thing: []", "thing: unknown key. The nearest right name is things"),
         ("things: [{name: a}]", "things[0].shape: missing"),

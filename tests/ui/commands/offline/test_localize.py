@@ -133,7 +133,7 @@ def test_the_path_is_drawn_over_the_map_the_same_each_time(folder: Path, tmp_pat
 
 
 def test_times_without_a_place_are_told(folder: Path) -> None:
-    assert "It was lost at" in run(folder, "--global").stdout
+    assert "The robot was lost at" in run(folder, "--global").stdout
     assert "The robot was not lost at any update." in run(folder, *start()).stdout
 
 
@@ -153,8 +153,8 @@ def test_anywhere(folder: Path) -> None:
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ([], "--initial-pose X Y YAW or --global"),
-        (["--global", "--initial-pose", "0", "0", "0"], "--initial-pose X Y YAW or --global"),
+        ([], "--initial-pose X Y YAW, or --global"),
+        (["--global", "--initial-pose", "0", "0", "0"], "--initial-pose X Y YAW, or --global"),
         (["--initial-pose", "nan", "0", "0"], "three finite numbers"),
         (["--global", "--scan-topic", "/base_scan"], "LaserScan is on /scan"),
         (["--global", "--out", "/nowhere/at/all.tum"], "--out"),

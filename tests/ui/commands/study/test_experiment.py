@@ -97,7 +97,7 @@ def test_somebody_who_never_took_part_cannot_withdraw(folder: Path, tmp_path: Pa
     output_of("study", "rehearse", folder, "--to", tmp_path / "rehearsal", "--no-games")
     done = invoke("study", "withdraw", tmp_path / "rehearsal", "P-NOBODY", "--yes")
     assert done.exit_code == 2
-    assert "nothing of anybody of this id" in " ".join(done.output.split())
+    assert "no data of a participant with this id" in " ".join(done.output.split())
 
 
 def test_a_study_is_not_run_without_a_display_or_twice(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -41,7 +41,7 @@ def test_a_killed_study_is_restored_and_what_it_had_is_kept(study: Path, tmp_pat
     assert read_log(study / "store" / "log") == read_log(tmp_path / "backup" / "store" / "log")
     assert len(people(study)) == 2
     kept = study / "store" / "replaced-1"
-    assert f"is kept in {kept}" in " ".join(said.split())
+    assert f"are kept in {kept}" in " ".join(said.split())
     # The write-ahead log has what the overwritten one had not.
     assert b"the last word" in (kept / "store" / "log-wal").read_bytes()
     assert (kept / "recordings" / third / "step-9.bag").exists()
@@ -54,7 +54,7 @@ def test_a_whole_newer_study_is_replaced_only_if_somebody_says_so(study: Path, t
     (study / "consent.txt").write_text("Another text.\n")
     before = read_log(study / "store" / "log")
     said = refusal_of("study", "restore", tmp_path / "backup", "--to", study)
-    assert "is whole, and has" in said
+    assert "is intact, and has" in said
     assert "Nothing was restored" in said
     assert read_log(study / "store" / "log") == before
     output_of("study", "restore", tmp_path / "backup", "--to", study, "--yes")

@@ -96,7 +96,7 @@ def test_nothing_is_left_of_who_withdraws_and_all_that_is_of_others(study: Path,
         entries = read_log(place / "store" / "log")
         assert any(isinstance(entry, Tombstone) for entry in entries)
         assert len(people(place)) == 2
-    assert "has nothing of anybody" in refusal_of("study", "withdraw", study, gone, "--yes")
+    assert "has no data of a participant" in refusal_of("study", "withdraw", study, gone, "--yes")
 
 
 def test_an_older_copy_of_a_study_leaves_exports_alone_that_know_more(finished: Path, tmp_path: Path) -> None:
@@ -156,7 +156,7 @@ def test_an_export_that_no_longer_exists_is_forgotten_if_somebody_says_so(study:
     export = tmp_path / "export"
     output_of("study", "export", study, "--to", export)
     assert "this folder exists" in refusal_of("study", "withdraw", study, "--gone", export)
-    assert "was written there" in refusal_of("study", "withdraw", study, "--gone", tmp_path / "other")
+    assert "was written to it" in refusal_of("study", "withdraw", study, "--gone", tmp_path / "other")
     shutil.rmtree(export)
     refusal_of("study", "withdraw", study, first, "--yes")
     assert f"interrupted withdrawal of {first} is finished" in output_of("study", "withdraw", study, "--gone", export)

@@ -61,7 +61,10 @@ def test_check_tells_how_many_games_there_are_and_plays_none() -> None:
         (("--scheduler", "tcp://a:1"), "--scheduler: only a Dask cluster has a scheduler. Add --engine dask, or omit"),
         (("--engine", "dask"), "--engine dask: the address of the cluster is missing. Add --scheduler, such as tcp://"),
         (("--slurm", "partition=short"), "--slurm: these options are only for Slurm jobs. Add --engine slurm, or omit"),
-        (("--engine", "slurm", "--slurm", "short"), "--slurm: 'short' is not KEY=VALUE. Write for example --slurm par"),
+        (
+            ("--engine", "slurm", "--slurm", "short"),
+            "--slurm: 'short' is not KEY=VALUE. Write, for example, --slurm par",
+        ),
     ],
 )
 def test_options_that_do_not_fit(options: tuple[str, ...], told: str) -> None:
