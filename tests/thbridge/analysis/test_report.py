@@ -169,7 +169,7 @@ def test_types_of_another_release_and_broken_messages_are_left_out_and_told() ->
         ]
     )
     assert [track.name for track in report.tracks] == ["a"]
-    assert any("/b/odom" in sentence and "release" in sentence for sentence in report.missing)
+    assert any("/b/odom" in sentence and "another version" in sentence for sentence in report.missing)
     assert any("/c/odom" in sentence for sentence in report.missing)
 
 
