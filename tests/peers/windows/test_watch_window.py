@@ -180,7 +180,7 @@ def test_what_a_researcher_does_to_a_session_is_in_its_record(screen: Desktop, t
         # Nobody is kept waiting by a window that was closed.
         screen.do("windowfocus", "--sync", game)
         screen.press("c")
-        watch.named("Robot 1 is to speak about room 2", "label")
+        watch.named("Robot 1 waits to speak about room 2", "label")
         screen.found("Robot 1 is thinking", seconds=PATIENCE)
         screen.ask_to_close(watch.handle)
         screen.wait("robot 1 to speak", lambda: screen.find("Robot 1 is thinking") is None, PATIENCE)

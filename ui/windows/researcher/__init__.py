@@ -1,1 +1,1 @@
-"""The researcher's window: a session or a recording, with the truth beside what the robots believe."""
+"""Window of the researcher: shows a session or a recording, with the truth next to what the robots believe."""

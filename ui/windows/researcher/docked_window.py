@@ -69,31 +69,31 @@ LISTS: dict[EntryKind, tuple[str, str, tuple[str, ...]]] = {
     "input": ("Inputs", "Inputs", ("From", "Kind", "What")),
     "log": ("Log", "Log of ROS nodes", ("Node", "Level", "Text")),
 }
-"""Lists in the order of their tabs: the tab, the list's name, and its columns beside the time."""
+"""Lists in the order of their tabs: title of the tab, name of the list, columns in addition to the time."""
 
 _WANTED = QSize(1480, 940)
-"""Size of the window where the screen has room for it; all parts are smaller where it has not."""
+"""Size of the window on a large screen; on a smaller screen all parts shrink."""
 
 
 class DockedWindow(QMainWindow):
-    """The window's parts, buttons and keys; a subclass gives them data and actions.
+    """Parts, buttons and keys of the window; a subclass supplies data and actions.
 
     Args:
         title: name of the session or recording.
         palette: the colors.
-        live: a running session, or else a recording.
+        live: True for a running session, False for a recording.
         canvas: the map.
 
     Signals:
         tool_selected: this tool was selected.
         robot_stepped: select the next robot (1), or the one before (-1).
-        kill, revive, clear_costmaps, follow_toggled, fit: as the buttons say.
+        kill, revive, clear_costmaps, follow_toggled, fit: actions of the buttons of these names.
         speed_stepped: faster (1) or slower (-1).
-        jumped: to the next mark (1), or the one before (-1).
-        jumped_to_end: to the beginning (-1) or the end (1).
+        jumped: go to the next mark (1), or the one before (-1).
+        jumped_to_end: go to the beginning (-1) or the end (1).
         bookmark_toggled: set a bookmark at the time shown, or remove it.
         bookmark_chosen: go to this bookmark, seconds since the beginning.
-        loop_toggled: play between two bookmarks again and again, or no more.
+        loop_toggled: play between two bookmarks repeatedly, or stop that.
         video_wanted: save a section of the recording as a video.
         section_wanted: save a section of the recording as a bag.
         map_chosen: show the map of this `map.yaml`.
@@ -150,7 +150,7 @@ class DockedWindow(QMainWindow):
         self._add_time()
         self._add_keys(live)
         self.tool_help = PlainLabel()
-        self.tool_help.setAccessibleDescription("How the tool in hand is used")
+        self.tool_help.setAccessibleDescription("How to use the selected tool")
         self.statusBar().addPermanentWidget(self.tool_help)
         self.statusBar().messageChanged.connect(lambda text: self.statusBar().setAccessibleName(text))
         canvas.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
@@ -158,7 +158,7 @@ class DockedWindow(QMainWindow):
         canvas.setFocus()
         self._order_focus()
         for view in self.findChildren(QGraphicsView):
-            # Else files dropped on its scene never reach the window.
+            # Otherwise the scenes of these views would receive dropped files, and the window would not.
             view.setAcceptDrops(False)
             view.viewport().setAcceptDrops(False)
 
@@ -171,7 +171,7 @@ class DockedWindow(QMainWindow):
 
     @property
     def tool_actions(self) -> tuple[QAction, ...]:
-        """The actions that request something of the robots."""
+        """Actions that send requests to the robots."""
         return (
             *(action for tool, action in self._tool_actions.items() if tool is not MapTool.LOOK),
             *self._robot_actions,
@@ -187,11 +187,11 @@ class DockedWindow(QMainWindow):
         self._tool_actions[tool].trigger()
 
     def show_waiting(self, things: int) -> None:
-        """Show on the wizard's tab how many things wait."""
+        """Show the number of waiting items on the wizard's tab."""
         self._docks[-1].setWindowTitle(f"Wizard ({things} waiting)" if things else "Wizard")
 
     def disable_tools(self, reason: str) -> None:
-        """Disable all that requests something of the robots; the buttons tell this reason."""
+        """Disable all actions that send requests to the robots; tool tips give this reason."""
         for action in self.tool_actions:
             action.setEnabled(False)
             action.setToolTip(reason)
@@ -200,7 +200,7 @@ class DockedWindow(QMainWindow):
         self.wizard.refuse(reason)
 
     def show_contents(self, drawable: bool) -> None:
-        """Turn to the topics of a recording: in their pane, or, where nothing can be drawn, in place of the map."""
+        """Show the topics of a recording: in their dock, or in place of the map if nothing can be drawn."""
         topics, plots = self.dock("Topics"), self.dock("Plots")
         if drawable:
             topics.setWidget(self.topics)
@@ -213,7 +213,7 @@ class DockedWindow(QMainWindow):
         for dock in self._docks:
             dock.setVisible(drawable or dock is plots)
         self.topics.show()
-        # Qt keeps the tabs of hidden docks far out of sight, where Tab would go.
+        # Qt moves the tabs of hidden docks far outside the window, where Tab would still reach them.
         for tabs in self.findChildren(QTabBar):
             tabs.setFocusPolicy(Qt.FocusPolicy.TabFocus if drawable else Qt.FocusPolicy.NoFocus)
         if drawable:
@@ -226,7 +226,7 @@ class DockedWindow(QMainWindow):
         return next(dock for dock in self._docks if dock.objectName() == title)
 
     def raise_dock(self, title: str) -> None:
-        """Bring the dock of this title before the others of its group."""
+        """Bring the dock of this title in front of the others of its group."""
         dock = self.dock(title)
         dock.show()
         dock.raise_()
@@ -245,18 +245,18 @@ class DockedWindow(QMainWindow):
         figures = self._docks[2:]
         bottom = [*(self._dock(LISTS[kind][0], log, BOTTOM) for kind, log in self.logs.items())]
         if live:
-            # A session has no pane for them: without a parent, they would outlive the window.
+            # A session has no dock for the topics. Without a parent, they would outlive the window.
             self.topics.setParent(self)
             self.topics.hide()
         else:
             bottom.append(self._dock("Topics", self.topics, BOTTOM))
         bottom.append(self._dock("Wizard", self.wizard, BOTTOM))
-        self.wizard.hide()  # until its tab is in front: it is high, and the window must not grow for it
+        self.wizard.hide()  # until its tab is in front: it is tall, and the window must not grow for it
         for group in (bottom, figures):
             for before, after in pairwise(group):
                 self.tabifyDockWidget(before, after)
             group[0].raise_()
-            # Without that Qt leaves a second row of tabs behind when the next group is made.
+            # Otherwise Qt leaves a second row of tabs behind when the next group is made.
             if (layout := self.layout()) is not None:
                 layout.activate()
         for tabs in self.findChildren(QTabBar):
@@ -273,7 +273,7 @@ class DockedWindow(QMainWindow):
         self.resizeDocks([bottom], [round(265 * high)], Qt.Orientation.Vertical)
 
     def _order_focus(self) -> None:
-        """Set the order of Tab to that of the eye: tools, left docks, map, right docks, lower docks."""
+        """Set the order of Tab to the reading order: tools, left docks, map, right docks, lower docks."""
         parts: list[QWidget] = [*self.findChildren(QToolBar, "Tools"), *self._docks[:2], self.canvas, *self._docks[2:]]
         parts += [*self.findChildren(QTabBar), self.playback]
         stops = [
@@ -288,13 +288,13 @@ class DockedWindow(QMainWindow):
     def _dock(
         self, title: str, part: QWidget, area: Qt.DockWidgetArea | None = None, *, keeps_room: bool = False
     ) -> QDockWidget:
-        """A dock.
+        """Return a new dock.
 
         Args:
-            title: of the dock.
-            part: its content.
-            area: where it is; None: it is to be a tab of another one.
-            keeps_room: it is as large behind another tab as before; else its tabs are as small as they can be.
+            title: title and object name of the dock.
+            part: content of the dock.
+            area: side of the window. If None, the caller makes the dock a tab of another one.
+            keeps_room: True to keep the size of the part while another tab is in front; False to let these tabs shrink.
         """
         dock = QDockWidget(title, self)
         dock.setObjectName(title)
@@ -305,7 +305,7 @@ class DockedWindow(QMainWindow):
             rows.setContentsMargins(0, 0, 0, 0)
             rows.addWidget(part)
         dock.setWidget(content)
-        # Qt moves what lies behind another tab far out of sight, where Tab would still go.
+        # Qt moves the parts behind another tab far outside the window, where Tab would still reach them.
         dock.visibilityChanged.connect(part.setVisible)
         if area is not None:
             self.addDockWidget(area, dock)
@@ -330,7 +330,7 @@ class DockedWindow(QMainWindow):
             action = self._action(label, tool_help.key, partial(self._tool_chosen, tool))
             action.setCheckable(True)
             action.setChecked(tool is MapTool.LOOK)
-            action.setToolTip(tool_help.how.format(robot="the robot selected"))
+            action.setToolTip(tool_help.how.format(robot="the selected robot"))
             group.addAction(action)
             bar.addAction(action)
             self._tool_actions[tool] = action
@@ -341,9 +341,9 @@ class DockedWindow(QMainWindow):
         bar.addWidget(self._shape)
         bar.addSeparator()
         for label, key, tip, signal in (
-            ("Kill", "Delete", "Stop the software of the robot selected, for good; asks first", self.kill),
-            ("Revive", "R", "Let a dead robot go on", self.revive),
-            ("Clear costmaps", "C", "Let the robot selected forget what its laser has seen", self.clear_costmaps),
+            ("Kill", "Delete", "Stop the software of the selected robot until it is revived; asks first", self.kill),
+            ("Revive", "R", "Restart a dead robot", self.revive),
+            ("Clear costmaps", "C", "Clear the obstacles that the selected robot remembers", self.clear_costmaps),
         ):
             action = self._action(f"{label} ({key})", key, signal.emit)
             action.setToolTip(tip)
@@ -352,14 +352,14 @@ class DockedWindow(QMainWindow):
         bar.addSeparator()
         self.follow = self._action("Follow (F)", "F", lambda: self.follow_toggled.emit(self.follow.isChecked()))
         self.follow.setCheckable(True)
-        self.follow.setToolTip("Keep the robot selected in the middle of the map")
+        self.follow.setToolTip("Keep the selected robot in the middle of the map")
         bar.addAction(self.follow)
         bar.addAction(self._action("All (A)", "A", self.fit.emit))
         spacer = QWidget()
         spacer.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Preferred)
         bar.addWidget(spacer)
         if not live:
-            bar.addWidget(self._menu_button("Bookmarks", "Moments to come back to", self._bookmark_menu()))
+            bar.addWidget(self._menu_button("Bookmarks", "Set, remove and visit bookmarks", self._bookmark_menu()))
         panes = QMenu(self)
         for dock in self._docks:
             panes.addAction(dock.toggleViewAction())
@@ -385,7 +385,7 @@ class DockedWindow(QMainWindow):
 
     def _copy(self, name: str, part: QWidget) -> None:
         copy_picture(part)
-        self.show_status(f"The {name} as shown: copied.")
+        self.show_status(f"Copied the {name}.")
 
     def _save(self, name: str, part: QWidget) -> None:
         path = self.ask_target(f"Save the {name}", f"{name}.png", "Pictures (*.png *.svg)")
@@ -393,7 +393,7 @@ class DockedWindow(QMainWindow):
             self.show_status(save_picture(part, path) or f"Saved: {path}")
 
     def ask_target(self, title: str, suggested: str, kinds: str) -> Path | None:
-        """Ask for the file to write; None when nobody wants one. A name without a suffix gets the suggested one."""
+        """Ask for the file to write; return None if the person cancels. Names without suffix get the suggested one."""
         chosen, _ = QFileDialog.getSaveFileName(self, title, suggested, kinds)
         path = Path(chosen)
         return None if not chosen else path if path.suffix else path.with_suffix(Path(suggested).suffix)
@@ -434,16 +434,16 @@ class DockedWindow(QMainWindow):
         self._action("One step forward", ".", lambda: self.playback.stepped.emit(1))
         self._action("Faster", "]", lambda: self.speed_stepped.emit(1))
         self._action("Slower", "[", lambda: self.speed_stepped.emit(-1))
-        self._action("Drop the tool", "Esc", lambda: self.select_tool(MapTool.LOOK))
+        self._action("Put the tool away", "Esc", lambda: self.select_tool(MapTool.LOOK))
         self._action("Next part", "F6", lambda: self._next_part(1))
-        self._action("Part before", "Shift+F6", lambda: self._next_part(-1))
+        self._action("Previous part", "Shift+F6", lambda: self._next_part(-1))
         self._action("Filter", "Ctrl+F", self._filter)
         if not live:
             self._action("One step back", ",", lambda: self.playback.stepped.emit(-1))
             self._action("To the beginning", "Home", lambda: self.jumped_to_end.emit(-1))
             self._action("To the end", "End", lambda: self.jumped_to_end.emit(1))
             self._action("Type a time", "Ctrl+T", self.playback.ask_time)
-            self._action("Mark before", "PgUp", lambda: self.jumped.emit(-1))
+            self._action("Previous mark", "PgUp", lambda: self.jumped.emit(-1))
             self._action("Next mark", "PgDown", lambda: self.jumped.emit(1))
         for display, switch in SWITCHES.items():
             if switch.key:
@@ -457,7 +457,7 @@ class DockedWindow(QMainWindow):
         return action
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        """Let the wizard's list have another height in a low window."""
+        """Adapt the height of the wizard's list to the height of the window."""
         super().resizeEvent(event)
         self.wizard.fit_window()
 
@@ -469,7 +469,7 @@ class DockedWindow(QMainWindow):
             event.acceptProposedAction()
 
     def dropEvent(self, event: QDropEvent) -> None:
-        """Report each file and folder."""
+        """Emit the path of each dropped file and folder."""
         event.acceptProposedAction()
         for url in event.mimeData().urls():
             if url.isLocalFile():
@@ -482,7 +482,7 @@ class DockedWindow(QMainWindow):
         KeySheet(self, GROUPS).open()
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Let Tab go from robot to robot while the map has the focus; F6 leaves it."""
+        """Let Tab move from robot to robot while the map has the focus; F6 leaves the map."""
         if watched is self.canvas and isinstance(event, QKeyEvent) and event.type() == QEvent.Type.KeyPress:
             if event.key() == Qt.Key.Key_Tab and not event.modifiers():
                 self.robot_stepped.emit(1)
@@ -493,7 +493,7 @@ class DockedWindow(QMainWindow):
         return super().eventFilter(watched, event)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Let Enter do for the button or combo box with the focus what Space does elsewhere; here Space pauses."""
+        """Let Enter activate the focused button or combo box, since Space pauses here."""
         focus = self.focusWidget()
         if event.key() not in {Qt.Key.Key_Return, Qt.Key.Key_Enter}:
             super().keyPressEvent(event)
@@ -507,7 +507,7 @@ class DockedWindow(QMainWindow):
         self.tool_selected.emit(tool)
 
     def _next_part(self, step: int) -> None:
-        """Move the focus to the next part of the window that is in sight."""
+        """Move the focus to the next visible part of the window."""
         center = self.canvas if self.canvas.isVisible() else self.topics
         parts = [center, self.playback, *(dock.widget() for dock in self._docks if _in_sight(dock))]
         focus = QApplication.focusWidget()

@@ -1,4 +1,4 @@
-"""Updates of the lists and of the timeline's marks from the log of what is watched."""
+"""Updates the lists and the timeline's marks from the log of the session or recording."""
 
 from collections.abc import Iterator, Sequence
 
@@ -10,17 +10,17 @@ from ui.windows.researcher.docks.playback import TimelineBar, TimelineMark
 from ui.windows.researcher.feeds.feed import Feed
 
 MAX_NEW_ROWS = 2000
-"""Most rows that a list takes at once."""
+"""Largest number of rows added to a list at once."""
 MARK_TOLERANCE = 0.01
-"""Seconds from a mark within which the time shown counts as at it."""
+"""Seconds around a mark within which the time shown counts as being at the mark."""
 
 
 class LogUpdater:
-    """Copies new entries of the log to the lists, in portions that nobody has to wait for.
+    """Copies new log entries to the lists, in portions small enough not to block the window.
 
     Args:
-        feed: the source of the log.
-        window: the window with the lists.
+        feed: source of the log.
+        window: window with the lists.
     """
 
     def __init__(self, feed: Feed, window: DockedWindow) -> None:
@@ -31,7 +31,7 @@ class LogUpdater:
         self._marked = (0, 0.0)
 
     def clear(self) -> None:
-        """Empty the lists, for another log."""
+        """Empty the lists for another log."""
         self._taken = {}
         for log in self._window.logs.values():
             log.clear()
@@ -66,7 +66,7 @@ class LogUpdater:
         return LogRow(time, cells, entry.robot)
 
     def _room(self, entry: Entry) -> str:
-        """The room of an entry in words; empty for the corridor and where there is none."""
+        """Return the room of an entry in words; empty for the corridor and for no room."""
         return self._feed.data.log.room_names.titled(entry.room) if entry.room else ""
 
     def _timeline_marks(self) -> Iterator[TimelineMark]:
@@ -88,7 +88,7 @@ class LogUpdater:
                 yield TimelineBar(made.start - start, made.end - start, text, index_in(robot) or 0)
 
     def neighbouring_mark(self, direction: int, bookmarks: Sequence[float]) -> float:
-        """Return the time of the next mark or bookmark (1) or the one before (-1); else the end or the beginning."""
+        """Return the time of the next (1) or previous (-1) mark or bookmark; without one, the end or beginning."""
         times = sorted([*bookmarks, *(mark.time for mark in self._marks if not mark.is_utterance)])
         here = self._feed.transport.time
         if direction > 0:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from PySide6.QtCore import QSettings
 
 RECENT = 10
-"""Largest number of recordings and sessions that are remembered."""
+"""Largest number of recordings and sessions to remember."""
 _RECENT_KEY, _BOOKMARKS_KEY = "watch/recent", "watch/bookmarks"
 
 
@@ -14,7 +14,7 @@ class WatchMemory:
     """Recent recordings and sessions, and their bookmarks.
 
     Args:
-        settings: where they are kept.
+        settings: storage of the memory.
     """
 
     def __init__(self, settings: QSettings) -> None:
@@ -38,7 +38,7 @@ class WatchMemory:
         return [float(time) for time in kept if isinstance(time, int | float)] if isinstance(kept, list) else []
 
     def keep_bookmarks(self, source: str, times: Sequence[float]) -> None:
-        """Keep the bookmarks of a recording; they are forgotten with the recording."""
+        """Store the bookmarks of a recording; they are removed together with the recording."""
         self._write(_BOOKMARKS_KEY, {**self._bookmarks(), source: list(times)})
 
     def _bookmarks(self) -> dict[str, object]:
@@ -49,7 +49,7 @@ class WatchMemory:
         self._settings.sync()
         try:
             return json.loads(str(self._settings.value(key, "null")))
-        except ValueError:  # another program wrote it
+        except ValueError:  # Another program wrote this value.
             return None
 
     def _write(self, key: str, value: object) -> None:

@@ -1,4 +1,4 @@
-"""The dialog *Open*: a recording, a folder with one, or the address of a running session."""
+"""Dialog *Open*: a recording, a folder with one, or the address of a running session."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -22,18 +22,18 @@ RECORDINGS = "Recordings (*.bag *.mcap *.db3 *.active);;All files (*)"
 
 
 class OpenDialog(QDialog):
-    """Asks what to watch, and opens it; stays open and shows the reason where that fails.
+    """Dialog that asks what to watch and opens it; if that fails, it stays open and shows the reason.
 
     Args:
         recent: paths and addresses opened before, the latest first.
-        open_source: opens a path or an address with a key file; returns why it cannot, or an empty text.
+        open_source: function that opens a path or an address with a key file; returns why it cannot, or an empty text.
         parent: the window, if there is one.
 
     Attributes:
-        source: the field for a path or an address.
-        key: the field for a key file.
-        recent: the list of what was opened before.
-        fault: the reason why it could not be opened.
+        source: field for a path or an address.
+        key: field for a key file.
+        recent: list of recent sources.
+        fault: reason why the source could not be opened.
     """
 
     def __init__(
@@ -92,7 +92,7 @@ class OpenDialog(QDialog):
             self.source.setText(chosen)
 
     def _browse_folder(self) -> None:
-        chosen = QFileDialog.getExistingDirectory(self, "Open a folder of ROS 2", self._folder())
+        chosen = QFileDialog.getExistingDirectory(self, "Open a recording of ROS 2 (a folder)", self._folder())
         if chosen:
             self.source.setText(chosen)
 
@@ -102,7 +102,7 @@ class OpenDialog(QDialog):
             self.key.setText(chosen)
 
     def _folder(self) -> str:
-        """Return the folder to begin with: that of the latest recording, or the current one."""
+        """Return the folder to start in: that of the latest recording, or the current one."""
         folders = (Path(source).parent for source in [self.source.text(), *self._sources] if Path(source).is_absolute())
         return str(next((folder for folder in folders if folder.is_dir()), Path.cwd()))
 

@@ -1,4 +1,4 @@
-"""Pictures of the map and of the plots: copied, saved as PNG or SVG; sections of a recording as MP4 or GIF."""
+"""Pictures of the map and of the plots: copied, or saved as PNG or SVG; sections of a recording as MP4 or GIF."""
 
 import shutil
 from collections.abc import Callable
@@ -12,14 +12,14 @@ from PySide6.QtSvg import QSvgGenerator
 from PySide6.QtWidgets import QWidget
 
 FRAMES_PER_SECOND = 25
-"""Frames of a video, and of recorded time, in a second."""
+"""Frames in a second of video, and of recorded time."""
 MOST_WAITING = 32 * 2**20
-"""Bytes of frames that wait for ffmpeg, beyond which it is waited for."""
-NO_FFMPEG = "Videos need the program ffmpeg. Install it (Debian: apt install ffmpeg), and save again."
+"""Bytes of frames in the queue to ffmpeg beyond which no new frame is drawn."""
+NO_FFMPEG = "Videos need the program ffmpeg. Install it (Debian: apt install ffmpeg), then save again."
 
 
 def image_of(part: QWidget) -> QImage:
-    """Return a picture of a part of the window as it is shown; of plots with what is scrolled out of sight."""
+    """Return a picture of a part of the window as shown; for plots, include the parts that are scrolled out of view."""
     if isinstance(part, pg.GraphicsView):
         picture: QImage = pyqtgraph.exporters.ImageExporter(part.scene()).export(toBytes=True)
         return picture
@@ -32,20 +32,20 @@ def copy_picture(part: QWidget) -> None:
 
 
 def save_picture(part: QWidget, path: Path) -> str:
-    """Save a picture of a part of the window; return why that cannot be done, or an empty text.
+    """Save a picture of a part of the window. Return why that is not possible, or an empty text.
 
     Args:
         part: the map, or a widget with plots.
-        path: its suffix decides: `.svg` for curves and lines, all others for pixels.
+        path: target file. The suffix decides: `.svg` for curves and lines, all others for pixels.
     """
     if path.suffix.lower() != ".svg":
         saved = image_of(part).save(str(path))
-        return "" if saved else f"{path} cannot be written. Choose another folder, or a name that ends in .png or .svg."
+        return "" if saved else f"Cannot write {path}. Choose another folder, or a name that ends in .png or .svg."
     try:
         path.touch()
     except OSError as error:
-        return f"{path} cannot be written ({error.strerror}). Choose another folder."
-    # pyqtgraph's own exporter fails on curves with gaps.
+        return f"Cannot write {path} ({error.strerror}). Choose another folder."
+    # Qt renders it, since pyqtgraph's own exporter fails on curves with gaps.
     generator = QSvgGenerator()
     generator.setFileName(str(path))
     generator.setSize(part.size())
@@ -58,18 +58,18 @@ def save_picture(part: QWidget, path: Path) -> str:
 
 
 class VideoWriter(QObject):
-    """Saves a section of a recording as a video, a frame at a time, while the window goes on.
+    """Saves a section of a recording as a video, one frame at a time, while the window keeps running.
 
     Args:
-        path: of the video; its suffix decides the format.
+        path: path of the video; its suffix decides the format.
         span: first and last moment, seconds since the beginning.
-        frame: shows a moment and returns its picture; all pictures have one size.
+        frame: function that shows a moment and returns its picture; all pictures have the same size.
         program: path of ffmpeg.
-        parent: it lives as long as this.
+        parent: owner; the writer lives as long as this object.
 
     Signals:
-        progressed: share that is done, 0 to 1.
-        ended: why it failed, or an empty text.
+        progressed: completed share, 0 to 1.
+        ended: why saving failed, or an empty text.
     """
 
     progressed = Signal(float)
@@ -96,7 +96,7 @@ class VideoWriter(QObject):
         self._timer.start(0)
 
     def cancel(self) -> None:
-        """Give up, and leave no file."""
+        """Stop, and remove the unfinished file."""
         self._timer.stop()
         self._process.blockSignals(True)
         self._process.kill()
@@ -133,16 +133,16 @@ class VideoWriter(QObject):
         self._timer.stop()
         self._process.blockSignals(True)
         self._part.unlink(missing_ok=True)
-        self.ended.emit(f"{self._path} cannot be saved: {reason}.")
+        self.ended.emit(f"Cannot save {self._path}: {reason}.")
 
 
 def ffmpeg() -> str | None:
-    """Return the path of ffmpeg; None where it is not installed."""
+    """Return the path of ffmpeg; None if it is not installed."""
     return shutil.which("ffmpeg")
 
 
 def _format(path: Path) -> list[str]:
-    """Return ffmpeg's options for a file; players want frames of even width and height."""
+    """Return ffmpeg's options for a file; many players require frames of even width and height."""
     if path.suffix.lower() == ".gif":
         return ["-vf", "split[a][b];[a]palettegen[p];[b][p]paletteuse", "-r", "12.5"]
     return ["-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-pix_fmt", "yuv420p"]

@@ -16,20 +16,20 @@ from ui.windows.researcher.open_dialog import OpenDialog
 from ui.windows.researcher.window import ResearcherWindow
 
 OPEN_TIMEOUT = 0.5
-"""Seconds that a dialog waits for a recording to open; faults that are found later are shown in its window."""
+"""Seconds that the dialog waits for a recording to open; the recording's window shows faults that are found later."""
 
 
 class WatchProgram(QObject):
-    """The researcher's windows of one process: each shows one recording or session.
+    """Researcher's windows of one process: each shows one recording or session.
 
     Args:
         app: the application.
-        preferences: of the user.
-        memory: what was opened before.
+        preferences: preferences of the user.
+        memory: recordings and sessions opened before.
 
     Attributes:
-        windows: those that are open.
-        dialog: *Open*, the latest; None before the first.
+        windows: open windows.
+        dialog: latest dialog *Open*; None before the first.
     """
 
     def __init__(self, app: QApplication, preferences: Preferences, memory: WatchMemory) -> None:
@@ -39,10 +39,10 @@ class WatchProgram(QObject):
         self.dialog: OpenDialog | None = None
 
     def show(self, opened: OpenedFeed) -> ResearcherWindow:
-        """Show a recording or session in a window of its own."""
+        """Show a recording or session in a new window."""
         self._memory.add(opened.source)
         window = ResearcherWindow(opened.feed, opened.title, colours(), time.monotonic)
-        # What is connected below holds the window, so that no garbage collector would ever free it.
+        # The lambdas connected below refer to the window, so that garbage collection would never delete it.
         window.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         self._preferences.changed.connect(window.set_palette)
         self._preferences.add_keys(window)
@@ -59,7 +59,7 @@ class WatchProgram(QObject):
         return window
 
     def open(self, source: str, key: Path | None = None) -> str:
-        """Open a path or an address in a window; return the reason why it cannot be opened, or an empty text."""
+        """Open a path or an address in a window. Return why it cannot be opened, or an empty text."""
         try:
             self.show(open_feed(source, key, OPEN_TIMEOUT))
         except BadFile as fault:
@@ -79,11 +79,11 @@ class WatchProgram(QObject):
 
 
 def show(opened: OpenedFeed | None, choice: Choice) -> None:
-    """Show a recording or session until its window is closed, with all that is opened from it.
+    """Show a recording or session, and all windows opened from it, until they are closed.
 
     Args:
-        opened: what to show; None to ask first.
-        choice: light, dark, or as the system has it.
+        opened: recording or session to show. If None, ask first.
+        choice: light, dark, or the system's colors.
     """
     app = application()
     program = WatchProgram(app, preferences_of(app, "watch", choice), WatchMemory(user_settings("watch")))

@@ -1,4 +1,4 @@
-"""Requests of the researcher to robots, made from buttons and from strokes on the map."""
+"""Sends requests of the researcher to robots, made with buttons and with strokes on the map."""
 
 import math
 from collections.abc import Callable, Mapping
@@ -20,28 +20,28 @@ from ui.windows.researcher.map.preview import ToolPreview
 from ui.windows.researcher.map.tools import TOOLS, Gesture, MapTool
 
 GRAB_RADIUS, GRAB_PIXELS = 0.4, 24.0
-"""Distance from a robot's middle within which it is grabbed: meters, or pixels where those are more."""
+"""Distance from a robot's middle within which a press grabs it: meters or pixels, whichever is larger."""
 _CONFIRMATIONS = {
-    MapTool.GOAL: "{robot} is sent there.",
-    MapTool.POSE: "{robot} is told that it is there.",
-    MapTool.CARRY: "{robot} is carried there, and not told.",
-    MapTool.OBSTACLE: "Asked for; an obstacle appears as soon as its place is free.",
+    MapTool.GOAL: "Sending {robot} there.",
+    MapTool.POSE: "Setting the pose of {robot}.",
+    MapTool.CARRY: "Moving {robot} there; its software is not informed.",
+    MapTool.OBSTACLE: "Requested. An obstacle appears as soon as its place is free.",
 }
 
 
 class ToolController:
-    """Turns buttons, strokes and the wizard's choices into requests, and reports what becomes of them.
+    """Turns buttons, strokes and the wizard's choices into requests, and reports whether they were sent.
 
     Args:
-        feed: takes the requests.
-        window: the window with the buttons.
+        feed: receiver of the requests.
+        window: window with the buttons.
         view: the map.
-        bodies: (n, 2) corners of robots in their own frames, by robot, as far as they are known.
-        select: selects another robot.
+        bodies: (n, 2) corners of robots in their own frames, by robot, if known.
+        select: function that selects another robot.
 
     Attributes:
-        scene: the scene on the map; None before there is any.
-        selected: the robot that buttons act on.
+        scene: scene on the map; None before there is one.
+        selected: robot that the buttons act on.
     """
 
     def __init__(
@@ -62,8 +62,8 @@ class ToolController:
         self._tools = Tools()
         self._preview = ToolPreview(view.box)
         window.kill.connect(self._ask_to_kill)
-        window.revive.connect(partial(self._ask, Tools.revive, "{robot} is to go on."))
-        window.clear_costmaps.connect(partial(self._ask, Tools.clear_costmaps, "{robot} is to clear its costmaps."))
+        window.revive.connect(partial(self._ask, Tools.revive, "Reviving {robot}."))
+        window.clear_costmaps.connect(partial(self._ask, Tools.clear_costmaps, "Clearing the costmaps of {robot}."))
         window.wizard.puppeteered.connect(self._puppeteer)
         window.wizard.spoke.connect(self._speak)
         window.wizard.advised.connect(self._advise)
@@ -74,7 +74,7 @@ class ToolController:
 
     @property
     def _name(self) -> str:
-        return robot_name(self.selected).capitalize()
+        return robot_name(self.selected)
 
     def _ask(self, make: Callable[[Tools, Scene, int], FeedRequest | RequestRefused], sentence: str) -> None:
         """Make a request for the selected robot."""
@@ -82,7 +82,7 @@ class ToolController:
             self._send(make(self._tools, self.scene, self.selected), sentence)
 
     def _send(self, request: FeedRequest | RequestRefused, sentence: str) -> None:
-        """Send a request, and say that it was sent or why not."""
+        """Send a request, and report that it was sent or why not."""
         refusal = request.sentence if isinstance(request, RequestRefused) else self._feed.ask(request)
         self._window.show_status(refusal or sentence.format(robot=self._name))
 
@@ -92,27 +92,27 @@ class ToolController:
         box.setIcon(QMessageBox.Icon.Warning)
         box.setWindowTitle("Kill a robot")
         box.setText(f"Kill {robot_name(self.selected)}?")
-        box.setInformativeText("Its software stops and its motors brake, until it is revived. The record tells of it.")
+        box.setInformativeText("Its software stops and its motors brake until it is revived. The recording shows this.")
         kill = box.addButton("Kill it", QMessageBox.ButtonRole.DestructiveRole)
         box.setDefaultButton(box.addButton("Leave it alive", QMessageBox.ButtonRole.RejectRole))
-        kill.setAutoDefault(False)  # else it is Enter's once other colors are put on
-        kill.clicked.connect(lambda: self._ask(Tools.kill, "{robot} is to die."))
+        kill.setAutoDefault(False)  # Without this, Enter would press it after a change of colors.
+        kill.clicked.connect(lambda: self._ask(Tools.kill, "Killing {robot}."))
         box.open()
 
     def _puppeteer(self, robot: int, on: bool) -> None:
         if self.scene is not None:
-            sentence = "You speak for {robot}." if on else "{robot} speaks for itself."
+            sentence = "You now speak for {robot}." if on else "Now {robot} speaks for itself."
             self._send(self._tools.puppeteer(self.scene, robot, on), sentence.format(robot=robot_name(robot)))
 
     def _speak(self, turn: PendingTurn, move: int, text: str) -> None:
         if self.scene is not None:
-            sentence = f"{robot_name(turn.robot).capitalize()} says so."
+            sentence = f"{robot_name(turn.robot).capitalize()} says this."
             self._send(self._tools.speak(self.scene, turn, move, text), sentence)
 
     def _advise(self, robot: int, room: int) -> None:
         if self.scene is not None:
             where = self._feed.data.log.room_names.titled(room)
-            sentence = f"{robot_name(robot).capitalize()} is to suggest {where}; choose its words next."
+            sentence = f"{robot_name(robot).capitalize()} will suggest {where}. Choose its words next."
             self._send(self._tools.advise(self.scene, robot, room), sentence)
 
     def use_tool(self, tool: MapTool) -> None:
@@ -126,7 +126,7 @@ class ToolController:
         if self._window.tool is MapTool.CARRY:
             robot = self._robot_near(x, y)
             if robot is None:
-                self._window.show_status("Nobody stands there: press on a robot to carry it.")
+                self._window.show_status("There is no robot: press on a robot and drag it.")
                 return
             self._select(robot)
             self._preview.body = self._bodies.get(robot)
@@ -151,7 +151,7 @@ class ToolController:
             self._window.select_tool(MapTool.LOOK)
 
     def _meant(self, done: Gesture, scene: Scene) -> FeedRequest | RequestRefused:
-        """Return the request that a stroke makes."""
+        """Return the request that a stroke stands for."""
         tools = self._tools
         match done.tool:
             case MapTool.GOAL | MapTool.POSE:
@@ -166,7 +166,7 @@ class ToolController:
                 return put if hit is None or isinstance(hit, RequestRefused) else hit
 
     def _heading(self) -> float:
-        """Return the selected robot's heading: the true one when it is carried, else the estimated one."""
+        """Return the selected robot's heading: the true one if it is moved by hand, otherwise the estimated one."""
         robots = () if self.scene is None else self.scene.robots
         robot = next((each for each in robots if each.robot == self.selected), None)
         if robot is None:
@@ -176,7 +176,7 @@ class ToolController:
         return 0.0 if pose is None else pose.theta
 
     def _robot_near(self, x: float, y: float) -> int | None:
-        """Return the robot whose true or estimated pose is there."""
+        """Return the robot near this place, by its true or estimated pose."""
         here = Pose2(x, y, 0.0)
         robots = () if self.scene is None else self.scene.robots
         near = [

@@ -1,4 +1,4 @@
-"""The researcher's window: passes data from a feed to the parts, and people's actions to the feed."""
+"""Researcher's window: passes data from a feed to the parts, and people's actions to the feed."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -36,11 +36,11 @@ from ui.windows.researcher.pictures import NO_FFMPEG, VideoWriter, ffmpeg, image
 from ui.windows.researcher.tool_controller import ToolController
 
 FRAME = 33
-"""Milliseconds from one frame of the map to the next."""
+"""Milliseconds between two frames of the map."""
 SLOW, PLOTTED = 5, 2
-"""Frames of the map to one update of the lists, and to one of the plots, which take turns."""
+"""Frames of the map for each update of the lists, and for each update of one plot; plots take turns."""
 MARGIN = 3.0
-"""Meters around robots that the view reaches where there is no map."""
+"""Meters that the view adds around robots if there is no map."""
 DEFAULT_FOOTPRINT: FloatArray = 0.2 * np.array(
     [[math.cos(a), math.sin(a)] for a in np.linspace(0.0, 2.0 * math.pi, 17)[:-1]]
 )
@@ -48,17 +48,17 @@ DEFAULT_FOOTPRINT: FloatArray = 0.2 * np.array(
 
 
 class ResearcherWindow(DockedWindow):
-    """A recording or a running session, in a window.
+    """Window with a recording or a running session.
 
     Args:
-        feed: source of all that is shown.
+        feed: source of all data shown.
         title: name of the session or recording.
         palette: the colors.
-        clock: seconds that never go back.
+        clock: monotonic clock, seconds.
 
     Attributes:
-        scene: the scene on the map; None before there is any.
-        sign: the sentence on the map about trouble.
+        scene: scene on the map; None before there is one.
+        sign: sentence on the map about a problem.
         bookmarks: moments that a person marked.
 
     Signals:
@@ -85,7 +85,8 @@ class ResearcherWindow(DockedWindow):
         self._overlays = Overlays(self._map.box)
         self._tool_controller = ToolController(feed, self, self._map, self._bodies, self.select)
         self._log_updater = LogUpdater(feed, self)
-        self.sign = TroubleSign(self._map.viewport())  # Screen readers find nothing in the map itself.
+        # It is a child of the viewport: screen readers find nothing in the map itself.
+        self.sign = TroubleSign(self._map.viewport())
         self._connect()
         self._tool_controller.use_tool(self.tool)
         if feed.refusal:
@@ -131,11 +132,11 @@ class ResearcherWindow(DockedWindow):
     # Each frame
 
     def refresh(self) -> None:
-        """Show all that has changed since the last frame."""
+        """Show all changes since the last frame."""
         feed, now = self._feed, self._clock()
         feed.advance(now)
         if feed.data.generation != self._generation:
-            self._begin_anew()
+            self._restart()
         scene = feed.scene(self._shown())
         if scene is not None:
             self._show_map(scene)
@@ -167,7 +168,7 @@ class ResearcherWindow(DockedWindow):
     def _work(self) -> None:
         self._working.setInterval(0 if self._feed.work() else FRAME)
 
-    def _begin_anew(self) -> None:
+    def _restart(self) -> None:
         self._generation = self._feed.data.generation
         self.scene = self._tool_controller.scene = None
         self._bodies.clear()
@@ -197,7 +198,7 @@ class ResearcherWindow(DockedWindow):
         self._map.show_robots([mark for robot in scene.robots if (mark := self._mark(robot)) is not None])
 
     def _widen(self, scene: Scene) -> None:
-        """Let the view reach wherever robots have been shown, since there is no map."""
+        """Extend the view to all robots shown so far, since there is no map."""
         box = self._map.box
         places = [place for robot in scene.robots if (place := robot.estimate or robot.truth) is not None]
         for place in places:
@@ -207,7 +208,7 @@ class ResearcherWindow(DockedWindow):
                     box.fit()
 
     def _mark(self, robot: RobotScene) -> RobotMark | None:
-        """Return how a robot is drawn; None where its pose is unknown."""
+        """Return how to draw a robot; None if its pose is unknown."""
         place = robot.estimate or robot.truth
         if place is None:
             return None
@@ -252,7 +253,7 @@ class ResearcherWindow(DockedWindow):
         self.plots.show_time(self._transport.time)
 
     def _show_end(self, bag: str | None) -> None:
-        """Tell that the session has ended, and offer its recording; None: another one has begun."""
+        """Report that the session has ended, and offer its recording. If `bag` is None, another session has started."""
         self._ended_bag = bag
         here = bool(bag) and any(part.exists() for part in parts_of(Path(bag or "")))
         self.playback.show_recording((bag or "") if here else "")
@@ -263,7 +264,7 @@ class ResearcherWindow(DockedWindow):
     # Contents of recordings
 
     def _show_contents(self, scene: Scene) -> None:
-        """List the topics of a recording once it is open, and show them first where it is not one of ours."""
+        """List the topics of a recording once it is open. For recordings of other programs, show them first."""
         numbers = self._feed.data.numbers
         if self._contents_shown or numbers is None:
             return
@@ -307,12 +308,12 @@ class ResearcherWindow(DockedWindow):
             return
         self.show_contents(drawable=True)
         self._fit()
-        self.show_status(f"{path.name} is shown in addition to the recording.")
+        self.show_status(f"Showing the map {path.name} with the recording.")
 
     # Sections of recordings
 
     def _section(self) -> tuple[float, float]:
-        """Return the section to save: between the bookmarks around the time shown, or all."""
+        """Return the section to save: between the bookmarks around the time shown, or everything."""
         return self.bookmarks.around(self._transport.time) or (0.0, self._transport.span)
 
     def _ask_section(self) -> None:
@@ -332,7 +333,7 @@ class ResearcherWindow(DockedWindow):
             self.save_video(path, (start, end), program)
 
     def save_video(self, path: Path, span: tuple[float, float], program: str) -> VideoWriter:
-        """Save what is shown in the middle of the window, from one time to another, by ffmpeg."""
+        """Save the middle of the window as a video, from one time to another, by ffmpeg."""
         before, part = self._transport.time, self.canvas if self.canvas.isVisible() else self.plots.canvas
         self._transport.play(False)
 
@@ -404,7 +405,7 @@ class ResearcherWindow(DockedWindow):
         span = self.bookmarks.around(self._transport.time) if on else None
         if on and span is None:
             self.show_status(
-                "A loop needs two bookmarks. Go to a moment and press B; then to another one, and B again."
+                "A loop needs two bookmarks. Go to a moment and press B; then go to another one and press B again."
             )
         self._show_bookmarks(span)
         if span is not None:
@@ -427,7 +428,7 @@ class ResearcherWindow(DockedWindow):
     # Colors and closing
 
     def set_palette(self, palette: Palette) -> None:
-        """Use other colors for the map and the plots; all else follows from the application's palette."""
+        """Use these colors for the map and the plots; all other parts follow the application's palette."""
         self._map.set_palette(palette)
         self.plots.set_palette(palette)
 
@@ -447,19 +448,19 @@ def _row_of(robot: RobotScene) -> RobotRow:
 
 
 def _plot_of(number: PlottedField) -> str:
-    """Return the title of a number's plot: numbers of a topic in one unit share one, and the elements of an array."""
+    """Return the title of a number's plot. Numbers of a topic in one unit share a plot, as do elements of an array."""
     if number.unit:
         return f"{number.topic}, {number.unit}"
     return f"{number.topic} {number.column}"
 
 
 def _figures(series: RobotSeries, panel: str, gaps: Sequence[float]) -> dict[str, tuple[FloatArray, FloatArray]]:
-    """Return the curves of a robot in one panel: its own, and for the error the band of two standard deviations.
+    """Return the curves of a robot in one panel; for the error, also the band of two standard deviations.
 
     Args:
-        series: of the robot.
+        series: series of the robot.
         panel: name of the panel.
-        gaps: times after which nothing was heard for a while; curves break off there.
+        gaps: times after which no messages arrived for a while; curves break off there.
     """
     match panel:
         case "error":
@@ -477,5 +478,5 @@ def _figures(series: RobotSeries, panel: str, gaps: Sequence[float]) -> dict[str
 
 
 def _admitted(series: RobotSeries, gaps: Sequence[float]) -> FloatArray:
-    """Return the standard deviations as steps: while its robot stands a localizer publishes none, and the last hold."""
+    """Return the standard deviations as steps: a standing robot publishes none, and the last ones hold."""
     return as_steps(broken(series.deviations.rows(), gaps), series.estimate.time)

@@ -92,7 +92,7 @@ def test_a_recording_without_a_map_shows_its_topics_in_place_of_the_map_and_of_e
     assert all(window.rect().intersects(place) for place in places), "Tab goes nowhere that nobody sees"
     assert nameless(window) == []
     assert numbers(opened(window, 0)) == ["voltage", "cells[0]", "cells[1]", "gauges[0].reading", "gauges[1].reading"]
-    assert numbers(opened(window, 1)) == ["No numbers can be read in its messages."]
+    assert numbers(opened(window, 1)) == ["The messages contain no numbers that can be plotted."]
 
 
 def test_ticked_numbers_are_plotted_whole_and_go_when_they_are_not_ticked(

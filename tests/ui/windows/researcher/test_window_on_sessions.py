@@ -247,7 +247,7 @@ def test_where_nobody_answers_it_says_so_and_waits(qtbot: QtBot) -> None:
     window = window_on(1)
     qtbot.addWidget(window)
     window.show()
-    waits(qtbot, lambda: "Nobody answers at 127.0.0.1:1" in window.sign.text())
+    waits(qtbot, lambda: "No answer from 127.0.0.1:1" in window.sign.text())
     sign = QAccessible.queryAccessibleInterface(window.sign)
     assert sign.parent().indexOfChild(sign) >= 0, "a screen reader finds it"
     window.close()

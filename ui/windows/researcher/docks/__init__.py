@@ -1,1 +1,1 @@
-"""The docks around the researcher's map: robots, displays, plots, lists, playback, wizard."""
+"""Docks around the researcher's map: robots, displays, plots, lists, playback, wizard."""

@@ -1,4 +1,4 @@
-"""Dialogue of a robot that argues: its course, what the robot believes, and the attacks between arguments."""
+"""Dialogue of a robot that argues: its moves, the robot's beliefs, and the attacks between arguments."""
 
 from PySide6.QtCore import Signal
 from PySide6.QtWidgets import QLineEdit, QScrollArea, QSizePolicy, QTableView, QVBoxLayout, QWidget
@@ -12,13 +12,13 @@ from ui.windows.tables import TextModel, row_table
 from ui.windows.words_of_others import shown
 
 MOVES = ("Time", "Who", "Move", "Sentence", "State")
-DETAILS = ("What", "From", "How it stands")
+DETAILS = ("What", "From", "Status")
 PART = 110
-"""Least height of each part, logical pixels with text of the usual size; what has no room is scrolled to."""
+"""Smallest height of each part, logical pixels with text of the usual size; the dock scrolls if they do not fit."""
 
 
 class ArgumentsDock(QWidget):
-    """The latest dialogue of the robot selected, as it stood at the time shown.
+    """Latest dialogue of the selected robot at the time shown.
 
     Signals:
         chosen: a person wants to see the time of a move, seconds since the beginning.
@@ -30,12 +30,12 @@ class ArgumentsDock(QWidget):
         super().__init__()
         self._course = DialogueCourse()
         self._times: tuple[float, ...] = ()
-        # Of a narrow line the end can be reached by the arrow keys.
+        # With the arrow keys people reach the end of a sentence that is wider than the field.
         self.heading = QLineEdit(readOnly=True, frame=False)
         self.heading.setAccessibleName("Dialogue shown")
         self.list = ChoiceBox()
         self.list.addItems(list(DialogueList))
-        self.list.setAccessibleName("What to show beside the moves")
+        self.list.setAccessibleName("What to show next to the moves")
         self.list.setSizeAdjustPolicy(ChoiceBox.SizeAdjustPolicy.AdjustToContents)
         self.list.setMinimumContentsLength(8)
         self.list.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Fixed)
@@ -63,7 +63,7 @@ class ArgumentsDock(QWidget):
         area.setWidgetResizable(True)
         area.setFrameShape(QScrollArea.Shape.NoFrame)
         area.setWidget(inside)
-        area.setAccessibleName("Dialogue of the robot selected")
+        area.setAccessibleName("Dialogue of the selected robot")
         layout = QVBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)
         layout.addWidget(area)

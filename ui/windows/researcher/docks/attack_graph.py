@@ -18,7 +18,7 @@ STANDS = "✓"
 class AttackGraph(QWidget):
     """Arguments as numbered boxes on an ellipse, and attacks as arrows.
 
-    An argument that stands, being in the grounded extension, has a tick and a double edge.
+    An argument in the grounded extension stands: it has a tick and a double edge.
     """
 
     def __init__(self) -> None:
@@ -33,7 +33,7 @@ class AttackGraph(QWidget):
         self.update()
 
     def minimumSizeHint(self) -> QSize:
-        """Return the size in which some arguments can be told apart."""
+        """Return the size at which a few arguments can be distinguished."""
         return QSize(px(120), px(90))
 
     def boxes(self) -> list[QRectF]:
@@ -51,14 +51,14 @@ class AttackGraph(QWidget):
         found = []
         for place in range(count):
             angle = 2.0 * math.pi * place / count - math.pi / 2.0
-            # Two of them stand beside each other, where there is more room.
+            # Two of them stand side by side, where more room is.
             angle -= math.pi / 2.0 if count == 2 else 0.0
             box.moveCenter(middle + QPointF(wide * math.cos(angle), high * math.sin(angle)))
             found.append(QRectF(box))
         return found
 
     def paintEvent(self, event: QPaintEvent) -> None:
-        """Draw the attacks, and over them the arguments."""
+        """Draw the attacks, then the arguments on top of them."""
         painter, palette, boxes = smooth_painter(self), colours(), self.boxes()
         standing = set(self._portrait.grounded)
         for one, other in self._portrait.attacks:
@@ -79,7 +79,7 @@ class AttackGraph(QWidget):
         painter.end()
 
     def event(self, event: QEvent) -> bool:
-        """Tell what the argument under the pointer is."""
+        """Show a tool tip with the argument under the pointer."""
         if isinstance(event, QHelpEvent) and event.type() == QEvent.Type.ToolTip:
             pointed = (place for place, box in enumerate(self.boxes()) if box.contains(QPointF(event.pos())))
             place = next(pointed, None)
@@ -105,7 +105,7 @@ def _draw_arrow(painter: QPainter, colour: QColor, start: QRectF, end: QRectF) -
 
 
 def edge_point(box: QRectF, line: QLineF) -> QPointF:
-    """Return the point in which a line towards the center of a box meets its edge."""
+    """Return the point where a line toward the center of a box crosses its edge."""
     along = line.p1() - box.center()
     reach = [half / abs(part) for half, part in ((box.width() / 2, along.x()), (box.height() / 2, along.y())) if part]
     return box.center() + along * min([*reach, 1.0])

@@ -1,4 +1,4 @@
-"""Check boxes for all that the map can show."""
+"""Check boxes for everything that the map can show."""
 
 from dataclasses import dataclass
 from enum import StrEnum
@@ -10,7 +10,7 @@ from ui.windows.words_of_others import PlainLabel
 
 
 class MapDisplay(StrEnum):
-    """A kind of data on the map."""
+    """Kind of data on the map."""
 
     TRUTH = "truth"
     ELLIPSES = "ellipses"
@@ -31,13 +31,13 @@ class MapDisplay(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class DisplaySwitch:
-    """The switch of one display.
+    """Switch of one display.
 
     Attributes:
-        key: toggles it; empty for none.
-        label: its name, for people.
-        on: its first state.
-        hint: explains what it shows.
+        key: shortcut that toggles it; empty if it has none.
+        label: name of the display for people.
+        on: True if the display is on at first.
+        hint: description of the display.
     """
 
     key: str
@@ -47,34 +47,36 @@ class DisplaySwitch:
 
 
 SWITCHES = {
-    MapDisplay.TRUTH: DisplaySwitch(
-        "1", "Truth", True, "Where robots really are: dashed, tied to where they believe to be"
+    MapDisplay.TRUTH: DisplaySwitch("1", "Truth", True, "True poses: dashed, linked to the believed poses"),
+    MapDisplay.ELLIPSES: DisplaySwitch("2", "Uncertainty", True, "95 % of the robot's belief about its position"),
+    MapDisplay.CLOUDS: DisplaySwitch(
+        "3", "Particle clouds", True, "All particles of the selected robot, fewer of others"
     ),
-    MapDisplay.ELLIPSES: DisplaySwitch("2", "Uncertainty", True, "Where a robot may be as well: 95 % of its belief"),
-    MapDisplay.CLOUDS: DisplaySwitch("3", "Particle clouds", True, "Of the robot selected in full, of others thinned"),
     MapDisplay.SCANS: DisplaySwitch(
-        "4", "Laser scans", True, "From where the robot believes to be: off the walls when it errs"
+        "4", "Laser scans", True, "Drawn from the believed pose; a wrong pose moves them off the walls"
     ),
     MapDisplay.GLOBAL_COSTMAP: DisplaySwitch(
-        "5", "Global costmap", False, "Of the robot selected: its global planner's"
+        "5", "Global costmap", False, "Costmap of the selected robot's global planner"
     ),
-    MapDisplay.LOCAL_COSTMAP: DisplaySwitch("6", "Local costmap", False, "Of the robot selected: its local planner's"),
-    MapDisplay.PLANS: DisplaySwitch("7", "Plans", True, "The whole way to the goal"),
-    MapDisplay.LOCAL_PLANS: DisplaySwitch("8", "Local plans", True, "The next moments"),
-    MapDisplay.PATHS: DisplaySwitch("9", "Paths", True, "Where robots believed to be so far"),
-    MapDisplay.TRUE_PATHS: DisplaySwitch("0", "True paths", False, "Where robots were so far"),
+    MapDisplay.LOCAL_COSTMAP: DisplaySwitch(
+        "6", "Local costmap", False, "Costmap of the selected robot's local planner"
+    ),
+    MapDisplay.PLANS: DisplaySwitch("7", "Plans", True, "The whole path to the goal"),
+    MapDisplay.LOCAL_PLANS: DisplaySwitch("8", "Local plans", True, "The path for the next moments"),
+    MapDisplay.PATHS: DisplaySwitch("9", "Paths", True, "Believed positions so far"),
+    MapDisplay.TRUE_PATHS: DisplaySwitch("0", "True paths", False, "True positions so far"),
     MapDisplay.ODOMETRY: DisplaySwitch(
-        "", "Odometry", False, "What wheels counted, laid where the robot believes to be now"
+        "", "Odometry", False, "Path that the wheels counted, shifted to end at the believed pose"
     ),
-    MapDisplay.GOALS: DisplaySwitch("", "Goals", True, "Where robots shall end, and facing where"),
-    MapDisplay.FOOTPRINTS: DisplaySwitch("", "Footprints", False, "Of the robots' bodies, as they published them last"),
-    MapDisplay.THINGS: DisplaySwitch("", "Things in the way", True, "What no map shows"),
-    MapDisplay.ROOMS: DisplaySwitch("", "Rooms", True, "Their numbers, what is hidden there and what it was named"),
+    MapDisplay.GOALS: DisplaySwitch("", "Goals", True, "Target poses with their directions"),
+    MapDisplay.FOOTPRINTS: DisplaySwitch("", "Footprints", False, "Outlines of the robots, as last published"),
+    MapDisplay.THINGS: DisplaySwitch("", "Things in the way", True, "Obstacles that are not on the map"),
+    MapDisplay.ROOMS: DisplaySwitch("", "Rooms", True, "Room numbers, hidden treasures and the names given to them"),
 }
 
 
 class DisplaysPanel(QScrollArea):
-    """The list of displays, as in rviz; it scrolls where there is little space.
+    """List of displays, as in rviz; it scrolls if there is little space.
 
     Signals:
         changed: a display was switched on or off.
@@ -96,7 +98,7 @@ class DisplaysPanel(QScrollArea):
             box = QCheckBox(switch.label)
             box.setChecked(switch.on)
             box.setToolTip(switch.hint)
-            box.setAccessibleDescription(f"{switch.hint}. Key {switch.key}" if switch.key else switch.hint)
+            box.setAccessibleDescription(f"{switch.hint}. Shortcut: {switch.key}" if switch.key else switch.hint)
             box.toggled.connect(self.changed)
             key = PlainLabel(switch.key)
             key.setProperty("role", "key")
@@ -111,18 +113,18 @@ class DisplaysPanel(QScrollArea):
         self.setWidget(self._inside)
 
     def minimumSizeHint(self) -> QSize:
-        """Return the width of the labels, and the height of some of them."""
+        """Return the width of the labels, and the height of four lines."""
         wide = self._inside.minimumSizeHint().width() + self.verticalScrollBar().sizeHint().width()
         return QSize(wide, 4 * self.fontMetrics().height())
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Report another size of the labels to the layout."""
+        """Ask the layout for a new size when the labels change theirs."""
         if event.type() == QEvent.Type.LayoutRequest:
             self.updateGeometry()
         return super().eventFilter(watched, event)
 
     def shows(self, display: MapDisplay) -> bool:
-        """Return True when this display is on."""
+        """Return True if this display is on."""
         return self._boxes[display].isChecked()
 
     def toggle(self, display: MapDisplay) -> None:

@@ -1,4 +1,4 @@
-"""Lists in the order of time: the protocol's lines, the dialogue, events, inputs."""
+"""Lists in chronological order: lines of the protocol, dialogue, events, inputs."""
 
 from bisect import bisect_right
 from collections.abc import Sequence
@@ -13,19 +13,19 @@ from ui.windows.tables import NO_PARENT, RIGHT, ModelIndex, TableModel, row_tabl
 from ui.windows.words_of_others import PlainLabel, shown
 
 MAX_ROWS = 20_000
-"""Most rows that are kept; the oldest go first."""
+"""Largest number of rows kept; the oldest are dropped first."""
 DROPPED_AT_ONCE = MAX_ROWS // 10
-"""Rows that go at once, so that a full list does not drop one with each that comes."""
+"""Number of rows dropped at once, so that a full list does not drop one row for each new row."""
 
 
 @dataclass(frozen=True, slots=True)
 class LogRow:
-    """One sentence, event, line or input.
+    """Row with one sentence, event, line or input.
 
     Attributes:
         time: seconds since the beginning.
         cells: texts of the columns after the time.
-        robot: index of the robot whose color it has; None for no color.
+        robot: index of the robot that gives the color. If None, there is no color.
     """
 
     time: float
@@ -34,12 +34,12 @@ class LogRow:
 
 
 class LogModel(TableModel):
-    """Rows in the order of time, only those that match the filter.
+    """Rows that match the filter, in chronological order.
 
-    Rows after the time shown are dimmed: a recording knows its future.
+    Rows after the time shown are dimmed, since a recording includes later ones.
 
     Args:
-        columns: titles after that of the time.
+        columns: titles of the columns after the time.
     """
 
     _shown: list[LogRow]
@@ -57,20 +57,20 @@ class LogModel(TableModel):
 
     @property
     def size(self) -> int:
-        """Number of rows kept, with those that the filter hides."""
+        """Number of rows kept, including those that the filter hides."""
         return len(self._rows)
 
     @property
     def last_past(self) -> int:
-        """Number of the last row before the time shown; -1 before the first."""
+        """Index of the last row up to the time shown; -1 before the first row."""
         return self._past - 1
 
     def row(self, number: int) -> LogRow:
-        """Return the row shown in this place."""
+        """Return a visible row by its index."""
         return self._shown[number]
 
     def extend(self, rows: Sequence[LogRow]) -> None:
-        """Append rows that are later than all so far."""
+        """Append rows that are later than all earlier ones."""
         if not rows:
             return
         rows = rows[-MAX_ROWS:]
@@ -96,7 +96,7 @@ class LogModel(TableModel):
         self.endResetModel()
 
     def set_filter(self, text: str) -> None:
-        """Show only rows that have all these words, in any case of letters."""
+        """Show only rows that contain all these words, in upper or lower case."""
         self._words = tuple(text.lower().split())
         self._choose()
 
@@ -134,11 +134,11 @@ class LogModel(TableModel):
 
 
 class LogView(QWidget):
-    """A list with a filter. It scrolls along with the time shown until somebody scrolls elsewhere.
+    """List with a filter. It follows the time shown until a person scrolls away.
 
     Args:
-        name: of the list, for people.
-        columns: titles after that of the time.
+        name: name of the list for people.
+        columns: titles of the columns after the time.
 
     Signals:
         chosen: a person wants to see the time of a row, seconds since the beginning.
@@ -150,11 +150,11 @@ class LogView(QWidget):
         super().__init__()
         self.model = LogModel(columns, self)
         self._scrolls = False
-        self._filter = QLineEdit(placeholderText="Filter: words that a row must have", clearButtonEnabled=True)
+        self._filter = QLineEdit(placeholderText="Filter: words that a row must contain", clearButtonEnabled=True)
         self._filter.setAccessibleName(f"Filter of {name}")
         self._filter.textChanged.connect(self._filtered)
-        self._follows = QCheckBox("Keep to the time")
-        self._follows.setAccessibleDescription("Scrolls along with the time shown, until you scroll elsewhere")
+        self._follows = QCheckBox("Follow the time")
+        self._follows.setAccessibleDescription("Scrolls with the time shown until you scroll away")
         self._follows.setChecked(True)
         self._follows.toggled.connect(self._keep_up)
         self._count = PlainLabel()
@@ -174,22 +174,22 @@ class LogView(QWidget):
         layout.setContentsMargins(8, 8, 8, 8)
         layout.addLayout(top)
         layout.addWidget(self.table, 1)
-        self._tell_size()
+        self._show_size()
 
     def extend(self, rows: Sequence[LogRow]) -> None:
-        """Append rows that are later than all so far."""
+        """Append rows that are later than all earlier ones."""
         if rows:
             self.model.extend(rows)
-            self._tell_size()
+            self._show_size()
             self._keep_up()
 
     def clear(self) -> None:
         """Remove all rows."""
         self.model.clear()
-        self._tell_size()
+        self._show_size()
 
     def show_time(self, now: float) -> None:
-        """Scroll to this time, unless somebody scrolled elsewhere."""
+        """Scroll to this time, unless a person scrolled away."""
         before = self.model.last_past
         self.model.show_time(now)
         if self.model.last_past != before:
@@ -200,29 +200,29 @@ class LogView(QWidget):
         self._filter.setFocus(Qt.FocusReason.ShortcutFocusReason)
 
     def copy(self) -> None:
-        """Copy the selected rows to the clipboard, cells with tabs between them."""
+        """Copy the selected rows to the clipboard, with tabs between cells."""
         numbers = sorted(index.row() for index in self.table.selectionModel().selectedRows())
         rows = (self.model.row(number) for number in numbers)
         QGuiApplication.clipboard().setText("\n".join("\t".join((f"{row.time:.3f}", *row.cells)) for row in rows))
 
     def _filtered(self, text: str) -> None:
         self.model.set_filter(text)
-        self._tell_size()
+        self._show_size()
         self._keep_up()
 
-    def _tell_size(self) -> None:
+    def _show_size(self) -> None:
         shown, size = self.model.rowCount(), self.model.size
         self._count.setText(f"{size:,} rows" if shown == size else f"{shown:,} of {size:,} rows")
 
     def _keep_up(self) -> None:
         if self._follows.isChecked() and self.model.last_past >= 0:
             self._scrolls = True
-            self.table.doItemsLayout()  # rows that have just come count for the scroll bar, too
+            self.table.doItemsLayout()  # Lay out now: otherwise the scroll bar ignores the newest rows.
             self.table.scrollTo(self.model.index(self.model.last_past, 0), QTableView.ScrollHint.EnsureVisible)
             self._scrolls = False
 
     def _scrolled(self) -> None:
-        """After scrolling by hand, keep to the time only when its row is in sight."""
+        """After scrolling by hand, follow the time only if the current row is visible."""
         if self._scrolls or self.model.last_past < 0:
             return
         place = self.table.visualRect(self.model.index(self.model.last_past, 0))

@@ -1,4 +1,4 @@
-"""The bar under the map: play, pause, step, speed and time."""
+"""Bar below the map: play, pause, step, speed and time."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -13,25 +13,25 @@ from ui.windows.look import colours, fixed_font, follow_text, font, smooth_paint
 from ui.windows.words_of_others import PlainLabel
 
 SPEEDS = (0.1, 0.25, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0)
-"""Simulated seconds per second."""
+"""Speeds to choose from, simulated seconds per second."""
 UTTERANCE_ARM, EVENT_ARM = 3.0, 5.0
-"""Half height of an utterance's mark and of an event's on the timeline, pixels."""
+"""Half the height of an utterance's mark and of an event's mark on the timeline, pixels."""
 
 LOOP, FLAG = 3.0, 5.0
-"""Half height of a loop, and half width of a bookmark on the timeline, pixels."""
+"""Half the height of a loop, and half the width of a bookmark on the timeline, pixels."""
 BAR, BAR_ROWS = 2.0, 2
-"""Height of a bar at the timeline's foot, pixels, and rows of bars that have room there."""
+"""Height of a bar at the bottom of the timeline, pixels, and number of rows of bars."""
 
 
 @dataclass(frozen=True, slots=True)
 class TimelineMark:
-    """A mark on the timeline.
+    """Mark on the timeline.
 
     Attributes:
         time: seconds since the beginning.
-        text: describes what happened.
+        text: description of the event.
         robot: index of the robot concerned, or None.
-        is_utterance: a sentence of a dialogue; else an event.
+        is_utterance: True for a sentence of a dialogue, False for an event.
     """
 
     time: float
@@ -42,12 +42,12 @@ class TimelineMark:
 
 @dataclass(frozen=True, slots=True)
 class TimelineBar:
-    """A bar on the timeline.
+    """Bar on the timeline.
 
     Attributes:
-        start: seconds since the beginning; so end.
-        end: of the bar.
-        text: describes what went on.
+        start: seconds since the beginning.
+        end: seconds since the beginning.
+        text: description of the activity.
         robot: index of the robot concerned.
     """
 
@@ -58,8 +58,10 @@ class TimelineBar:
 
 
 class Timeline(QSlider):
-    """A slider over the time of a recording, with marks of events above the line and of utterances below it, and bars
-    at its foot. Its values are milliseconds."""
+    """Slider over the time of a recording, in milliseconds.
+
+    Marks of events are above the line, marks of utterances below it, and bars at the bottom.
+    """
 
     def __init__(self) -> None:
         super().__init__(Qt.Orientation.Horizontal)
@@ -84,11 +86,11 @@ class Timeline(QSlider):
         self.update()
 
     def sizeHint(self) -> QSize:
-        """Return a size with space for marks on both sides."""
+        """Return a size with space for marks above and below the line."""
         return QSize(200, 32)
 
     def paintEvent(self, event: QPaintEvent) -> None:
-        """Draw the line, its past part, the marks and the handle."""
+        """Draw the line, its elapsed part, the marks and the handle."""
         painter, palette = smooth_painter(self), colours()
         middle = self.height() / 2.0
         left, right, here = self._x(self.minimum()), self._x(self.maximum()), self._x(self.value())
@@ -122,7 +124,7 @@ class Timeline(QSlider):
         painter.drawEllipse(QRectF(here - 6.5, middle - 6.5, 13.0, 13.0))
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
-        """Go to where the pointer is, and follow it."""
+        """Move to the pointer, and start following it."""
         if event.button() == Qt.MouseButton.LeftButton:
             self.setSliderDown(True)
             self.setSliderPosition(self._value(event.position().x()))
@@ -159,18 +161,18 @@ class Timeline(QSlider):
 
 
 class PlaybackBar(QWidget):
-    """Play, pause, step, speed, time.
+    """Controls for play, pause, step, speed and time.
 
     Args:
-        live: a running session, in which time cannot go back.
+        live: True for a running session, where time cannot go back.
 
     Signals:
-        play_toggled: play when paused, pause when playing.
-        stepped: so many steps forward, or back when negative.
+        play_toggled: play if paused, pause if playing.
+        stepped: number of steps forward; negative for back.
         speed_chosen: simulated seconds per second.
-        seek: to this time, seconds since the beginning.
+        seek: go to this time, seconds since the beginning.
         recording_wanted: open the recording of the session that has ended.
-        refused: why a typed time is none.
+        refused: why a typed time is not valid.
     """
 
     play_toggled = Signal()
@@ -197,7 +199,9 @@ class PlaybackBar(QWidget):
         self.timeline.valueChanged.connect(lambda value: self.seek.emit(value / 1000.0))
         self.time = QLineEdit("0:00.00")
         self.time.setAccessibleName("Time shown")
-        self.time.setToolTip("Time shown" if live else "Time shown. Type another one and press Enter (Ctrl+T)")
+        self.time.setToolTip(
+            "Time shown" if live else "Time shown. To go elsewhere, type a time and press Enter (Ctrl+T)"
+        )
         self.time.setReadOnly(live)
         self.time.setAlignment(Qt.AlignmentFlag.AlignRight)
         self.time.returnPressed.connect(self._go_to_typed)
@@ -210,7 +214,7 @@ class PlaybackBar(QWidget):
             self.time, lambda it: it.setFixedWidth(QFontMetrics(fixed_font()).horizontalAdvance("000:00.00") + 16)
         )
         self.state = PlainLabel()
-        self.state.setAccessibleDescription("What is shown, and how it is")
+        self.state.setAccessibleDescription("State of the session or recording")
         self.recording = _button("Open recording", "", "", self.recording_wanted.emit)
         self.recording.hide()
         layout = spaced(QHBoxLayout(self), 8, 12, 6, 12, 6)
@@ -249,13 +253,13 @@ class PlaybackBar(QWidget):
     def _go_to_typed(self) -> None:
         time = parse_clock(self.time.text())
         if time is None:
-            self.refused.emit("This is no time. Type seconds, or minutes and seconds: 83.4 or 1:23.4.")
+            self.refused.emit("This is not a time. Type seconds, or minutes and seconds: 83.4 or 1:23.4.")
             return
         self.time.clearFocus()
         self.seek.emit(time)
 
     def show_playing(self, playing: bool) -> None:
-        """Show that it plays or that it is paused."""
+        """Show whether it plays or is paused."""
         if playing != self._playing:
             self._playing = playing
             self.play.setText("❚❚  Pause" if playing else "▶  Play")
@@ -266,12 +270,12 @@ class PlaybackBar(QWidget):
         self.speed.setCurrentIndex(nearest)
 
     def show_recording(self, path: str) -> None:
-        """Offer to open this recording; an empty path offers none."""
+        """Offer to open this recording. If the path is empty, hide the offer."""
         self.recording.setVisible(bool(path))
         self.recording.setToolTip(path)
 
     def show_state(self, text: str) -> None:
-        """Show in words the source and its state."""
+        """Show the state of the source in words."""
         self.state.setText(text)
 
 

@@ -1,5 +1,5 @@
-"""Plots over time: the robots' errors of position and heading, their standard deviations, energy and speed, and any
-numbers of a recording's topics."""
+"""Plots over time: errors of position and heading, standard deviations, energy and speed of the robots, and any numbers
+in the topics of a recording."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -17,16 +17,16 @@ from ui.windows.look import follow_text, font, label, px
 from ui.windows.words_of_others import shown
 
 LATE = 1.0
-"""Seconds after the beginning of a session from which on a window has joined late."""
+"""Seconds after the beginning of a session from which a window counts as having joined late."""
 LIVE_SECONDS = 60.0
-"""Seconds of a running session that the plots show until somebody looks elsewhere."""
+"""Seconds of a running session that the plots show until a person moves along the time."""
 _UNBOUNDED = 16_777_215.0
-"""Qt's greatest height of a widget."""
+"""Qt's maximum height of a widget."""
 LEAST_HEIGHT = 112
-"""Least height of a plot, `px`; more of them are scrolled."""
-NOTHING = "Nothing is plotted. Open a topic under Topics, and tick numbers."
+"""Smallest height of a plot, `px`; the dock scrolls if not all plots fit."""
+NOTHING = "Nothing is plotted. Open a topic in the Topics pane, and tick numbers."
 MOST_POINTS = 4000
-"""Most points of a curve, more than a screen has columns; beyond, runs of neighbors are drawn by their extremes."""
+"""Largest number of points in a curve, more than a screen has columns. Longer curves show the extremes of each run."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,9 +34,9 @@ class PlotPanel:
     """One of the plots.
 
     Attributes:
-        name: of the figure in `RobotCurves`.
-        title: for people, with its unit.
-        factor: converts SI units to that of the title.
+        name: name of the figure in `RobotCurves`.
+        title: title for people, with the unit.
+        factor: factor from SI units to those of the title.
     """
 
     name: str
@@ -50,7 +50,7 @@ class RobotCurves:
 
     Attributes:
         robot: index in the team.
-        name: of the robot, for the legend.
+        name: name of the robot in the legend.
         figures: by the name of a panel (or "band": two standard deviations of position, meters): (n,) seconds since
             the beginning, ascending, and (n,) values; NaN leaves a gap.
     """
@@ -62,13 +62,13 @@ class RobotCurves:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class NumberCurve:
-    """A number of a topic over time.
+    """Number in a topic over time.
 
     Attributes:
-        plot: title of its plot; curves of one title share a plot.
-        name: its name in the legend.
+        plot: title of the plot; curves with the same title share a plot.
+        name: name in the legend.
         times: (n,) seconds since the beginning, ascending.
-        values: (n,) its values; NaN leaves a gap.
+        values: (n,) values; NaN leaves a gap.
     """
 
     plot: str
@@ -86,18 +86,20 @@ PANELS = (
 )
 BAND = "band"
 TimeRange = Literal["all", "end", "free"]
-"""Time on view: all of it, its moving end, or wherever somebody went."""
+"""Time in view: everything, the moving end, or the part that a person chose."""
 
 
 class Plots(QWidget):
-    """One plot for each figure, one curve for each robot, one axis of time; behind the error a band of two standard
-    deviations of the selected robot. Below are numbers of topics. A plot without a curve is not shown.
+    """One plot for each figure, with a curve for each robot and a shared time axis.
+
+    A band behind the error shows two standard deviations of the selected robot. Numbers of topics have their plots
+    below these. A plot without a curve is hidden.
 
     A click seeks that time; dragging and the wheel move along the time, a double click shows all of it again.
 
     Args:
         palette: the colors.
-        live: a running session, whose end moves.
+        live: True for a running session, whose end moves.
 
     Signals:
         seek: a person wants to see this time, seconds since the beginning.
@@ -144,11 +146,11 @@ class Plots(QWidget):
 
     @property
     def titles(self) -> list[str]:
-        """Titles of the plots in sight, from top to bottom."""
+        """Titles of the visible plots, from top to bottom."""
         return [plot.title for plot in self._shown]
 
     def show_curves(self, robots: Sequence[RobotCurves], end: float) -> None:
-        """Draw these curves in place of the same robots' earlier ones.
+        """Draw these curves in place of earlier ones of the same robots.
 
         Args:
             robots: curves of any robots of the team.
@@ -167,7 +169,7 @@ class Plots(QWidget):
         self._range()
 
     def show_numbers(self, curves: Sequence[NumberCurve], end: float) -> None:
-        """Draw these numbers of topics, and no others.
+        """Draw these numbers of topics, and remove all others.
 
         Args:
             curves: the numbers.
@@ -202,13 +204,13 @@ class Plots(QWidget):
             self._range()
 
     def show_joined(self, time: float) -> None:
-        """Mark the time before which nothing is shown because the window joined the session then."""
+        """Mark the time at which the window joined the session; nothing is shown before it."""
         if time != self._joined:
             self._joined = time
             self._dress()
 
     def select(self, robot: int) -> None:
-        """Draw this robot's curves stronger, and the band of its standard deviation."""
+        """Draw the curves of this robot stronger, and the band of its standard deviation."""
         self._selected = robot
         for (_, number), curve in self._curves.items():
             curve.setPen(self._pen(number))
@@ -216,7 +218,7 @@ class Plots(QWidget):
         self._draw_band()
 
     def set_palette(self, palette: Palette) -> None:
-        """Use other colors."""
+        """Use these colors."""
         self._palette, self._letters = palette, self._fitting_letters()
         self.canvas.setBackground(palette.panel)
         self._dress()
@@ -226,7 +228,7 @@ class Plots(QWidget):
         self.select(self._selected)
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        """Use letters that fit."""
+        """Choose letters that fit."""
         super().resizeEvent(event)
         if self._letters.pointSizeF() != self._fitting_letters().pointSizeF():
             self.set_palette(self._palette)
@@ -238,7 +240,7 @@ class Plots(QWidget):
         return 0 if times is None else len(times)
 
     def _arrange(self) -> None:
-        """Show the plots that have curves, below each other, with the axis of time at the last one."""
+        """Show the plots that have curves, one below another, with the time axis at the last one."""
         panels = {panel for panel, _ in self._curves}
         wanted = [plot for name, plot in self._panels.items() if name in panels]
         wanted += [plot for plot in self._number_plots.values() if plot not in wanted]
@@ -257,7 +259,7 @@ class Plots(QWidget):
         self._dress()
 
     def _dress(self) -> None:
-        """Give the plots in sight fonts, colors, legends and lines."""
+        """Set fonts, colors, legends and lines of the visible plots."""
         palette, letters = self._palette, self._letters
         size = f"{letters.pointSizeF():.1f}pt"
         self.canvas.setMinimumHeight(len(self._shown) * px(LEAST_HEIGHT))
@@ -279,7 +281,7 @@ class Plots(QWidget):
             plot.joined.setPen(pg.mkPen(palette.muted, width=1, style=Qt.PenStyle.DashLine))
             plot.joined.setValue(self._joined)
             plot.joined.setVisible(self._joined > LATE)
-            # The first says in words what the others only mark.
+            # The first plot explains the line in words; the others only show the line.
             plot.joined_words.setVisible(first)
             plot.joined_words.setFormat(f"window joined\nat {self._joined:.0f} s")
             plot.joined_words.setColor(palette.muted)
@@ -287,7 +289,7 @@ class Plots(QWidget):
         self._name_curves()
 
     def _name_curves(self) -> None:
-        """Fill the legends: robots in the first plot of theirs, numbers where they share a plot."""
+        """Fill the legends: robots in the first plot with robots, numbers in plots that several of them share."""
         robots = next((plot for plot in self._shown if plot in self._panels.values()), None)
         curves = self._of_numbers()
         if robots is not None:
@@ -306,12 +308,12 @@ class Plots(QWidget):
             legend.setColumnCount(max(1, int((self.width() - px(48)) / (letter * longest + px(48)))))
             for curve in named:
                 legend.addItem(curve, curve.name())
-        # Else they stay as small as they were meanwhile.
+        # Otherwise the legends keep the size that they had while they were empty.
         self.canvas.ci.layout.activate()
         self.canvas.ci.setGeometry(self.canvas.range)
 
     def _fitting_letters(self) -> QFont:
-        """Return small letters, or smaller ones where the widest title would not fit."""
+        """Return small letters, or smaller ones if the widest title would not fit."""
         letters = font("small")
         widest = max(QFontMetricsF(letters).horizontalAdvance(panel.title) for panel in PANELS)
         share = min(1.0, (self.width() - px(48)) / widest)
@@ -344,7 +346,7 @@ class Plots(QWidget):
         return curve
 
     def _of_numbers(self) -> dict["_TimePlot", list[pg.PlotDataItem]]:
-        """Return the curves of each plot with numbers of topics."""
+        """Return the curves in each plot of topic numbers."""
         found: dict[_TimePlot, list[pg.PlotDataItem]] = {plot: [] for plot in self._number_plots.values()}
         for (title, _), curve in self._numbers.items():
             found[self._number_plots[title]].append(curve)
@@ -374,7 +376,7 @@ class Plots(QWidget):
             first.setXRange(0.0, self._end, padding=0.01)
 
     def _look_around(self) -> None:
-        """Stop following the end, since somebody moved along the time."""
+        """Stop following the end, since a person moved along the time."""
         self._span = "free"
 
     def _clicked(self, event: "pg.GraphicsScene.mouseEvents.MouseClickEvent") -> None:
@@ -392,10 +394,10 @@ class Plots(QWidget):
 
 
 class _TimePlot:
-    """A plot over time with its cursor, its legend, and the line of the moment at which the window joined.
+    """Plot over time with a cursor, a legend, and a line at the time at which the window joined.
 
     Args:
-        shown_title: its title, for people.
+        shown_title: title for people.
     """
 
     def __init__(self, shown_title: str) -> None:
@@ -406,16 +408,16 @@ class _TimePlot:
         self.item.setMouseEnabled(x=True, y=False)
         self.item.setClipToView(True)
         self.item.getViewBox().setAutoVisible(y=True)
-        # Above the plot, since curves are everywhere in it.
+        # Place it above the plot, since curves fill the whole plot.
         self.legend = pg.LegendItem(size=(0, 0), verSpacing=-8)
         self.legend.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Fixed)
         for side in ("left", "bottom"):
-            # Lines of the grid between the numbers cost more than all curves.
+            # Grid lines between the numbers take longer to paint than all curves.
             self.item.getAxis(side).setStyle(maxTickLevel=0)
             self.item.getAxis(side).enableAutoSIPrefix(False)
         self.cursor = pg.InfiniteLine(angle=90, movable=False)
         self.joined = pg.InfiniteLine(angle=90, movable=False)
-        # Left of the line, where nothing is drawn.
+        # Place it left of the line, where nothing is drawn.
         self.joined_words = pg.InfLineLabel(self.joined, anchors=[(1.0, 0.5), (1.0, 0.5)])
         self.joined.hide()
         for line in (self.cursor, self.joined):
@@ -425,8 +427,9 @@ class _TimePlot:
 def thinned(times: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return a curve of at most `MOST_POINTS` points that looks the same.
 
-    Each run of neighbors keeps its least and its greatest value, so that no peak disappears. NaN within a run is
-    dropped."""
+    Each run of neighbors keeps its smallest and its greatest value, so that no peak disappears. NaN within a run is
+    dropped.
+    """
     run = -(-2 * len(times) // MOST_POINTS)
     if run <= 2:
         return times, values

@@ -1,4 +1,4 @@
-"""The list of robots: error, standard deviation, energy, speed and state of each."""
+"""List of robots: error, standard deviation, energy, speed and state of each."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -13,16 +13,16 @@ from ui.windows.tables import RIGHT, ModelIndex, TableModel, row_table
 
 @dataclass(frozen=True, slots=True)
 class RobotRow:
-    """A robot's row; None for values that are unknown.
+    """Row of a robot; None for unknown values.
 
     Attributes:
-        name: for people.
-        state: its activity, in words.
-        error: meters between its true and its estimated position.
-        sigma: standard deviation of its estimated position, meters.
-        energy: left.
+        name: name for people.
+        state: activity in words.
+        error: meters between true and estimated position.
+        sigma: standard deviation of the estimated position, meters.
+        energy: energy left.
         speed: m/s.
-        trouble: its state is one to worry about.
+        trouble: True if the state needs attention.
     """
 
     name: str
@@ -36,27 +36,28 @@ class RobotRow:
 
 TITLES = ("Robot", "Error, m", "σ, m", "Energy", "m/s")
 HINTS = (
-    "Its name, and what it does",
-    "Metres between where it is and where it believes it is",
-    "How sure it says it is: standard deviation of its position, metres",
+    "Name and activity",
+    "Distance between true and believed position, meters",
+    "Uncertainty that the robot reports: standard deviation of its position, meters",
     "Energy left",
-    "How fast it drives",
+    "Speed, meters per second",
 )
 
 CHARACTERS = (16, 8, 6, 7, 5)
-"""Widths of the columns; the first gets what the others leave."""
+"""Widths of the columns, characters; the first column also gets the remaining width."""
 
 IMPORTANCE = (1, 3, 2, 4)
-"""Columns of figures, which the plots show, too: the last are left out where names need the room."""
+"""Columns of figures in the order of importance. Where names need the room, the last ones are hidden; the plots show
+them as well."""
 
 
 class TeamModel(TableModel):
-    """The rows; their number changes seldom, their values many times a second."""
+    """Model of the rows; their number seldom changes, their values change many times a second."""
 
     _shown: tuple[RobotRow, ...] = ()
 
     def show_rows(self, rows: Sequence[RobotRow]) -> None:
-        """Show these rows, robot 1 first."""
+        """Show these rows, starting with robot 1."""
         rows = tuple(rows)
         if len(rows) != len(self._shown):
             self.beginResetModel()
@@ -84,7 +85,7 @@ class TeamModel(TableModel):
         return None
 
     def _chip(self, robot: int) -> QIcon:
-        """Return an icon in its color, the same in a selected row; an edge keeps icon and selection apart."""
+        """Return an icon in the robot's color, also for a selected row; an edge separates icon and selection."""
         chip = QPixmap(px(18), px(18))
         chip.fill(QColor(colours().panel))
         painter = QPainter(chip)
@@ -96,10 +97,10 @@ class TeamModel(TableModel):
 
 
 class TeamView(QWidget):
-    """The list of robots; a click or the arrow keys select one.
+    """List of robots; a click or the arrow keys select one.
 
     Signals:
-        selected: the row of the robot.
+        selected: row of the selected robot.
     """
 
     selected = Signal(int)
@@ -119,13 +120,13 @@ class TeamView(QWidget):
         follow_text(self, lambda it: it._choose_columns())
 
     def show_rows(self, rows: Sequence[RobotRow], selected: int) -> None:
-        """Show these rows, robot 1 first, with one selected."""
+        """Show these rows, starting with robot 1, and select one."""
         self.model.show_rows(rows)
         if 0 <= selected < len(rows) and self.table.currentIndex().row() != selected:
             self.table.selectRow(selected)
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        """Choose the columns that have room."""
+        """Hide the columns that do not fit."""
         super().resizeEvent(event)
         self._choose_columns()
 

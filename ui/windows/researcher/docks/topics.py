@@ -1,4 +1,4 @@
-"""The topics of a recording as a tree: types, numbers of messages, and the numbers in them that can be plotted."""
+"""Topics of a recording as a tree: types, numbers of messages, and the numbers in them that can be plotted."""
 
 from collections.abc import Iterable, Iterator, Sequence
 
@@ -14,11 +14,11 @@ _MARGIN = 8
 
 
 class TopicTree(QWidget):
-    """All topics; a topic that is opened lists its numbers, and a number that is ticked is plotted.
+    """Tree of all topics. A person opens a topic to list its numbers, and ticks numbers to plot them.
 
     Signals:
-        opened: a topic is opened whose numbers are not listed yet.
-        chosen: the numbers that are ticked, as a tuple, in the order of the tree.
+        opened: a person opened a topic before its numbers were listed.
+        chosen: the ticked numbers, as a tuple, in the order of the tree.
     """
 
     opened = Signal(str)
@@ -26,7 +26,7 @@ class TopicTree(QWidget):
 
     def __init__(self) -> None:
         super().__init__()
-        self.filter = QLineEdit(placeholderText="Filter: words that a topic or its type must have")
+        self.filter = QLineEdit(placeholderText="Filter: words that a topic or its type must contain")
         self.filter.setAccessibleName("Filter of the topics")
         self.filter.setClearButtonEnabled(True)
         self.filter.textChanged.connect(self._filter)
@@ -47,12 +47,12 @@ class TopicTree(QWidget):
         layout.addWidget(self.total)
 
     def show_topics(self, topics: Sequence[TopicContents]) -> None:
-        """Show these topics, none of them opened."""
+        """Show these topics, all closed."""
         self.tree.clear()
         for topic in topics:
             item = QTreeWidgetItem([shown(topic.name), shown(topic.msgtype), str(topic.messages)])
             item.setTextAlignment(2, Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
-            item.setToolTip(0, "Open it for its numbers; ticked ones are plotted")
+            item.setToolTip(0, "Open the topic to list its numbers; tick numbers to plot them")
             item.setChildIndicatorPolicy(QTreeWidgetItem.ChildIndicatorPolicy.ShowIndicator)
             item.setData(0, _FIELD, topic.name)
             self.tree.addTopLevelItem(item)
@@ -71,7 +71,7 @@ class TopicTree(QWidget):
             child.setData(0, _FIELD, field)
             item.addChild(child)
         if not numbers:
-            none = QTreeWidgetItem(["No numbers can be read in its messages."])
+            none = QTreeWidgetItem(["The messages contain no numbers that can be plotted."])
             none.setFlags(Qt.ItemFlag.ItemIsEnabled)
             item.addChild(none)
         self.tree.blockSignals(False)
@@ -81,7 +81,7 @@ class TopicTree(QWidget):
             self.opened.emit(item.data(0, _FIELD))
 
     def _toggle(self, item: QTreeWidgetItem) -> None:
-        """Let Enter and a double click tick a number."""
+        """Let Enter and a double click tick or clear a number."""
         if item.flags() & Qt.ItemFlag.ItemIsUserCheckable:
             on = item.checkState(0) is Qt.CheckState.Checked
             item.setCheckState(0, Qt.CheckState.Unchecked if on else Qt.CheckState.Checked)
@@ -99,7 +99,7 @@ class TopicTree(QWidget):
 
 
 def _children(item: QTreeWidgetItem, depth: int) -> Iterator[QTreeWidgetItem]:
-    """Yield the items at a depth below an item."""
+    """Yield the items at this depth below an item."""
     for row in range(item.childCount()):
         child = item.child(row)
         if child is not None and depth == 1:

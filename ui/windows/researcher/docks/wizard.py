@@ -1,4 +1,4 @@
-"""Wizard-of-Oz: the researcher speaks in a robot's place, and the recording marks it."""
+"""Wizard-of-Oz: the researcher speaks in place of a robot, and the recording marks these sentences."""
 
 from functools import partial
 from textwrap import fill
@@ -26,15 +26,15 @@ from ui.windows.look import follow_text, font, px
 from ui.windows.words_of_others import PlainLabel, button_text
 
 NO_NAMES = RoomNames()
-"""Names of rooms where none is known."""
+"""Room names while none are known."""
 PUPPETS_PER_ROW = 5
-"""Robots in a row."""
+"""Largest number of robots in a row."""
 
 WIDEST = 480
-"""Widest line of a sentence on a button, logical pixels; beyond it goes on in the next line."""
+"""Widest line of a sentence on a button, logical pixels; longer sentences are wrapped."""
 
 HEIGHT, REST = 248, 190
-"""Height of the list of what waits, and of the rest of a low window, which it leaves, `px`."""
+"""Height of the list of waiting turns, and the height that it leaves to the rest of a low window, `px`."""
 
 
 class WizardDock(QWidget):
@@ -43,7 +43,7 @@ class WizardDock(QWidget):
     Signals:
         puppeteered: speak for this robot, or let it speak for itself.
         spoke: in this waiting turn, make this move (index among the legal ones), in these words unless they are empty.
-        advised: for this robot, suggest this room.
+        advised: let this robot suggest this room.
     """
 
     puppeteered = Signal(int, bool)
@@ -55,9 +55,7 @@ class WizardDock(QWidget):
         self._puppets: list[QCheckBox] = []
         self._shown: Wizard | None = None
         self._reason = ""
-        self._note = PlainLabel(
-            "Robots that are ticked speak only what you let them say. The recording marks it as yours."
-        )
+        self._note = PlainLabel("Ticked robots say only what you choose. The recording marks these sentences as yours.")
         self._note.setWordWrap(True)
         self._boxes = QGridLayout()
         self._boxes.addWidget(PlainLabel("Speak for"), 0, 0)
@@ -79,7 +77,7 @@ class WizardDock(QWidget):
         self.show_wizard(Wizard(), 0)
 
     def refuse(self, reason: str) -> None:
-        """Disable all, and show this reason."""
+        """Disable the panel, and show this reason."""
         self._reason = reason
         self._area.steady = False
         self._note.setText(reason)
@@ -87,16 +85,16 @@ class WizardDock(QWidget):
             box.setEnabled(False)
 
     def fit_window(self) -> None:
-        """Follow the height of the window."""
+        """Adapt to the height of the window."""
         self._area.updateGeometry()
 
     def show_wizard(self, wizard: Wizard, robots: int, rooms: RoomNames = NO_NAMES) -> None:
-        """Show the puppets and the waiting turns; typed words stay while the turns are the same.
+        """Show the puppets and the waiting turns; typed words stay while the turns do not change.
 
         Args:
-            wizard: the puppets, and what waits.
-            robots: size of the team.
-            rooms: names of the map's rooms.
+            wizard: the puppets, and the waiting turns.
+            robots: number of robots in the team.
+            rooms: names of the rooms of the map.
         """
         self._rooms = rooms
         self._show_puppets(robots, wizard.puppets)
@@ -111,7 +109,7 @@ class WizardDock(QWidget):
         for pending in wizard.advice:
             self._cards.addWidget(self._advice(pending))
         waits = bool(wizard.turns or wizard.advice)
-        # What waits needs the room more than a sentence that is known by then.
+        # Waiting turns need the room more than the note, which people have read by then.
         self._note.setVisible(not waits or bool(self._reason))
         if not waits:
             self._cards.addWidget(PlainLabel("Nothing waits for you."))
@@ -132,11 +130,11 @@ class WizardDock(QWidget):
     def _turn(self, turn: PendingTurn) -> QWidget:
         about = "" if turn.room is None else f" about {self._rooms.titled(turn.room)}"
         card, column = _card()
-        words = QLineEdit(placeholderText="In other words, where you like; then press what they mean")
+        words = QLineEdit(placeholderText="Optional: your own words; then press the sentence with the same meaning")
         words.setToolTip(words.placeholderText())
         words.setAccessibleName(f"Other words for {robot_name(turn.robot)}")
         top = FlowLayout()
-        top.addWidget(_heading(f"{robot_name(turn.robot).capitalize()} is to speak{about}"))
+        top.addWidget(_heading(f"{robot_name(turn.robot).capitalize()} waits to speak{about}"))
         top.addWidget(words)
         column.addLayout(top)
         moves = FlowLayout()
@@ -158,11 +156,11 @@ class WizardDock(QWidget):
     def _advice(self, pending: PendingAdvice) -> QWidget:
         card, column = _card()
         rooms = FlowLayout()
-        rooms.addWidget(_heading(f"{robot_name(pending.robot).capitalize()} is asked where to go"))
+        rooms.addWidget(_heading(f"{robot_name(pending.robot).capitalize()} waits to suggest a room"))
         for room, cost in pending.costs:
             own = "its own choice" if room == pending.suggestion else ""
-            told = "; ".join(part for part in (self._rooms.name(room), energy_text(cost), own) if part)
-            button = QPushButton(button_text(f"Room {room} ({told})"))
+            notes = "; ".join(part for part in (self._rooms.name(room), energy_text(cost), own) if part)
+            button = QPushButton(button_text(f"Room {room} ({notes})"))
             button.clicked.connect(partial(self._advise, pending.robot, room))
             rooms.addWidget(button)
         column.addLayout(rooms)
@@ -170,10 +168,10 @@ class WizardDock(QWidget):
 
 
 class _SteadyArea(QScrollArea):
-    """A scroll area that is as high for nothing that waits as for much: what comes and goes must not move the map.
+    """Scroll area that has the same height with and without waiting turns, so that they never move the map.
 
     Attributes:
-        steady: False: it is as high as its contents, which stay as they are.
+        steady: False to be as high as the contents, which do not change then.
     """
 
     steady = True
@@ -183,14 +181,14 @@ class _SteadyArea(QScrollArea):
         self.setWidgetResizable(True)
 
     def minimumSizeHint(self) -> QSize:
-        """Return that height, as far as the window has it."""
+        """Return this height, as far as the window has room for it."""
         hint, contents, high = super().minimumSizeHint(), self.widget(), px(HEIGHT)
         if not self.steady and contents is not None:
             high = contents.heightForWidth(self.viewport().width()) + 2 * self.frameWidth()
         return QSize(hint.width(), min(high, self.window().height() - px(REST)))
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        """Follow the width with the height."""
+        """Adapt the height to the new width."""
         super().resizeEvent(event)
         self.updateGeometry()
 

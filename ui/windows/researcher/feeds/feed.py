@@ -1,4 +1,4 @@
-"""Interface of all that the researcher's window can show: a running session and a recording are driven alike."""
+"""Interface of everything that the researcher's window can show; sessions and recordings share it."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,20 +12,20 @@ from ui.model.watching.session_log import SessionLog
 from ui.sources.numbers import TopicNumbers
 
 FeedRequest = Request | PaceRequest
-"""A request to the robots, or about the session's pace."""
+"""Request to the robots, or for another pace of the session."""
 
 
 @dataclass(frozen=True, slots=True)
 class FeedData:
-    """All that is known of a session or recording; its log and series grow.
+    """Everything known about a session or recording; its log and series grow.
 
     Attributes:
-        generation: counts up when all earlier data is void.
-        start_ns: ROS time of its beginning.
-        log: log of what happened, as far as it is known.
-        series: numbers over time, as far as they are known.
-        known_since: time from which on the series are known.
-        numbers: all topics, and the numbers in their messages; None where they are not known, as in a running session.
+        generation: counter that increases when all earlier data becomes invalid.
+        start_ns: ROS time of the beginning.
+        log: log of the events known so far.
+        series: numbers over time known so far.
+        known_since: time from which the series are known.
+        numbers: all topics, and the numbers in their messages. None if they are unknown, as in a running session.
         foreign: True for a recording that is not one of our sessions.
     """
 
@@ -39,7 +39,7 @@ class FeedData:
 
 
 class FeedTransport(Protocol):
-    """The time that is shown of a session or recording, and its controls. Times are seconds since its beginning."""
+    """Time shown of a session or recording, and its controls. Times are seconds since the beginning."""
 
     @property
     def time(self) -> float:
@@ -51,17 +51,17 @@ class FeedTransport(Protocol):
 
     @property
     def playing(self) -> bool:
-        """True while time goes on."""
+        """True while time advances."""
 
     @property
     def speed(self) -> float:
-        """Simulated seconds per second while it plays; 0: as fast as the machine can."""
+        """Simulated seconds per second while playing; 0: as fast as the machine can."""
 
     def play(self, on: bool) -> None:
-        """Let time go on, or stop it."""
+        """Start or stop time."""
 
     def step(self, steps: int) -> None:
-        """Go so many ticks on, or back when negative, and stop there."""
+        """Move N ticks forward, or back if negative, and stop there."""
 
     def set_speed(self, speed: float) -> None:
         """Play at this speed."""
@@ -70,58 +70,58 @@ class FeedTransport(Protocol):
         """Go to this time."""
 
     def loop(self, span: tuple[float, float] | None) -> None:
-        """Play from one time to another again and again, or to the end; no effect on a running session."""
+        """Play from one time to another repeatedly. If None, play to the end. Has no effect on a running session."""
 
 
 class Feed(Protocol):
-    """A session or recording that can be watched. Times are seconds since its beginning."""
+    """Session or recording that can be watched. Times are seconds since the beginning."""
 
     @property
     def live(self) -> bool:
-        """True for a running session, which goes on by itself and cannot go back in time."""
+        """True for a running session, which advances by itself and cannot go back in time."""
 
     @property
     def refusal(self) -> str:
-        """Sentence that says why robots can never take requests; empty where they can."""
+        """Sentence that says why robots never accept requests; empty if they do."""
 
     @property
     def data(self) -> FeedData:
-        """All that is known of it now."""
+        """Everything known at this moment."""
 
     @property
     def transport(self) -> FeedTransport:
-        """Its time."""
+        """Time and its controls."""
 
     @property
     def ended_bag(self) -> str | None:
-        """Path of the bag of a session that has ended; empty where it has none, None while it goes on."""
+        """Path of the bag of an ended session; empty if there is no bag, None while the session runs."""
 
     def advance(self, now: float) -> None:
-        """Take new data, and let time go on; `now` is in monotonic seconds."""
+        """Fetch new data, and advance time; `now` is in monotonic seconds."""
 
     def work(self) -> bool:
-        """Do some milliseconds of background work; return True when there is more of it."""
+        """Do some milliseconds of background work; return True if more remains."""
 
     def scene(self, shown: ShownLayers) -> Scene | None:
         """Return the scene at the time shown; None before anything is known."""
 
     def state(self, now: float) -> str:
-        """Return the feed's state, in a few words."""
+        """Return the feed's state in a few words."""
 
     def trouble(self) -> str:
-        """Return why there is nothing to see, or nothing new; empty where all is well."""
+        """Return why there is nothing to see, or nothing new; empty if all is well."""
 
     def take_notices(self) -> list[str]:
-        """Return sentences that are to be shown once."""
+        """Return sentences to show once."""
 
     def use_map(self, grid: OccupancyGrid) -> None:
         """Show this map in place of the recorded one; no effect on a running session."""
 
     def save_section(self, path: Path, start: float, end: float) -> str:
-        """Save a section of a recording as a bag; return why that cannot be done, or an empty text."""
+        """Save a section of a recording as a bag. Return why that is not possible, or an empty text."""
 
     def ask(self, request: FeedRequest) -> str:
-        """Send a request; return why that cannot be done, or an empty text."""
+        """Send a request. Return why that is not possible, or an empty text."""
 
     def close(self) -> None:
         """Close files, threads and connections."""

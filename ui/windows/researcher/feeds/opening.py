@@ -1,4 +1,4 @@
-"""Opens what a person names: a recording by its path, or a running session by its address."""
+"""Opens the source that a person names: a recording by its path, or a running session by its address."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,13 +14,13 @@ from ui.windows.researcher.feeds.session import SessionFeed, WatchConnection
 
 @dataclass(frozen=True, slots=True)
 class OpenedFeed:
-    """A feed, and how it was named.
+    """Feed with its names.
 
     Attributes:
-        feed: the source of all that is shown.
-        title: its name for people.
-        source: text by which it can be opened again: an absolute path, or an address.
-        opener: of a recording; None for a session.
+        feed: source of all data shown.
+        title: name for people.
+        source: text that opens it again: an absolute path, or an address.
+        opener: opener of a recording; None for a session.
     """
 
     feed: Feed
@@ -35,17 +35,17 @@ def open_feed(what: str, key: Path | None, wait: float) -> OpenedFeed:
     Args:
         what: path of a recording, or HOST:PORT of a session.
         key: file with the key that the session requires.
-        wait: seconds to wait for a recording to open; a fault that is found later is shown in the window.
+        wait: seconds to wait for a recording to open; the window shows faults that are found later.
 
     Raises:
-        BadFile: there is no such recording, it cannot be read, or the port or the key is wrong.
+        BadFile: the recording does not exist or cannot be read, or the port or the key is wrong.
     """
     address = address_in(what)
     if address is not None:
         client = WatchClient(address.host, address.port, None if key is None else read_key(key))
         return OpenedFeed(SessionFeed(WatchConnection(client), str(address)), str(address), str(address))
     if key is not None:
-        raise BadFile(Path(what), "this is not HOST:PORT, and a recording needs no key", "leave the key out")
+        raise BadFile(Path(what), "this is not HOST:PORT, and a recording needs no key", "remove the key")
     opener = BagOpener(Path(what))
     if opener.wait(wait) and opener.fault is not None:
         raise opener.fault

@@ -1,4 +1,4 @@
-"""A recording as a feed: opened by a thread, read in pieces, played at any speed."""
+"""A recording as a feed: a thread opens it, the window reads it in pieces and plays it at any speed."""
 
 import gc
 import threading
@@ -22,12 +22,12 @@ READ_SLICE = 0.008
 
 
 class BagOpener:
-    """Opens a recording in a thread of its own.
+    """Opens a recording in a separate thread.
 
     Attributes:
-        share: part of the work that is done, 0 to 1.
+        share: completed part of the work, 0 to 1.
         source: the recording, once it is open.
-        fault: the reason, once it turned out that it cannot be opened.
+        fault: the reason, if the recording cannot be opened.
     """
 
     def __init__(self, path: Path) -> None:
@@ -40,12 +40,12 @@ class BagOpener:
         self._thread.start()
 
     def wait(self, seconds: float) -> bool:
-        """Wait so long at most; return True when opening has ended."""
+        """Wait at most this long; return True if opening has ended."""
         self._thread.join(seconds)
         return not self._thread.is_alive()
 
     def give_up(self) -> None:
-        """Stop opening it."""
+        """Stop opening."""
         self._given_up = True
 
     def _open(self) -> None:
@@ -61,19 +61,19 @@ class BagOpener:
                 self.share = next(work)
             except StopIteration as done:
                 source: BagSource = done.value
-                # Read now what the first frame needs, which would keep the window waiting later.
+                # Prepare the first frame here in the thread: in the window's thread it would block the window.
                 source.scene(source.start_ns, ShownLayers())
                 return source
         return None
 
 
 def _keep_for_good() -> None:
-    """Keep the objects read so far out of garbage collection, which would hold the window up for 0.1 s and more."""
+    """Exempt the objects read so far from garbage collection, which would block the window for 0.1 s and more."""
     gc.freeze()
 
 
 class RecordingTransport:
-    """The time that is shown of a recording; see `FeedTransport`."""
+    """Time shown of a recording; see `FeedTransport`."""
 
     def __init__(self) -> None:
         self.playback = Playback(0, 0)
@@ -83,13 +83,13 @@ class RecordingTransport:
         self._now = 0.0
 
     def begin(self, source: BagSource) -> None:
-        """Stand at the beginning of a recording."""
+        """Go to the beginning of a recording."""
         self.playback = Playback(source.start_ns, source.end_ns)
         self.span = (source.end_ns - source.start_ns) / 1e9
         self._source, self._start_ns = source, source.start_ns
 
     def advance(self, now: float) -> None:
-        """Play."""
+        """Advance the time shown while playing."""
         self._now = now
         self.playback.advance(now)
 
@@ -100,7 +100,7 @@ class RecordingTransport:
 
     @property
     def playing(self) -> bool:
-        """True while time goes on."""
+        """True while time advances."""
         return self.playback.playing
 
     @property
@@ -109,11 +109,11 @@ class RecordingTransport:
         return self.playback.speed
 
     def play(self, on: bool) -> None:
-        """Let time go on, from the beginning when it is at its end."""
+        """Start or stop time; at the end, start from the beginning."""
         self.playback.play(self._now, on)
 
     def step(self, steps: int) -> None:
-        """Go so many ticks on or back."""
+        """Move N ticks forward or back, and stop there."""
         if self._source is not None:
             self.playback.playing = False
             self.playback.seek(self._source.step(self.playback.at_ns, steps))
@@ -127,7 +127,7 @@ class RecordingTransport:
         self.playback.seek(self._start_ns + round(time * 1e9))
 
     def loop(self, span: tuple[float, float] | None) -> None:
-        """Play from one time to another again and again; None: to the end."""
+        """Play from one time to another repeatedly. If None, play to the end."""
         start, end = (self._start_ns + round(time * 1e9) for time in span or (0.0, 0.0))
         self.playback.loop = None if span is None else (start, end)
 
@@ -136,7 +136,7 @@ class RecordingFeed:
     """A recording; see `Feed`.
 
     Args:
-        opener: still running, or done.
+        opener: opener that is still running, or done.
     """
 
     live = False
@@ -155,7 +155,7 @@ class RecordingFeed:
         self.transport = RecordingTransport()
 
     def advance(self, now: float) -> None:
-        """Take the recording once it is open, and play."""
+        """Use the recording once it is open, and play."""
         if self._source is None and self._opener.source is not None:
             self._begin(self._opener.source)
         if self._opener.fault is not None:
@@ -172,13 +172,13 @@ class RecordingFeed:
         _keep_for_good()
 
     def work(self) -> bool:
-        """Read on for some milliseconds."""
+        """Read for some more milliseconds."""
         if self._source is None or self._fault:
             return False
         end = time.perf_counter() + READ_SLICE
         try:
             while time.perf_counter() < end:
-                # Somebody waits for these.
+                # A person waits for these numbers: read them first.
                 if self._source.numbers.work():
                     continue
                 if self._whole:
@@ -205,7 +205,7 @@ class RecordingFeed:
             return None
 
     def state(self, now: float) -> str:
-        """Return how much of it was read."""
+        """Return how much of the recording has been read."""
         if self._source is None:
             return f"opening, {self._opener.share:.0%}"
         if self._source.numbers.share < 1.0:
@@ -213,13 +213,13 @@ class RecordingFeed:
         return "recording" if self._whole else f"reading, {self._share:.0%}"
 
     def trouble(self) -> str:
-        """Return why it cannot be shown."""
+        """Return why the recording cannot be shown."""
         if self._fault:
             return self._fault
         return "" if self._source is not None else f"Opening {self._opener.path} ({self._opener.share:.0%})"
 
     def take_notices(self) -> list[str]:
-        """Return the topics that cannot be read, once it is open, and results of saving."""
+        """Return topics that cannot be read, once the recording is open, and results of saving."""
         notices, self._notices = self._notices, []
         return notices
 
@@ -243,11 +243,11 @@ class RecordingFeed:
             self._notices.append(str(fault))
 
     def ask(self, request: FeedRequest) -> str:
-        """Refuse: a recording takes no requests."""
+        """Refuse: a recording accepts no requests."""
         return self.refusal
 
     def close(self) -> None:
-        """Close the file, or give up opening it."""
+        """Close the file, or stop opening it."""
         gc.unfreeze()
         self._opener.give_up()
         if self._source is not None:

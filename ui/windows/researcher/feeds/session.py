@@ -24,18 +24,18 @@ from ui.windows.researcher.feeds.feed import FeedData, FeedRequest
 SENDER = "watch"
 """Sender of this window's requests."""
 DELAY_WINDOW = 2.0
-"""Seconds over which the delays of messages are compared."""
+"""Seconds over which delays of messages are compared."""
 LAG_THRESHOLD, LAG_WINDOW = 0.5, 10.0
-"""Seconds by which a session has to fall behind for a remark, and the seconds within which; it never catches up."""
+"""Delay, and the time within which it must grow by this, for a session to be reported as too slow; seconds."""
 STALE_AFTER = 1.5
-"""Seconds without a message after which a session that is not paused is called silent."""
+"""Seconds without a message after which a session that is not paused is reported as silent."""
 
 
 class WatchConnection:
-    """Runs a client in a thread of its own until it is closed.
+    """Runs a client in a separate thread until it is closed.
 
     Args:
-        client: not running yet.
+        client: client that is not running yet.
     """
 
     def __init__(self, client: WatchClient) -> None:
@@ -52,7 +52,7 @@ class WatchConnection:
 
     def _run(self) -> None:
         asyncio.set_event_loop(self._loop)
-        # The first call takes half a second, which would hold the window up.
+        # The first call takes half a second. Make it here, since it would block the window.
         Frames(()).planar(MAP_FRAME)
         try:
             self._loop.run_until_complete(self._listening)
@@ -63,14 +63,14 @@ class WatchConnection:
 
 
 class SessionTransport:
-    """The time of a running session; see `FeedTransport`.
+    """Time of a running session; see `FeedTransport`.
 
     Args:
-        source: the session's messages.
-        ask: sends a request to it.
+        source: messages of the session.
+        ask: function that sends a request to the session.
 
     Attributes:
-        status: the watch server's last status; None before the first of a connection.
+        status: latest status of the watch server; None before the first of a connection.
     """
 
     def __init__(self, source: LiveSource, ask: Callable[[FeedRequest], object]) -> None:
@@ -87,20 +87,20 @@ class SessionTransport:
 
     @property
     def playing(self) -> bool:
-        """True while it goes on, by the watch server's status."""
+        """True while the session advances, according to the watch server's status."""
         return self.status is None or not (self.status.paused or self.status.ended)
 
     @property
     def speed(self) -> float:
-        """Speed that is asked for."""
+        """Requested speed."""
         return 1.0 if self.status is None else self.status.rate
 
     def play(self, on: bool) -> None:
-        """Ask the session to go on, or to stop."""
+        """Ask the session to continue, or to pause."""
         self._ask(Resume() if on else Pause())
 
     def step(self, steps: int) -> None:
-        """Ask for so many ticks; time cannot go back."""
+        """Ask for N ticks; a session cannot go back in time."""
         if steps > 0:
             self._ask(Step(steps))
 
@@ -112,15 +112,15 @@ class SessionTransport:
         """Do nothing: only the session's bag can be searched, afterwards."""
 
     def loop(self, span: tuple[float, float] | None) -> None:
-        """Do nothing: a session goes on."""
+        """Do nothing: a session only moves forward."""
 
 
 class SessionFeed:
     """A running session; see `Feed`.
 
     Args:
-        connection: to its watch server.
-        address: of the watch server, for people.
+        connection: connection to the watch server.
+        address: address of the watch server, for people.
     """
 
     live = True
@@ -142,7 +142,7 @@ class SessionFeed:
 
     @property
     def data(self) -> FeedData:
-        """All that is known since it is watched, and its log as far as the session tells of what was before."""
+        """Everything known since watching began, and the earlier log as far as the session sends it."""
         source = self._source
         known_since = 0.0 if source.joined_ns is None else (source.joined_ns - source.start_ns) / 1e9
         return FeedData(source.sessions, source.start_ns, source.log, source.series, known_since)
@@ -154,13 +154,14 @@ class SessionFeed:
         return status.bag if status is not None and status.ended else None
 
     def advance(self, now: float) -> None:
-        """Take the messages received."""
+        """Handle the received messages."""
         messages: list[SessionMessage] = []
         for event in self._connection.client.take():
             match event:
                 case WatchConnected():
                     self._connected, self._lost = True, None
-                    self.transport.status = None  # of the session before, which may have ended
+                    # The old status is that of the previous session, which may have ended.
+                    self.transport.status = None
                 case ConnectionLost():
                     self._connected, self._lost = False, event
                 case SessionMessage():
@@ -182,13 +183,13 @@ class SessionFeed:
         if before is None or (before.paused, before.rate) != (status.paused, status.rate):
             self._delays.clear()
         if status.refusals < self._refusals:
-            self._refusals = 0  # of another connection
+            self._refusals = 0  # The count restarts with each connection.
         if status.refused is not None and status.refusals > self._refusals:
             self._notices.append(f"Refused: {status.refused.reason}.")
         self._refusals = status.refusals
 
     def _measure(self, now: float) -> None:
-        """Record the delay of the latest message, for comparison with the quickest of the last seconds."""
+        """Record the delay of the latest message, to compare it with the smallest of the last seconds."""
         if not self.transport.playing or self.transport.speed == 0.0:
             self._delays.clear()
         self._delays.append((now, now - self._source.end_ns / 1e9 / (self.transport.speed or 1.0)))
@@ -216,7 +217,7 @@ class SessionFeed:
         return self._source.scene(shown) if self._source.messages else None
 
     def state(self, now: float) -> str:
-        """Return live or not, and how far behind."""
+        """Return whether the session is live, and how far behind the window is."""
         if self.ended_bag is not None:
             return "session ended"
         if not self._connected:
@@ -237,19 +238,19 @@ class SessionFeed:
         return state
 
     def trouble(self) -> str:
-        """Return why there is no connection; the end of a session is no trouble."""
+        """Return why there is no connection; the end of a session is not a fault."""
         if self.ended_bag is not None:
             return ""
         if self._lost is None:
-            return "" if self._connected else f"Connecting to {self._address}."
+            return "" if self._connected else f"Connecting to {self._address}..."
         detail = f" ({self._lost.detail})" if self._lost.detail else ""
         match self._lost.reason:
             case LossReason.UNREACHABLE:
-                return f"Nobody answers at {self._address}. Is a session running there, with --watch? Trying again."
+                return f"No answer from {self._address}. Is a session running there with --watch? Retrying..."
             case LossReason.REFUSED:
-                return f"{self._address} lets nobody in{detail}. A key is given by --key. Trying again."
+                return f"{self._address} refused the connection{detail}. Give a key with --key. Retrying..."
             case _:
-                return f"The connection to {self._address} is lost{detail}. Trying again."
+                return f"The connection to {self._address} is lost{detail}. Retrying..."
 
     def take_notices(self) -> list[str]:
         """Return the refusals since the last call."""
@@ -257,18 +258,18 @@ class SessionFeed:
         return notices
 
     def use_map(self, grid: OccupancyGrid) -> None:
-        """Do nothing: a session has its map."""
+        """Do nothing: a session has its own map."""
 
     def save_section(self, path: Path, start: float, end: float) -> str:
         """Refuse: only a recording has sections."""
-        return "Sections are saved of recordings. Open the session's bag when it has ended."
+        return "Only sections of recordings can be saved. Open the session's bag after the session has ended."
 
     def ask(self, request: FeedRequest) -> str:
-        """Send a request; a refusal comes later, with the status."""
+        """Send a request; a refusal arrives later with the status."""
         if self.ended_bag is not None:
-            return "The session has ended: nothing can be asked of its robots."
+            return "The session has ended: its robots accept no requests."
         sent = self._connection.client.send(request_line(SENDER, request))
-        return "" if sent else f"There is no connection to {self._address}: nothing can be asked."
+        return "" if sent else f"No connection to {self._address}: requests cannot be sent."
 
     def close(self) -> None:
         """Close the connection."""

@@ -20,14 +20,14 @@ ARROW = 0.5
 
 
 class _RobotItem(MapItem):
-    """Something of each robot, in the robot's color.
+    """Item that draws something for each robot, in the robot's color.
 
     Args:
-        box: the view on the map.
+        box: view of the map.
         z: order of painting.
-        width: of dots and lines, pixels.
+        width: width of dots and lines, pixels.
         opacity: 0 to 1.
-        style: of lines.
+        style: style of lines.
     """
 
     def __init__(
@@ -40,12 +40,12 @@ class _RobotItem(MapItem):
         self._rows: Mapping[int | None, FloatArray] = {}
 
     def show_rows(self, rows: Mapping[int | None, FloatArray]) -> None:
-        """Show (n, 2) or (n, 3) rows by robot; None stands for the color of text."""
+        """Show (n, 2) or (n, 3) rows by robot; the key None stands for the text color."""
         self._rows = rows
         self.update()
 
     def draw(self, painter: QPainter, to_pixels: QTransform) -> None:
-        """Draw what each robot has."""
+        """Draw the rows of each robot."""
         for robot, rows in self._rows.items():
             if len(rows):
                 colors = self.box.colors
@@ -63,7 +63,7 @@ class Dots(_RobotItem):
     """Thousands of dots: particles, or the ends of a scan's beams."""
 
     def draw_rows(self, painter: QPainter, to_pixels: QTransform, rows: FloatArray) -> None:
-        """Draw squares without smooth edges, which are painted several times faster than discs."""
+        """Draw squares without smooth edges; they paint several times faster than discs."""
         painter.setRenderHint(QPainter.RenderHint.Antialiasing, False)
         painter.drawPoints(polygon(mapped(to_pixels, rows)))
 
@@ -72,7 +72,7 @@ class Lines(_RobotItem):
     """Lines through points, for example plans. A row of NaN separates two pieces."""
 
     def draw_rows(self, painter: QPainter, to_pixels: QTransform, rows: FloatArray) -> None:
-        """Draw the pieces; single lines are painted several times faster than polylines."""
+        """Draw the pieces; single lines paint several times faster than polylines."""
         pixels = mapped(to_pixels, rows)
         if self._style == Qt.PenStyle.SolidLine:
             draw_lines(painter, steps(pixels))
@@ -118,7 +118,7 @@ class Things(MapItem):
 
 
 def _cost_colors() -> NDArray[np.uint8]:
-    """Return (256, 4) red, green, blue, opacity of each cost as published in ROS, read as an unsigned byte.
+    """Return (256, 4) red, green, blue, opacity for each cost as published in ROS, read as an unsigned byte.
 
     Source: rviz's costmap colors: blue to red from 1 to 98, cyan (99) for inscribed, magenta (100) for lethal,
     gray-green (255) for unknown, green and yellow for values without a meaning. Differs: half transparent.
@@ -139,10 +139,10 @@ COST_COLORS = _cost_colors()
 
 
 class Overlays:
-    """The items of a map, kept up to date with the scene. Few items are drawn fast, so each holds all robots.
+    """Items on a map that follow the scene. Few items draw fast, so each holds all robots.
 
     Args:
-        box: the view on the map.
+        box: view of the map.
     """
 
     def __init__(self, box: MapBox) -> None:
@@ -156,7 +156,7 @@ class Overlays:
         self._plans = Lines(box, Z_FLAT, 3.0)
         self._true_paths = Lines(box, Z_FLAT, 1.2, style=Qt.PenStyle.DotLine)
         self._odometry = Lines(box, Z_FLAT, 1.2, style=Qt.PenStyle.DashDotLine)
-        # A body is often wider than its particles are spread.
+        # Draw these above the robots: a body is often larger than the spread of its particles.
         self._particles = Dots(box, Z_ABOVE, 2.0, 0.6)
         self._goals = Arrows(box, Z_ABOVE, 3.0)
         self._footprints = Lines(box, Z_ABOVE, 1.5)
@@ -193,5 +193,5 @@ def _goal(robot: RobotScene) -> FloatArray:
 
 
 def _closed(robot: RobotScene) -> FloatArray:
-    """Return the corners of a footprint, the first one again at the end."""
+    """Return the corners of a footprint, with the first one repeated at the end."""
     return np.concatenate((robot.footprint, robot.footprint[:1]))

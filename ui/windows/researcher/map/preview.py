@@ -1,4 +1,4 @@
-"""Preview of a tool's effect, drawn on the map while the button is down."""
+"""Preview of a tool's effect, drawn on the map while the button is pressed."""
 
 import math
 
@@ -19,13 +19,13 @@ HEAD = 14.0
 
 
 class ToolPreview(MapItem):
-    """Stroke of a tool.
+    """Preview of a tool's stroke.
 
     Attributes:
-        gesture: the stroke so far; None draws nothing.
-        thing_shape: of an obstacle.
-        body: (n, 2) corners of the robot that is carried, in its own frame.
-        heading: of that robot, radians.
+        gesture: stroke so far. If None, nothing is drawn.
+        thing_shape: shape of an obstacle.
+        body: (n, 2) corners of the robot that is moved by hand, in its own frame.
+        heading: heading of that robot, radians.
     """
 
     def __init__(self, box: MapBox) -> None:

@@ -1,4 +1,4 @@
-"""A sentence about trouble across the top of the map."""
+"""Sentence about a problem, across the top of the map."""
 
 from PySide6.QtGui import QAccessible, QAccessibleAnnouncementEvent
 from PySide6.QtWidgets import QWidget
@@ -7,26 +7,26 @@ from ui.windows.look import px, style_as_panel
 from ui.windows.words_of_others import PlainLabel
 
 WIDEST, EDGE = 640, 16
-"""Greatest width of the sign, `px`, and its distance from the map's edges, pixels."""
+"""Greatest width of the sign, `px`, and its distance from the edges of the map, pixels."""
 
 
 class TroubleSign(PlainLabel):
-    """A label that says what is wrong, or what is waited for.
+    """Label that reports a problem, or what the window waits for.
 
     Args:
-        view: the map that it lies on.
+        view: map under the label.
     """
 
     def __init__(self, view: QWidget) -> None:
         super().__init__(parent=view)
-        self.setAccessibleDescription("Trouble")
+        self.setAccessibleDescription("Problem")
         self.setWordWrap(True)
         self.setMargin(8)
         style_as_panel(self)
         self.hide()
 
     def show_sentence(self, text: str) -> None:
-        """Show a sentence; an empty one hides the sign."""
+        """Show a sentence. If it is empty, hide the sign."""
         if text == self.text() and self.isHidden() == (not text):
             return
         if text.partition("(")[0] != self.text().partition("(")[0]:

@@ -1,4 +1,4 @@
-"""Tools of the mouse on the map: look around, or act on robots and obstacles."""
+"""Mouse tools on the map: look around, or act on robots and obstacles."""
 
 import math
 from dataclasses import dataclass
@@ -8,7 +8,7 @@ from ui.model.watching.tools import LEAST_SIZE
 
 
 class MapTool(StrEnum):
-    """A tool, which decides what a press on the map begins."""
+    """Tool that decides what a press on the map starts."""
 
     LOOK = "look"
     GOAL = "goal"
@@ -18,14 +18,14 @@ class MapTool(StrEnum):
 
 
 CLICK_DISTANCE = 0.1
-"""Meters of dragging below which a press is a click."""
+"""Distance of a drag, meters, below which it counts as a click."""
 DEFAULT_SIZE = 0.5
-"""Meters across an obstacle that is added by a click."""
+"""Diameter or side of an obstacle that is added by a click, meters."""
 
 
 @dataclass(frozen=True, slots=True)
 class Gesture:
-    """A stroke from where the button was pressed to where the pointer is; map frame, meters."""
+    """Stroke from the press of the button to the pointer; map frame, meters."""
 
     tool: MapTool
     x: float
@@ -40,7 +40,7 @@ class Gesture:
 
     @property
     def is_click(self) -> bool:
-        """True when it was hardly dragged at all."""
+        """True if the pointer hardly moved."""
         return self.length < CLICK_DISTANCE
 
     @property
@@ -50,7 +50,7 @@ class Gesture:
 
     @property
     def size(self) -> float:
-        """Meters across an obstacle that is dragged out from its middle."""
+        """Diameter or side of an obstacle that is dragged from its middle, meters."""
         return DEFAULT_SIZE if self.is_click else max(2.0 * self.length, LEAST_SIZE)
 
 
@@ -59,9 +59,9 @@ class ToolHelp:
     """Name and usage of a tool.
 
     Attributes:
-        label: on its button.
-        key: selects it.
-        how: instructions in the status bar while it is selected.
+        label: text on the button.
+        key: shortcut that selects the tool.
+        how: instructions in the status bar while the tool is selected.
     """
 
     label: str
@@ -71,8 +71,14 @@ class ToolHelp:
 
 TOOLS = {
     MapTool.LOOK: ToolHelp("Move", "M", "Drag to move the map, turn the wheel to zoom, click a robot to select it."),
-    MapTool.GOAL: ToolHelp("Goal", "G", "Press where {robot} shall go, drag to where it shall face, and let go."),
-    MapTool.POSE: ToolHelp("Pose", "P", "Press where {robot} shall believe it is, drag to where it faces, and let go."),
-    MapTool.CARRY: ToolHelp("Kidnap", "K", "Drag a robot to another place; it is not told."),
-    MapTool.OBSTACLE: ToolHelp("Obstacle", "O", "Drag out an obstacle from its middle; click one to take it away."),
+    MapTool.GOAL: ToolHelp(
+        "Goal", "G", "Press where {robot} should go, drag in the direction it should face, and release."
+    ),
+    MapTool.POSE: ToolHelp(
+        "Pose", "P", "Press where {robot} should believe it is, drag in the direction it faces, and release."
+    ),
+    MapTool.CARRY: ToolHelp("Kidnap", "K", "Drag a robot to another place; its software is not informed."),
+    MapTool.OBSTACLE: ToolHelp(
+        "Obstacle", "O", "Drag from the middle of a new obstacle; click an obstacle to remove it."
+    ),
 }

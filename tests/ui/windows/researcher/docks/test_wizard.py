@@ -57,7 +57,7 @@ def test_every_reply_is_in_sight_and_the_window_as_large_as_before(
 def test_the_name_of_a_room_stands_beside_its_number(qtbot: QtBot) -> None:
     window = opened(qtbot, QSize(1200, 800))
     window.wizard.show_wizard(Wizard((0, 1), (TURN,), (ADVICE,)), 3, RoomNames({4: "Kitchen", 8: "Bath"}))
-    assert "Robot 1 is to speak about room 4 (Kitchen)" in [each.text() for each in window.findChildren(QLabel)]
+    assert "Robot 1 waits to speak about room 4 (Kitchen)" in [each.text() for each in window.findChildren(QLabel)]
     buttons = [button.text() for button in window.wizard.findChildren(QPushButton)]
     assert {"Room 3 (15)", "Room 4 (Kitchen; 15)", "Room 8 (Bath; 15; its own choice)"} <= set(buttons)
 
