@@ -47,8 +47,10 @@ def at_the_desk() -> Iterator[Shot]:
     told = ToldToDesk(last.clocks.wall, ("texts/welcome.txt was changed",), form, troubles, last.participant)
     window.receive(desk_state(design, progress, entries, told))
     yield Shot("desk", window)
-    words = f"Exclude the run of {last.participant}? What was recorded stays, but it does not count any more, and "
-    box = ReasonBox(window, "Exclude a run", f"{words}its place opens again.", f"Exclude {last.participant}")
+    words = f"Exclude the run of {last.participant}? The recorded data stay, but the run no longer counts, and "
+    box = ReasonBox(
+        window, "Exclude a run", f"{words}its place opens again. This cannot be undone.", f"Exclude {last.participant}"
+    )
     box.reason.setText("knew the study")
     box.open()
     yield Shot("desk-reason", window, over=box)

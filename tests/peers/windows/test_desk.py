@@ -61,7 +61,7 @@ def test_a_folder_is_watched(tmp_path: Path) -> None:
         assert not off.enabled
         assert off.description == READ_ONLY
         tables = {seen.name for seen in screen.look() if seen.role == "table"}
-        assert {"Cells and quotas", "Runs", "Events of the run selected", "Notes"} <= tables
+        assert {"Cells and quotas", "Runs", "Events of the selected run", "Notes"} <= tables
         screen.found("knows the study", "table cell")
         with ExperimentLog(study.folder.log) as log:
             Conductor(study.design, log, lambda: clocks(20_000), lambda most: most - 1).note("it rains")
@@ -94,7 +94,7 @@ def test_the_study_is_run_by_keys_alone(tmp_path: Path) -> None:
         screen.focus_window("Next participant")
         screen.wait("Cancel", lambda: (seen := screen.find("Cancel", "push button")) is not None and seen.focused)
         screen.press("Tab")
-        screen.wait("the button", lambda: (seen := screen.find("Begin", "push button")) is not None and seen.focused)
+        screen.wait("the button", lambda: (seen := screen.find("Start", "push button")) is not None and seen.focused)
         screen.press("space")
         assert said() == ["next"]
         screen.focus_window("Robots that argue")

@@ -1,4 +1,4 @@
-"""The window in which an arena is drawn."""
+"""Window for drawing an arena."""
 
 from collections.abc import Callable
 
@@ -21,16 +21,16 @@ def draw_arena(
     is_saved: bool = False,
     left_out: Mask | None = None,
 ) -> int:
-    """Open the window and wait until it is closed; return the program's exit code.
+    """Open the window, wait until it is closed, and return the program's exit code.
 
     Args:
-        name: of the map.
-        grid: its cells.
-        arena: rooms and start poses to begin with.
-        write: writes what was drawn; returns why it cannot, or None.
-        choice: light, dark or as the system is.
-        is_saved: True when the arena to begin with is in a file already.
-        left_out: (rows, cols) cells of lines that were left out of the plan, to be shown; or None.
+        name: name of the map.
+        grid: cells of the map.
+        arena: rooms and start poses to start with.
+        write: function that writes the arena; returns why it cannot, or None.
+        choice: light, dark, or the system's colors.
+        is_saved: True if the first arena is already in a file.
+        left_out: (rows, cols) cells of lines that the plan leaves out, to be shown; or None.
     """
     app = application()
     preferences = preferences_of(app, "arena", choice)

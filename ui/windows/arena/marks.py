@@ -1,4 +1,4 @@
-"""Marks on the map of an arena: doors, goals, corners of the chosen room, the chosen start, boxes and lines."""
+"""Marks on the map of an arena: doors, goals, corners of the chosen room, the chosen start pose, boxes and lines."""
 
 import math
 
@@ -13,7 +13,7 @@ from ui.windows.map.points import pixel
 
 GOAL_RADIUS = 5.0
 CHOSEN_RADIUS = 16.0
-"""Pixels."""
+"""Radius in pixels."""
 CORNER = QRectF(-4.5, -4.5, 9.0, 9.0)
 """Square at a corner of the chosen room, pixels."""
 DIAMOND = QPolygonF([QPointF(6.0, 0.0), QPointF(0.0, 6.0), QPointF(-6.0, 0.0), QPointF(0.0, -6.0)])
@@ -23,14 +23,14 @@ AHEAD = 14.0
 
 
 class ArenaMarks(MapItem):
-    """Handles and strokes, as the pointer stands now."""
+    """Handles, and the stroke that the pointer is drawing."""
 
     def __init__(self, box: MapBox, pointer: ArenaPointer) -> None:
         super().__init__(box, Z_ABOVE)
         self._pointer = pointer
 
     def draw(self, painter: QPainter, to_pixels: QTransform) -> None:
-        """Draw goals, doors, corners, the chosen start and the stroke."""
+        """Draw goals, doors, corners, the chosen start pose and the stroke."""
         ink, accent = QColor(self.box.colors.text), QColor(self.box.colors.accent)
         arena, pointer = self._pointer.shown, self._pointer
         for room in arena.rooms:

@@ -1,4 +1,4 @@
-"""Main window in which an arena is drawn: the map at the left, rooms and start poses as a list at the right."""
+"""Main window for drawing an arena: the map on the left, rooms and start poses as a list on the right."""
 
 from collections.abc import Callable
 from functools import partial
@@ -36,11 +36,11 @@ from ui.windows.map.item import CellImage
 from ui.windows.words_of_others import title_text
 
 REACH = 12.0
-"""Pixels from a goal, corner or start pose within which a press holds it."""
+"""Distance from a goal, corner or start pose, pixels, within which a press grabs it."""
 STEP = 0.1
-"""Meters that a key moves what is chosen."""
+"""Distance that a key moves the chosen goal or start pose, meters."""
 TURN = np.pi / 12
-"""Radians that a key turns what is chosen."""
+"""Angle that a key turns the chosen goal or start pose, radians."""
 ARROWS = {
     Qt.Key.Key_Left: (-STEP, 0.0),
     Qt.Key.Key_Right: (STEP, 0.0),
@@ -48,14 +48,18 @@ ARROWS = {
     Qt.Key.Key_Down: (0.0, -STEP),
 }
 TOOLS = {
-    ArenaTool.MOVE: ("Move", "V", "Press a room to choose it; drag goals, start poses and the corners of its outline."),
-    ArenaTool.ROOM: ("Draw room", "R", "Drag a box: the free floor in it, between walls and other rooms, is a room."),
-    ArenaTool.CUT: ("Cut room", "C", "Drag a line across a room: it becomes two."),
-    ArenaTool.START: ("Add start", "S", "Press where one more robot shall start."),
+    ArenaTool.MOVE: ("Move", "V", "Press a room to choose it; drag goals, start poses and the corners of the outline."),
+    ArenaTool.ROOM: (
+        "Draw room",
+        "R",
+        "Drag a box; the free floor in it, between walls and other rooms, becomes a room.",
+    ),
+    ArenaTool.CUT: ("Cut room", "C", "Drag a line across a room to divide it into two."),
+    ArenaTool.START: ("Add start", "S", "Press where another robot should start."),
 }
 HELP = (
-    "In the list: F2 renames, Del deletes, two chosen rooms are merged by Ctrl+M. "
-    "Alt+arrows move the goal or start pose, Alt+Page up and down turn it, Ctrl+Up and Ctrl+Down renumber a room."
+    "In the list: F2 renames, Del deletes, Ctrl+M merges two chosen rooms. "
+    "Alt+arrow keys move the goal or start pose, Alt+Page Up or Down turns it, Ctrl+Up or Down renumbers a room."
 )
 
 
@@ -63,12 +67,12 @@ class ArenaWindow(QMainWindow):
     """Window of an arena.
 
     Args:
-        name: of the map.
-        grid: its cells.
-        arena: rooms and start poses to begin with.
-        write: writes what was drawn; returns why it cannot, or None.
-        is_saved: True when the arena to begin with is in a file already.
-        left_out: (rows, cols) cells of lines that were left out of the plan, to be shown; or None.
+        name: name of the map.
+        grid: cells of the map.
+        arena: rooms and start poses to start with.
+        write: function that writes the arena; returns why it cannot, or None.
+        is_saved: True if the first arena is already in a file.
+        left_out: (rows, cols) cells of lines that the plan leaves out, to be shown; or None.
     """
 
     def __init__(
@@ -114,7 +118,7 @@ class ArenaWindow(QMainWindow):
 
     @Slot()
     def show_all(self) -> None:
-        """Update all that is visible."""
+        """Update everything that is visible."""
         arena, pointer = self.pointer.shown, self.pointer
         self.map.show_rooms(
             [
@@ -157,7 +161,7 @@ class ArenaWindow(QMainWindow):
         self.show_all()
 
     def _show_left_out(self) -> None:
-        """Show the lines that are not in the map, in the color of findings, so that nobody misses a wall."""
+        """Show the lines that are not in the map in the accent color, so that people notice missing walls."""
         grid = self.draft.floor.map.grid
         if self._left_out is not None:
             table = np.zeros((256, 4), dtype=np.uint8)
@@ -165,7 +169,7 @@ class ArenaWindow(QMainWindow):
             self._lines.show_cells(self._left_out.astype(np.uint8), table, grid.origin, grid.resolution)
 
     def take_tool(self, tool: ArenaTool) -> None:
-        """Give the pointer another tool."""
+        """Select another tool."""
         self.pointer.tool = tool
         for other in ArenaTool:
             self._buttons[other.value].setChecked(other is tool)
@@ -174,7 +178,7 @@ class ArenaWindow(QMainWindow):
         self.show_all()
 
     def _show_list(self) -> None:
-        """Show rooms, then start poses, as they are; what is chosen stays chosen."""
+        """Show rooms, then start poses; keep the selection."""
         arena = self.draft.arena
         lines = [f"{room.room.people}  {room.name}" for room in arena.rooms]
         lines += [f"Start of robot {number}" for number in range(1, len(arena.starts) + 1)]
@@ -212,17 +216,17 @@ class ArenaWindow(QMainWindow):
 
     @Slot()
     def undo(self) -> None:
-        """Take the last change back."""
+        """Undo the last change."""
         self.change(self.draft.undo)
 
     @Slot()
     def redo(self) -> None:
-        """Make it again."""
+        """Redo the change that was undone."""
         self.change(self.draft.redo)
 
     @Slot()
     def merge(self) -> None:
-        """Merge the two rooms that are chosen in the list."""
+        """Merge the two rooms that are selected in the list."""
         rooms = self._chosen_rooms()
         if len(rooms) == 2:
             self.pointer.choose(rooms[0])
@@ -230,7 +234,7 @@ class ArenaWindow(QMainWindow):
 
     @Slot()
     def delete(self) -> None:
-        """Delete what is chosen."""
+        """Delete the selected room or start pose."""
         handle = self.pointer.handle
         if handle is not None and handle.is_start:
             self.change(lambda: self.draft.remove_start(handle.index))
@@ -239,7 +243,7 @@ class ArenaWindow(QMainWindow):
 
     @Slot()
     def save(self) -> bool:
-        """Write what was drawn; return True when it is written."""
+        """Write the arena; return True if it was written."""
         faults = self.draft.floor.faults(self.draft.arena)
         refused = self._write(self.draft.arena) if not faults else f"Not saved: {faults[0]}"
         if refused is None:
@@ -270,7 +274,7 @@ class ArenaWindow(QMainWindow):
     # Events -----------------------------------------------------------------------------------------------------------
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Take keys in the list that change what is chosen."""
+        """Handle the keys in the list that change the selected room or start pose."""
         if watched is self.list and event.type() == QEvent.Type.KeyPress and isinstance(event, QKeyEvent):
             key, held = Qt.Key(event.key()), event.modifiers() & ~Qt.KeyboardModifier.KeypadModifier
             if held == Qt.KeyboardModifier.AltModifier and key in ARROWS:
@@ -285,7 +289,7 @@ class ArenaWindow(QMainWindow):
         return super().eventFilter(watched, event)
 
     def closeEvent(self, event: QCloseEvent) -> None:
-        """Ask first when something would be lost."""
+        """Ask first if changes would be lost."""
         if self.draft.dirty:
             box = QMessageBox(QMessageBox.Icon.Question, self._name, "Save the arena?", parent=self)
             box.setObjectName("question")
@@ -325,7 +329,7 @@ class ArenaWindow(QMainWindow):
     def _renamed(self, item: QListWidgetItem) -> None:
         number, text = self.list.row(item) + 1, item.text()
         name = text.removeprefix(f"{number}  ")
-        # Later, since the list is filled anew, which its editor must not live to see.
+        # Wait until the event is done: refilling the list now would destroy its open editor.
         QTimer.singleShot(0, self, lambda: self.change(lambda: self.draft.rename(number, name)))
 
     # Layout -----------------------------------------------------------------------------------------------------------
@@ -363,7 +367,7 @@ class ArenaWindow(QMainWindow):
     def _made_button(self, name: str, words: str, key: str, act: Callable[[], object], meaning: str) -> QPushButton:
         button = QPushButton(words)
         button.setToolTip(f"{meaning} ({key})")
-        button.setAccessibleDescription(f"Key {key}")
+        button.setAccessibleDescription(f"Shortcut: {key}")
         button.clicked.connect(lambda _checked=False: act())
         QShortcut(QKeySequence(key), self).activated.connect(act)
         self._buttons[name] = button

@@ -1,1 +1,1 @@
-"""The researcher's window beside a study with people."""
+"""Researcher's window for a study with people."""

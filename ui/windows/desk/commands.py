@@ -1,4 +1,4 @@
-"""Commands on a study's folder that the desk starts: status, export, backup. Each runs in a process of its own."""
+"""Commands on a study's folder that the desk starts: status, export, backup. Each runs in a separate process."""
 
 from pathlib import Path
 
@@ -27,23 +27,23 @@ STOP_TIMEOUT = 5000
 
 
 class CommandBox(QDialog):
-    """Runs a command and shows what it prints; closing the box stops it.
+    """Dialog that runs a command and shows its output; closing the dialog stops the command.
 
     Args:
         parent: the window.
-        title: of the box.
-        arguments: of `thbridge`.
+        title: title of the dialog.
+        arguments: arguments of `thbridge`.
 
     Attributes:
-        output: what the command printed.
-        words: one sentence: that it runs, or how it ended.
+        output: output of the command.
+        words: sentence that says that it runs, or how it ended.
     """
 
     def __init__(self, parent: QWidget, title: str, *arguments: str) -> None:
         super().__init__(parent)
         self.setWindowTitle(title)
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
-        self.words = label(f"{title}: under way ...", bold=True)
+        self.words = label(f"{title}: running ...", bold=True)
         self.output = QPlainTextEdit(readOnly=True)
         self.output.setAccessibleName("Output")
         follow_text(self.output, lambda it: it.setFont(fixed_font()))
@@ -63,7 +63,7 @@ class CommandBox(QDialog):
         self._process.start(THBRIDGE[0], [*THBRIDGE[1:], *arguments])
 
     def done(self, result: int) -> None:
-        """Stop the command if it still runs, and close."""
+        """Stop the command if it still runs, and close the dialog."""
         if self._process.state() is not QProcess.ProcessState.NotRunning:
             self._process.finished.disconnect(self._finish)
             self._process.terminate()
@@ -80,7 +80,7 @@ class CommandBox(QDialog):
     def _finish(self, code: int, status: QProcess.ExitStatus) -> None:
         self._read()
         is_done = status is QProcess.ExitStatus.NormalExit and code == 0
-        self.words.setText(f"{self.windowTitle()}: {'done.' if is_done else 'not done. The reason is below.'}")
+        self.words.setText(f"{self.windowTitle()}: {'done.' if is_done else 'failed. The reason is below.'}")
         self._bar.hide()
         self._buttons.setStandardButtons(QDialogButtonBox.StandardButton.Close)
         self._buttons.button(QDialogButtonBox.StandardButton.Close).setFocus()
@@ -88,17 +88,17 @@ class CommandBox(QDialog):
 
 
 class TargetBox(QDialog):
-    """Asks for the folder to write.
+    """Dialog that asks for the folder to write to.
 
     Args:
         parent: the window.
-        title: of the box.
-        question: what is written, and which folders will do.
-        suggested: the folder that the line begins with; empty: none.
-        yes: words of the button that starts it.
+        title: title of the dialog.
+        question: what is written, and which folders are allowed.
+        suggested: folder to suggest; empty for none.
+        yes: text of the button that starts the command.
 
     Attributes:
-        folder: the line with the folder.
+        folder: field with the folder.
     """
 
     def __init__(self, parent: QWidget, title: str, question: str, suggested: str, yes: str) -> None:
@@ -133,13 +133,13 @@ class TargetBox(QDialog):
 
 
 def new_export(study: ExperimentFolder, today: str) -> Path:
-    """Return a folder that is not there yet, for the export of a day (YYYY-MM-DD)."""
+    """Return a folder that does not exist yet, for the export of a day (YYYY-MM-DD)."""
     names = (today, *(f"{today}-{number}" for number in range(2, 1000)))
     return next((path for path in map(study.export, names) if not path.exists()), study.export(today))
 
 
 def latest_backup(study: ExperimentFolder) -> str:
-    """Return the folder of the backup written last; empty if there is none."""
+    """Return the folder of the latest backup; empty if there is none."""
     try:
         known = study.backups_known.paths()
     except BadFile:

@@ -1,4 +1,4 @@
-"""The desk as a program: hosted by the program that runs the study, or watching a study's folder by itself."""
+"""The desk as a program: hosted by the program that runs the study, or watching a study's folder alone."""
 
 from PySide6.QtCore import QObject, QTimer
 
@@ -13,26 +13,26 @@ from ui.windows.look import Choice
 from ui.windows.preferences import preferences_of
 
 POLL = 1000
-"""Milliseconds between two looks at a log."""
+"""Milliseconds between two reads of a log."""
 RENEWED = 20
-"""So many looks at a log without anything new, and minutes are counted anew."""
+"""Number of reads without news after which the minutes of runs are counted again."""
 READ_ONLY = (
-    "Runs and notes cannot be changed from here: this window only watches the log. Use the window that "
+    "This window only watches the log and cannot change runs or notes. Use the window that "
     "`thbridge study run --desk` opens."
 )
 CLOSING = (
-    "Close the desk? The study goes on at the kiosk, but nobody can be let in, ended or excluded from here any more. "
-    "`thbridge study watch` shows it again, without its buttons."
+    "Close the desk? The study continues at the kiosk, but you can no longer start, end or exclude runs from here. "
+    "`thbridge study watch` shows the study again, but cannot change it."
 )
 
 
 class LogWatch(QObject):
-    """Shows a study's log at the desk as it grows; another thread reads it.
+    """Shows a study's log at the desk as it grows; another thread reads the log.
 
     Args:
         desk: the window.
         source: the study.
-        period: milliseconds between two looks at the log.
+        period: milliseconds between two reads of the log.
     """
 
     def __init__(self, desk: DeskWindow, source: ExperimentSource, period: int = POLL) -> None:
@@ -76,7 +76,7 @@ class LogWatch(QObject):
 
 
 def show_hosted(folder: ExperimentFolder, choice: Choice) -> int:
-    """Open the desk for the host at standard input and output; returns when it is closed."""
+    """Open the desk for the host at standard input and output; return when it is closed."""
     app = application()
     preferences = preferences_of(app, "desk", choice)
     desk = DeskWindow(CLOSING, folder)
@@ -90,7 +90,7 @@ def show_hosted(folder: ExperimentFolder, choice: Choice) -> int:
 
 
 def show_folder(source: ExperimentSource, choice: Choice) -> int:
-    """Open the desk on a study's folder, to watch only; returns when it is closed."""
+    """Open the desk on a study's folder, only to watch; return when it is closed."""
     app = application()
     preferences = preferences_of(app, "desk", choice)
     desk = DeskWindow(folder=source.folder)

@@ -1,4 +1,4 @@
-"""Questions of the desk before anything final, with the reason that the log wants."""
+"""Questions of the desk before final actions, with the reason that the log records."""
 
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QKeyEvent
@@ -8,31 +8,31 @@ from ui.windows.look import GAP, follow_text, label, px, spaced
 
 
 class ReasonBox(QDialog):
-    """A question whose answer needs a reason; without one there is no yes.
+    """Question that requires a reason; without one it cannot be confirmed.
 
     Args:
         parent: the window.
-        title: of the box.
-        question: what is asked, and what follows from it.
-        yes: words of the button that does it.
+        title: title of the dialog.
+        question: the question, and what follows from a yes.
+        yes: text of the button that confirms.
 
     Attributes:
-        reason: the field.
-        agree: the button that does it.
+        reason: field for the reason.
+        agree: button that confirms.
     """
 
     def __init__(self, parent: QWidget, title: str, question: str, yes: str) -> None:
         super().__init__(parent)
         self.setWindowTitle(title)
         self.setObjectName("question")
-        self.reason = QLineEdit(placeholderText="The reason, for the log; it is needed")
+        self.reason = QLineEdit(placeholderText="Reason for the log (required)")
         self.reason.setAccessibleName("Reason")
         buttons = QDialogButtonBox()
         self.agree = buttons.addButton(yes, QDialogButtonBox.ButtonRole.AcceptRole)
         cancel = buttons.addButton(QDialogButtonBox.StandardButton.Cancel)
         self.agree.setEnabled(False)
         self.agree.setAutoDefault(False)
-        self.agree.setToolTip("Write a reason first")
+        self.agree.setToolTip("Enter a reason first")
         self.reason.textChanged.connect(lambda text: self.agree.setEnabled(bool(text.strip())))
         cancel.setAutoDefault(False)
         buttons.accepted.connect(self.accept)
@@ -46,7 +46,7 @@ class ReasonBox(QDialog):
         self.reason.setFocus()
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Let Enter press the button with the focus; in the field it only goes on to the button that does it."""
+        """Let Enter press the focused button; in the field, Enter only moves the focus to the button that confirms."""
         if event.key() not in {Qt.Key.Key_Return, Qt.Key.Key_Enter}:
             super().keyPressEvent(event)
         elif isinstance(focus := self.focusWidget(), QPushButton):

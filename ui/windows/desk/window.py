@@ -1,4 +1,4 @@
-"""The window of the desk: cells, runs, events of the run selected, notes, and what can be asked of the host."""
+"""Window of the desk: cells, runs, events of the selected run, notes, and requests to the host."""
 
 import os
 from collections.abc import Callable, Sequence
@@ -70,24 +70,24 @@ KEYS: tuple[tuple[str, KeyLines], ...] = (
     (
         "Runs",
         (
-            ("Ctrl+N", "let the next participant begin; asks first"),
-            ("Ctrl+E", "end the run selected; asks for the reason"),
-            ("Ctrl+D", "exclude the run selected; asks for the reason"),
+            ("Ctrl+N", "let the next participant start; asks first"),
+            ("Ctrl+E", "end the selected run; asks for the reason"),
+            ("Ctrl+D", "exclude the selected run; asks for the reason"),
         ),
     ),
     (
         "Study",
         (
-            ("Ctrl+Shift+S", "show its status"),
+            ("Ctrl+Shift+S", "show the status"),
             ("Ctrl+Shift+E", "export tables; asks for the folder"),
-            ("Ctrl+Shift+B", "write a backup, or bring one up to date; asks for the folder"),
-            ("Ctrl+Shift+W", "delete everything of a participant who withdraws; asks first"),
+            ("Ctrl+Shift+B", "write or update a backup; asks for the folder"),
+            ("Ctrl+Shift+W", "delete all data of a participant who withdraws; asks first"),
         ),
     ),
     (
         "Window",
         (
-            ("F6", "to the next part of the window; with Shift the one before"),
+            ("F6", "to the next part of the window; with Shift the previous one"),
             ("Ctrl +, Ctrl -", "larger text, smaller text; Ctrl 0: the usual size"),
             ("Ctrl+,", "settings: colors, text size"),
             ("F1", "this sheet"),
@@ -98,19 +98,19 @@ KEYS: tuple[tuple[str, KeyLines], ...] = (
 _WANTED = QSize(1280, 860)
 _NO_RUN = "Select a run in the table first."
 _OVER = "This run is over."
-_EXCLUDED = "This run is excluded already."
+_EXCLUDED = "This run is already excluded."
 
 
 class DeskWindow(QMainWindow):
-    """A study with people as its experimenter sees it; whatever is final is asked first.
+    """A study with people as the experimenter sees it; final actions ask first.
 
     Args:
-        closing: the question when it is closed; empty: it closes at once.
-        folder: of the study, for commands on it; None: there are none.
+        closing: question on closing. If empty, the window closes at once.
+        folder: folder of the study, for commands on it. If None, there are no commands.
 
     Attributes:
-        state: what is shown; None before the first.
-        asked: something is wanted of the host, a `FromDesk`.
+        state: state shown; None before the first.
+        asked: a request to the host, a `FromDesk`.
     """
 
     asked = Signal(object)
@@ -139,16 +139,16 @@ class DeskWindow(QMainWindow):
         self.note_model = GrowingModel(NOTES, self, has_time=True)
         self.cells = row_table("Cells and quotas", self.cell_model, single, 1, (26, 7, 8, 10))
         self.runs = row_table("Runs", self.run_model, single, 1, (11, 10, 30, 7, 8, 8, 26, 40))
-        self.events = row_table("Events of the run selected", self.event_model, single, 1, (9, 44, 11))
+        self.events = row_table("Events of the selected run", self.event_model, single, 1, (9, 44, 11))
         self.notes = row_table("Notes", self.note_model, single, 1, (13, 11, 50))
         for table in (self.cells, self.runs, self.events, self.notes):
             table.horizontalHeader().setStretchLastSection(True)
         self.runs.selectionModel().currentRowChanged.connect(self._row_chosen)
         self.details = label("No run is selected.")
-        self.note = QLineEdit(placeholderText="A note for the log; Enter adds it")
+        self.note = QLineEdit(placeholderText="Note for the log; press Enter to add it")
         self.note.setAccessibleName("Note")
         self.note.returnPressed.connect(self._write_note)
-        self.about = QCheckBox("about the run selected")
+        self.about = QCheckBox("about the selected run")
         self.next = self._button("Next participant ...", "Ctrl+N", self._ask_next)
         self.end = self._button("End run ...", "Ctrl+E", self._ask_end)
         self.exclude = self._button("Exclude run ...", "Ctrl+D", self._ask_exclude)
@@ -173,7 +173,7 @@ class DeskWindow(QMainWindow):
     # What is shown
 
     def receive(self, state: DeskState) -> None:
-        """Show this state; what is selected and typed stays."""
+        """Show this state; keep the selection and typed text."""
         before, self.state = self.state, state
         self.setWindowTitle(f"{title_text(state.title)} - thbridge study")
         self._title.setText(state.title)
@@ -194,14 +194,14 @@ class DeskWindow(QMainWindow):
         self._show_buttons()
 
     def _show_runs(self, state: DeskState) -> None:
-        """Show the runs; the one selected stays so, wherever it goes, and at first it is the topmost."""
+        """Show the runs. Keep the selected run selected if its row moves; at first, select the top row."""
         self._runs = ordered_runs(state)
         self.run_model.show_rows(list(run_rows(state)))
         self.runs.selectRow(max(self._row(self._chosen), 0))
         self._row_chosen(self.runs.currentIndex())
 
     def run(self) -> DeskRun | None:
-        """Return the run selected."""
+        """Return the selected run."""
         return next((run for run in self._runs if run.participant == self._chosen), None)
 
     def select(self, participant: str) -> None:
@@ -237,25 +237,31 @@ class DeskWindow(QMainWindow):
 
     def _show_buttons(self) -> None:
         state, run = self.state, self.run()
-        off = "Nothing is known of the study yet." if state is None else state.read_only
+        off = "The study is still being read." if state is None else state.read_only
         no_next = off or ("" if state is None else state.no_next)
         no_run = off or (_NO_RUN if run is None else "")
-        _allow(self.next, no_next, "Let the next person begin at the kiosk; asks first")
-        _allow(self.end, no_run or ("" if run and run.state == "under way" else _OVER), "End it where it is")
+        _allow(self.next, no_next, "Let the next participant start at the kiosk; asks first")
         _allow(
-            self.exclude, no_run or ("" if run and run.state != "excluded" else _EXCLUDED), "It does not count any more"
+            self.end,
+            no_run or ("" if run and run.state == "under way" else _OVER),
+            "End the run now; asks for the reason",
+        )
+        _allow(
+            self.exclude,
+            no_run or ("" if run and run.state != "excluded" else _EXCLUDED),
+            "Exclude the run from the analysis; asks for the reason",
         )
         no_folder = "" if self._folder is not None else "This window does not know the folder of the study."
-        _allow(self.status, no_folder, "Show who has taken part, and what is missing")
+        _allow(self.status, no_folder, "Show who took part, and what is missing")
         _allow(self.export, no_folder, "Write tables for pandas and R")
         _allow(self.back_up, no_folder, "Copy the study to another disk")
-        _allow(self.withdraw, no_folder, "Delete everything of a participant; shows first what that is")
-        _allow(self.add_note, off, "Write the note into the log")
+        _allow(self.withdraw, no_folder, "Delete all data of a participant; shows first what will be deleted")
+        _allow(self.add_note, off, "Add the note to the log")
         self.note.setEnabled(not off)
         self.note.setToolTip(off)
         self.about.setEnabled(not no_run)
         self.about.setToolTip(no_run)
-        self.about.setText(f"about {run.participant}" if run is not None else "about the run selected")
+        self.about.setText(f"about {run.participant}" if run is not None else "about the selected run")
         self._why.setText(no_next)
         self._why.setVisible(bool(no_next))
 
@@ -263,13 +269,13 @@ class DeskWindow(QMainWindow):
 
     def _ask_next(self) -> None:
         now = "" if self.state is None or not self.state.kiosk else f" The kiosk now: {self.state.kiosk}."
-        words = f"Let the next participant begin at the kiosk? They take the next open place.{now}"
+        words = f"Let the next participant start at the kiosk? They get the next open place.{now}"
         box = QMessageBox(QMessageBox.Icon.Question, "Next participant", words, parent=self)
-        self._do_if(box, "Begin", NextParticipant())
+        self._do_if(box, "Start", NextParticipant())
 
     def _ask_end(self) -> None:
         if (run := self.run()) is not None:
-            words = f"End the run of {run.participant}? It does not go on, does not count, and its place opens again."
+            words = f"End the run of {run.participant}? It stops and does not count. Its place opens again."
             box = ReasonBox(self, "End a run", words, f"End {run.participant}")
             if box.exec():
                 self.asked.emit(EndRun(run.participant, box.reason.text().strip()))
@@ -277,8 +283,8 @@ class DeskWindow(QMainWindow):
     def _ask_exclude(self) -> None:
         if (run := self.run()) is not None:
             words = (
-                f"Exclude the run of {run.participant}? What was recorded stays, but it does not count any more, and "
-                "its place opens again. This cannot be taken back."
+                f"Exclude the run of {run.participant}? The recorded data stay, but the run no longer counts, and "
+                "its place opens again. This cannot be undone."
             )
             box = ReasonBox(self, "Exclude a run", words, f"Exclude {run.participant}")
             if box.exec():
@@ -289,30 +295,33 @@ class DeskWindow(QMainWindow):
 
     def _ask_export(self) -> None:
         if self._folder is not None:
-            words = "Write tables, scripts and the methods text to a new or empty folder. People may go on meanwhile."
+            words = (
+                "Write tables, scripts and the methods text to a new or empty folder. Participants may continue "
+                "meanwhile."
+            )
             target = os.fspath(new_export(self._folder, utc_now()[:10]))
             self._run_to("Export", words, target, "export")
 
     def _ask_backup(self) -> None:
         if self._folder is not None:
             words = (
-                "Copy log, recordings and files to a folder on another disk: a new one, or an earlier backup, which is "
-                "brought up to date. People may go on meanwhile."
+                "Copy log, recordings and files to a folder on another disk. Choose a new folder, or an earlier backup "
+                "to update it. Participants may continue meanwhile."
             )
             self._run_to("Back up", words, latest_backup(self._folder), "backup")
 
     def _ask_withdrawal(self) -> None:
-        """Ask for the id or code of a participant, show what is deleted, and have it deleted."""
+        """Ask for the id or code of a participant, show what will be deleted, and delete it after confirmation."""
         if self._folder is None:
             return
-        words = "Id or completion code of the participant who withdraws:"
+        words = "ID or completion code of the participant who withdraws:"
         named, yes = QInputDialog.getText(self, "Withdraw", words, text=self._chosen)
         if not yes:
             return
         try:
             plan = plan_withdrawal(self._folder, self._folder.read(), named)
         except NobodyWithdraws:
-            self._say("Withdraw", f"The study has nothing of a participant with the id or code {shown(named)}.")
+            self._say("Withdraw", f"The study has no participant with the ID or code {shown(named)}.")
             return
         except BadFile as fault:
             self._say("Withdraw", str(fault))
@@ -320,10 +329,10 @@ class DeskWindow(QMainWindow):
         who = plan.withdrawal.participant
         box = QMessageBox(QMessageBox.Icon.Warning, "Withdraw", "\n".join(plan_lines(self._folder, plan)), parent=self)
         if self.state is not None and self.state.read_only:
-            if self._agreed(box, f"Delete all of {who}"):
+            if self._agreed(box, f"Delete all data of {who}"):
                 self._run("Withdraw", "study", "withdraw", "--yes", after=(who,))
         else:
-            self._do_if(box, f"Delete all of {who}", WithdrawRun(who))
+            self._do_if(box, f"Delete all data of {who}", WithdrawRun(who))
 
     def _say(self, title: str, words: str) -> None:
         box = QMessageBox(QMessageBox.Icon.Warning, title, words, parent=self)
@@ -336,7 +345,7 @@ class DeskWindow(QMainWindow):
             self._run(title, "study", command, "--to", box.folder.text().strip())
 
     def _run(self, title: str, *arguments: str, after: tuple[str, ...] = ()) -> None:
-        """Run a command on the study's folder, and show what it prints."""
+        """Run a command on the study's folder, and show its output."""
         if self._folder is not None:
             CommandBox(self, title, *arguments, os.fspath(self._folder.root.absolute()), *after).open()
 
@@ -364,7 +373,7 @@ class DeskWindow(QMainWindow):
         self.close()
 
     def closeEvent(self, event: QCloseEvent) -> None:
-        """Ask first where that is wanted, and tell the host."""
+        """Ask first if the host wants that, and inform the host."""
         if self._closing:
             box = QMessageBox(QMessageBox.Icon.Question, "Close the desk", self._closing, parent=self)
             box.setObjectName("question")
@@ -440,7 +449,7 @@ class DeskWindow(QMainWindow):
         self.runs.setFocus()
 
     def _fit_cells(self) -> None:
-        """Give the table of cells the height of its rows, or of six of them."""
+        """Give the table of cells the height of its rows, at most of six."""
         self.cells.setFixedHeight(
             self.cells.horizontalHeader().sizeHint().height()
             + min(self.cell_model.rowCount(), 6) * self.cells.verticalHeader().defaultSectionSize()
@@ -456,36 +465,36 @@ class DeskWindow(QMainWindow):
 
 
 class _Body(QSplitter):
-    """A splitter as high as there is room for, not as its tables would like to be."""
+    """Splitter that uses the available height, not the preferred height of its tables."""
 
     def sizeHint(self) -> QSize:
-        """Return the least size."""
+        """Return the minimum size."""
         return self.minimumSizeHint()
 
 
 class _Column(QWidget):
-    """A column of parts, as high as its words need in its width; a splitter would not ask for that."""
+    """Column of parts that is as high as its text needs at the current width; a splitter does not ask for that."""
 
     def minimumSizeHint(self) -> QSize:
-        """Return the least width of the parts, and their least height in the width that they have."""
+        """Return the minimum width of the parts, and their minimum height at the current width."""
         hint, layout = super().minimumSizeHint(), self.layout()
         return hint if layout is None else QSize(hint.width(), layout.minimumHeightForWidth(self.width()))
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        """Follow the width with the height."""
+        """Adapt the height to the new width."""
         super().resizeEvent(event)
         self.updateGeometry()
 
 
 def _allow(button: QPushButton, why_not: str, hint: str) -> None:
-    """Enable a button, or let it say why it is off."""
+    """Enable a button, or show why it is disabled."""
     button.setEnabled(not why_not)
     button.setToolTip(why_not or hint)
     button.setAccessibleDescription(why_not or hint)
 
 
 def _mark(words: QWidget, *, bad: bool) -> None:
-    """Set words in the color of trouble, or in the usual one."""
+    """Show text in the color of problems, or in the usual one."""
     words.setProperty("bad", bad)
     words.style().unpolish(words)
     words.style().polish(words)

@@ -13,18 +13,18 @@ from ui.windows.study.window import StudyWindow
 
 
 def study_window(path: Path) -> StudyWindow:
-    """Return the window of a file, not shown yet; it needs a QApplication and nothing else.
+    """Return the window of a file, not shown yet; it requires a QApplication.
 
     Raises:
         BadFile: the file cannot be read.
     """
-    # Load compiled code now: once the window is there, it must not stand still for that.
+    # Load compiled code now: later it would block the visible window.
     preview_of(Study(), NoiseSection())
     return StudyWindow(path)
 
 
 def edit(path: Path, choice: Choice = "system") -> int:
-    """Open the window, light, dark or as the system is, and wait until it is closed; return the program's exit code.
+    """Open the window, wait until it is closed, and return the program's exit code.
 
     Raises:
         BadFile: the file cannot be read.

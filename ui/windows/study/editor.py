@@ -1,4 +1,4 @@
-"""The study being edited: every change becomes a step, and steps are applied in a thread beside the window."""
+"""Study being edited: each change becomes a step, and a thread next to the window applies the steps."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -14,9 +14,9 @@ from ui.model.study_form.files import draft_of_file, header_of
 from ui.windows.editing.background import BackgroundWorker
 
 _TYPING = 120
-"""Milliseconds of pause after which typing is checked."""
+"""Pause in typing, milliseconds, after which the text is checked."""
 _SETTLING = 150
-"""Milliseconds after which a file that others write counts as complete."""
+"""Milliseconds without further changes after which a file that other programs write counts as complete."""
 
 TextChange = Callable[[StudyDraft], str | RequestRefused]
 _Taken = Callable[[StudyDraft, UndoHistory], UndoHistory | RequestRefused]
@@ -41,16 +41,16 @@ class _Conflict:
 
 
 class StudyEditor(QObject):
-    """The file as it was read, the draft, and its history for undo.
+    """File as it was read, the draft, and its history for undo.
 
     Attributes:
         path: the file.
         drafted: the draft has changed.
-        refused: a change of a field was not possible: its key and the reason.
+        refused: a change of a field was not possible: key of the field, and the reason.
         found_faulty: the draft was not saved because of its faults.
-        conflicted: the draft was not saved, because the file is no longer what was read.
-        changed_outside: the file is no longer what was read.
-        failed: the file could not be written or read: the reason.
+        conflicted: the draft was not saved, because the file has changed since it was read.
+        changed_outside: the file has changed since it was read.
+        failed: the file could not be written or read; the reason.
         saved: the draft is on disk.
     """
 
@@ -63,7 +63,7 @@ class StudyEditor(QObject):
     saved = Signal()
 
     def __init__(self, path: Path) -> None:
-        """Open a file, or begin one that is not there yet.
+        """Open a file, or start a new one that does not exist yet.
 
         Raises:
             BadFile: it cannot be read.
@@ -90,16 +90,16 @@ class StudyEditor(QObject):
 
     @property
     def dirty(self) -> bool:
-        """True when there is something to save."""
+        """True if there are changes to save."""
         return bool(self._steps) or self._work.busy or not self.on_disk.exists or self.history.text != self.on_disk.text
 
     @property
     def settled(self) -> bool:
-        """True when all changes are in the draft."""
+        """True if all changes are in the draft."""
         return not self._steps and not self._work.busy
 
     def change(self, key: str, change: TextChange, *, at_once: bool = False) -> None:
-        """Change the text; a later change with the same key takes its place if it has not been applied yet."""
+        """Change the text. A later change with the same key replaces this one if it has not been applied yet."""
 
         def take(draft: StudyDraft, history: UndoHistory) -> UndoHistory | RequestRefused:
             text = change(draft)
@@ -110,7 +110,7 @@ class StudyEditor(QObject):
         self._queue_step(_Step(key, take), at_once)
 
     def set(self, key: str, text: str, *, at_once: bool = False) -> None:
-        """Write what a person typed or chose into the field with this key."""
+        """Write the text that a person typed or chose into the field with this key."""
         self.change(key, lambda draft: draft.set(draft.fields()[key], text), at_once=at_once)
 
     def reset(self, key: str) -> None:
@@ -123,7 +123,7 @@ class StudyEditor(QObject):
         self.change("text", lambda _: text)
 
     def check_again(self) -> None:
-        """Check the text again, after a file that it names was changed."""
+        """Check the text again after a change of a file that it names."""
         if self.settled:
             draft, history = self.draft, self.history
             self._work.ask(lambda: _Outcome(draft_of_file(draft.path, history.text), history, ()))
@@ -137,11 +137,11 @@ class StudyEditor(QObject):
         self._queue_step(_Step("", lambda _, history: history.redone()), at_once=True)
 
     def settle(self) -> None:
-        """Make the next change of the same field a step of its own."""
+        """Make the next change of the same field a separate step."""
         self._queue_step(_Step("", lambda _, history: history.settled()), at_once=False)
 
     def load_again(self) -> None:
-        """Load the file again; undo brings the draft back."""
+        """Load the file again; undo restores the draft."""
         try:
             self.on_disk = read_edited(self.path)
         except BadFile as fault:
@@ -155,8 +155,8 @@ class StudyEditor(QObject):
         """Write the file.
 
         Args:
-            with_faults: save although there are faults.
-            overwrite: save although the file is not what was read.
+            with_faults: True to save in spite of faults.
+            overwrite: True to save even if the file has changed since it was read.
         """
         self._save_wanted = with_faults, overwrite
         self._flush()
@@ -219,7 +219,7 @@ class StudyEditor(QObject):
         self._flush()
 
     def _watch(self) -> None:
-        """Watch the file anew: one that was replaced is another file to the watcher."""
+        """Watch the file again: to the watcher, a replaced file is another file."""
         wanted = [str(self.path.parent), *([str(self.path)] if self.path.exists() else [])]
         missing = [path for path in wanted if path not in {*self._watcher.files(), *self._watcher.directories()}]
         if missing:

@@ -1,4 +1,4 @@
-"""Dialog that chooses a key to add to a section: a search line over a list."""
+"""Dialog that chooses a key to add to a section: a search field above a list."""
 
 from collections.abc import Mapping
 
@@ -12,20 +12,20 @@ from ui.windows.look import GAP, follow_text, label, px, spaced
 from ui.windows.words_of_others import shown
 
 _TO_LIST = frozenset({Qt.Key.Key_Up, Qt.Key.Key_Down, Qt.Key.Key_PageUp, Qt.Key.Key_PageDown})
-"""Keys pressed in the search line that move in the list."""
+"""Keys that move the selection in the list while the search field has the focus."""
 
 
 class KeyChooser(QDialog):
-    """Dialog that chooses a key for a section whose keys people choose.
+    """Dialog that chooses a key for a section with freely chosen keys.
 
     Args:
         title: name of the section.
-        keys: that can be added to it, each with its field.
+        keys: keys that can be added, each with its field.
         parent: the window.
         own_names: True if the key may also have another name.
 
     Attributes:
-        chosen: the key, or a name of one's own; empty until one was chosen.
+        chosen: the chosen key, or a name that the person made up; empty until a choice is made.
     """
 
     def __init__(self, title: str, keys: Mapping[str, FormField], parent: QWidget | None, *, own_names: bool) -> None:
@@ -66,7 +66,7 @@ class KeyChooser(QDialog):
             super().accept()
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Move in the list by the arrow keys while one types."""
+        """Move the selection in the list with the arrow keys during typing."""
         if event.type() == QEvent.Type.KeyPress and isinstance(event, QKeyEvent) and event.key() in _TO_LIST:
             self.list.keyPressEvent(event)
             return True
@@ -82,13 +82,13 @@ class KeyChooser(QDialog):
         name = _plain(words)
         is_similar = bool(found) and not any(name.lower() in field.key for field in found)
         self.words.setText(
-            "No key fits."
+            "No key matches."
             if not found
             else "No key has this name. The most similar ones are listed."
             if name and is_similar
             else f"{len(found)} keys"
         )
-        # Only a factor may have a name that is no key: its levels then set several keys each.
+        # Only a factor may have a name that is not a key: each of its levels then sets several keys.
         self.own.setVisible(self._allows_own_names and bool(name) and all(field.key != name for field in found))
         self.own.setText(f"Use \u201c{shown(name)}\u201d as a name for levels of several keys")
         self.list.setCurrentRow(0 if found else -1)
@@ -104,5 +104,5 @@ class KeyChooser(QDialog):
 
 
 def _plain(words: str) -> str:
-    """A name as it can stand between quotes in the file."""
+    """Return a name that can stand between quotes in the file."""
     return words.strip().replace('"', "")

@@ -15,19 +15,19 @@ from ui.windows.look import GAP, colours, follow_text, label, px, spaced, style_
 from ui.windows.study.pictures import Canvas, NoisePicture, PaintFunction, fan_painter, room
 
 _DRAWINGS = 310
-"""Least width of the drawings, logical pixels."""
+"""Smallest width of the drawings, logical pixels."""
 
 _WHEELS, _FILTER = "what the wheels report", "where the filter believes the robot may be"
 
 
 class NoiseView(QScrollArea):
-    """Drawings of the noise's effect, made anew with every change."""
+    """Drawings of the noise's effect, made again after each change."""
 
     def __init__(self) -> None:
         super().__init__()
         self.setWidgetResizable(True)
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
-        self.setAccessibleName("What this noise does")
+        self.setAccessibleName("Effect of the noise")
         self._work = BackgroundWorker(self, "noise")
         self._work.done.connect(self._show)
         self._requested: tuple[StudyDraft, dict[str, str]] | None = None
@@ -37,8 +37,8 @@ class NoiseView(QScrollArea):
         self._pictures = {
             name: NoisePicture(paint, what, height, self.redraw)
             for name, paint, what, height in (
-                ("straight", fan_painter("straight", believed=False), f"Ten metres straight: {_WHEELS}", 130),
-                ("straight believed", fan_painter("straight", believed=True), f"Ten metres straight: {_FILTER}", 130),
+                ("straight", fan_painter("straight", believed=False), f"Ten meters straight: {_WHEELS}", 130),
+                ("straight believed", fan_painter("straight", believed=True), f"Ten meters straight: {_FILTER}", 130),
                 ("square", fan_painter("square", believed=False), f"A square: {_WHEELS}", 190),
                 ("square believed", fan_painter("square", believed=True), f"A square: {_FILTER}", 190),
                 ("scan", room, "A laser sweep in a room", 230),
@@ -53,11 +53,11 @@ class NoiseView(QScrollArea):
 
     @property
     def busy(self) -> bool:
-        """True while something is being drawn."""
+        """True during drawing."""
         return self._work.busy
 
     def draw(self, draft: StudyDraft, values: Mapping[str, str]) -> None:
-        """Draw the noise of a draft, with the values typed since, by key."""
+        """Draw the noise of a draft, with the values typed since then, by key."""
         self._requested = draft, dict(values)
         group = draft.groups().get("noise")
         if group is None or not self.isVisible():
@@ -100,8 +100,8 @@ class NoiseView(QScrollArea):
         self.drawn += 1
 
     def _drives(self) -> QWidget:
-        drawn = "Thick: the drive. Thin: 200 times what comes of it. Ellipse: 95 % of the ends."
-        card, column = _card("200 drives of ten metres", drawn)
+        drawn = "Thick line: the commanded path. Thin lines: 200 results. Ellipse: 95 % of the end points."
+        card, column = _card("200 drives of ten meters", drawn)
         column.addWidget(label("What the wheels report (true noise)", "small", bold=True))
         column.addWidget(self._pictures["straight"])
         column.addWidget(label("What the particle filter believes (dashed)", "small", bold=True))
@@ -118,7 +118,7 @@ class NoiseView(QScrollArea):
         return card
 
     def _sweep(self) -> QWidget:
-        drawn = "Dots: where beams truly end. Crosses: what the laser says."
+        drawn = "Dots: true ends of the beams. Crosses: ends measured by the laser."
         card, column = _card("A laser sweep in a room", drawn)
         column.addWidget(self._pictures["scan"])
         column.addWidget(self._scan)
@@ -130,7 +130,7 @@ class NoiseView(QScrollArea):
 
 
 class NoisePage(QSplitter):
-    """Fields and drawings side by side, or below each other where the width does not suffice."""
+    """Fields and drawings side by side, or one below the other if the width is too small."""
 
     def __init__(self, fields: QWidget, drawings: NoiseView) -> None:
         super().__init__(Qt.Orientation.Horizontal)
@@ -142,13 +142,13 @@ class NoisePage(QSplitter):
         follow_text(self, NoisePage._turn)
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        """Put the parts where they have room."""
+        """Arrange the parts to fit the new width."""
         super().resizeEvent(event)
         self._turn()
 
     def _turn(self) -> None:
-        beside = self.width() >= 220 + px(180) + _DRAWINGS
-        wanted = Qt.Orientation.Horizontal if beside else Qt.Orientation.Vertical
+        side_by_side = self.width() >= 220 + px(180) + _DRAWINGS
+        wanted = Qt.Orientation.Horizontal if side_by_side else Qt.Orientation.Vertical
         if wanted != self.orientation():
             self.setOrientation(wanted)
             self.setSizes([500, 500])
@@ -156,14 +156,14 @@ class NoisePage(QSplitter):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Drawn:
-    """A preview and its images, finished."""
+    """Preview with its finished images."""
 
     preview: NoisePreview
     images: Mapping[str, QImage]
 
 
 def _card(title: str, drawn: str) -> tuple[QWidget, QVBoxLayout]:
-    """A panel with a title and a legend, and its column."""
+    """Return a panel with a title and a legend, and its column."""
     card = QWidget()
     style_as_panel(card)
     column = spaced(QVBoxLayout(card), GAP, 2 * GAP)

@@ -1,4 +1,4 @@
-"""Pages of the study window: a section, results of a search, the whole text, the changes to be written."""
+"""Pages of the study window: a section, search results, the whole text, the changes to be written."""
 
 from collections.abc import Callable, Iterator
 from functools import partial
@@ -35,18 +35,18 @@ class FieldsPage(QScrollArea):
     """Rows of fields, with headings.
 
     Attributes:
-        rows: the rows shown, by the fields' keys.
-        edited: a person typed or chose something: the field's key, and the text.
-        edit_finished: the person is done with the field.
-        reset: a person wants the field's default back.
+        rows: rows shown, by the keys of the fields.
+        edited: a person typed or chose a value: key of the field, and the text.
+        edit_finished: a person finished editing a field.
+        reset: a person wants to return a field to its default.
         file_wanted: a person wants to edit the file that a field names.
-        preview_wanted: a person wants to see a step as participants do.
+        preview_wanted: a person wants to preview a step as participants see it.
         opened: a person wants to see a section.
         added: a person wants another item in a section.
-        removed: a person wants an item gone.
-        moved: a person wants an item one place later (1) or earlier (-1).
-        cleared: a person wants all defaults of a section back.
-        built: all rows are there.
+        removed: a person wants to remove an item.
+        moved: a person wants to move an item one place down (1) or up (-1).
+        cleared: a person wants to return all fields of a section to their defaults.
+        built: all rows exist.
     """
 
     edited = Signal(str, str)
@@ -69,19 +69,19 @@ class FieldsPage(QScrollArea):
         self._naming: dict[str, list[Callable[[str], object]]] = {}
         self._moving: dict[tuple[str, int], QPushButton] = {}
         self._wanted: tuple[str, int] | str = ""
-        """The button, the row, or the item with its first row, that gets the focus once the page is made anew."""
+        """Button, row, or item with its first row, that gets the focus once the page is rebuilt."""
         self._shape: tuple[str, ...] = ()
         self._draft: StudyDraft | None = None
         self._building: Iterator[None] = iter(())
         self._next = QTimer(self, singleShot=True, interval=0)
         self._next.timeout.connect(self._build_on)
         self._in_sight: QWidget | None = None
-        """The part with the focus, in sight while the page finds its height in several passes; until people scroll."""
+        """Part with the focus, kept visible while the page finds its height in several passes, until people scroll."""
         self.verticalScrollBar().rangeChanged.connect(self._keep_in_sight)
         self.verticalScrollBar().actionTriggered.connect(self._let_go)
 
     def show_groups(self, draft: StudyDraft, groups: tuple[FormGroup, ...], *, narrow: bool = False) -> None:
-        """Show the fields of these sections, the first one's heading large."""
+        """Show the fields of these sections; the first section has the large heading."""
         shape = tuple(part for group in groups for part in _shape_of(group))
         self._draft = draft
         if shape == self._shape:
@@ -94,7 +94,7 @@ class FieldsPage(QScrollArea):
         self._build_on()
 
     def go_to_added(self, key: str) -> None:
-        """Go to this row, or to the first one of this item, once the page shows it."""
+        """Go to this row, or to the first row of this item, once the page shows it."""
         self._wanted = key
 
     def finish(self) -> None:
@@ -103,7 +103,7 @@ class FieldsPage(QScrollArea):
             pass
 
     def _build_on(self) -> None:
-        """Build on for some milliseconds; a page of many fields takes longer than a window may stand still."""
+        """Build for some more milliseconds, since a page of many fields would block the window for too long."""
         began = QElapsedTimer()
         began.start()
         for _ in self._building:
@@ -114,9 +114,11 @@ class FieldsPage(QScrollArea):
     def show_found(self, draft: StudyDraft, words: str) -> None:
         """Show the fields that a search found."""
         fields = search_fields(draft.form.all_fields(), words)
-        told = f"{len(fields)} found" if len(fields) <= _MOST_FOUND else f"{len(fields)} found; the first {_MOST_FOUND}"
+        count = (
+            f"{len(fields)} found" if len(fields) <= _MOST_FOUND else f"{len(fields)} found; the first {_MOST_FOUND}"
+        )
         group = FormGroup(
-            _FOUND, f"“{words}”: {told}" if fields else f"“{words}”: nothing found", "", fields[:_MOST_FOUND], ()
+            _FOUND, f"“{words}”: {count}" if fields else f"“{words}”: nothing found", "", fields[:_MOST_FOUND], ()
         )
         self.show_groups(draft, (group,))
 
@@ -134,7 +136,7 @@ class FieldsPage(QScrollArea):
                 show(name)
 
     def _name(self, group: FormGroup, show: Callable[[str], object]) -> None:
-        """Have something show a section's name now, and each time it changes."""
+        """Let a function show a section's name now, and after each change of the name."""
         self._naming.setdefault(group.key, []).append(show)
         show(group.label)
 
@@ -145,7 +147,7 @@ class FieldsPage(QScrollArea):
             row.show_field(field, draft.faults_of(field))
 
     def _build(self, groups: tuple[FormGroup, ...], *, narrow: bool) -> Iterator[None]:
-        """Make the page anew, row by row."""
+        """Rebuild the page row by row."""
         inside = QWidget()
         column = spaced(QVBoxLayout(inside), 2 * GAP, 2 * GAP, GAP, 2 * GAP, 2 * GAP)
         column.addStretch(1)
@@ -166,23 +168,23 @@ class FieldsPage(QScrollArea):
         self._take_focus()
 
     def _take_focus(self) -> None:
-        """Give the focus back to what had it before the page was made anew."""
+        """Return the focus to the part that had it before the page was rebuilt."""
         wanted, self._wanted = self._wanted, ""
         part: QWidget | None = None
         if isinstance(wanted, tuple):
             key, by = wanted
-            # At an end of the list there is only the way back.
-            part = next((b for way in (by, -by) if (b := self._moving.get((key, way))) and b.isEnabled()), None)
+            # At an end of the list only the opposite direction is possible.
+            part = next((b for step in (by, -by) if (b := self._moving.get((key, step))) and b.isEnabled()), None)
         elif wanted:
             part = next(
                 (row.editor for key, row in self.rows.items() if key == wanted or key.startswith(f"{wanted}.")), None
             )
         if part is not None:
-            # What was just made can have the focus only once it is shown.
+            # A new widget accepts the focus only once it is visible.
             QTimer.singleShot(0, part, partial(self.focus_on, part))
 
     def focus_on(self, part: QWidget) -> None:
-        """Give a part of the page the focus, and bring it into sight."""
+        """Give a part of the page the focus, and scroll it into view."""
         part.setFocus()
         self._in_sight = part
         self._keep_in_sight()
@@ -203,7 +205,7 @@ class FieldsPage(QScrollArea):
         self.moved.emit(key, by)
 
     def _head(self, group: FormGroup, *, first: bool, whole: FormGroup) -> QVBoxLayout:
-        """Return a section's name and meaning, and its buttons."""
+        """Return a section's name, description and buttons."""
         head = spaced(QVBoxLayout(), GAP // 2)
         row = QHBoxLayout()
         name = label(group.label, "title" if first else "body", bold=True)
@@ -241,11 +243,11 @@ class FieldsPage(QScrollArea):
     def _fill_card(self, card: QWidget, fields: tuple[FormField, ...], *, narrow: bool) -> Iterator[None]:
         style_as_panel(card)
         column = spaced(QVBoxLayout(card), 0, 2 * GAP, GAP, 2 * GAP, GAP)
-        beside = Path() if self._draft is None else self._draft.path.parent
+        folder = Path() if self._draft is None else self._draft.path.parent
         for index, field in enumerate(fields):
             if index:
                 column.addWidget(_rule())
-            row = FieldRow(field, beside, partial(self._named, field.key), narrow=narrow)
+            row = FieldRow(field, folder, partial(self._named, field.key), narrow=narrow)
             row.edited.connect(self.edited)
             row.edit_finished.connect(self.edit_finished)
             row.reset.connect(self.reset)
@@ -259,7 +261,7 @@ class FieldsPage(QScrollArea):
         return () if self._draft is None else resources_for(key, self._draft)
 
     def _fill_adding(self, row: QHBoxLayout, group: FormGroup) -> None:
-        words = {RepeatKind.ROBOTS: "Add a robot with software of its own", RepeatKind.KEYS: "Add a key …"}
+        words = {RepeatKind.ROBOTS: "Add a robot with different software", RepeatKind.KEYS: "Add a key …"}
         what = words.get(group.repeats or RepeatKind.ITEMS, f"Add to {button_text(group.label)}")
         button = QPushButton(what)
         button.clicked.connect(lambda: self.added.emit(group.key))
@@ -282,7 +284,7 @@ class FieldsPage(QScrollArea):
 def _row(column: QVBoxLayout) -> QHBoxLayout:
     """Add an empty row at the end of a column that ends in a stretch.
 
-    PySide 6.11 crashes at the end of a window whose rows got a stretch before they were put into another layout.
+    PySide 6.11 crashes when a window closes if one of its rows got a stretch before it was put into another layout.
     """
     row = QHBoxLayout()
     column.insertLayout(column.count() - 1, row)
@@ -290,7 +292,7 @@ def _row(column: QVBoxLayout) -> QHBoxLayout:
 
 
 def _say(button: QPushButton, words: str, name: str) -> None:
-    """Tell assistive technology what a button does with the section of this name."""
+    """Set the accessible name of a button: its action and the name of the section."""
     button.setAccessibleName(words.format(name))
 
 
@@ -304,7 +306,7 @@ def _rule() -> QWidget:
 
 
 def _shape_of(group: FormGroup) -> tuple[str, ...]:
-    """Return the names by which a page is known to need the same widgets as before."""
+    """Return the names that decide whether a page needs the same widgets as before."""
     return (group.key, *(field.key for field in group.fields), *(inner.key for inner in group.groups))
 
 
@@ -312,7 +314,7 @@ class TextPage(QWidget):
     """The file as text.
 
     Attributes:
-        edited: a person wrote something: the whole text.
+        edited: a person typed something; the whole text.
     """
 
     edited = Signal(str)
@@ -341,11 +343,11 @@ class TextPage(QWidget):
             self.mark_unmodified()
         lines = [fault.line for fault in draft.faults if fault.line is not None and fault.path == draft.path]
         self.editor.setExtraSelections([self._selection(line) for line in lines])
-        told = "\n".join(
+        sentences = "\n".join(
             f"⚠ Line {fault.line}: {fault.problem}. {fault.remedy}." for fault in draft.faults if fault.line is not None
         )
-        self._fault.setText(told)
-        self._fault.setVisible(bool(told))
+        self._fault.setText(sentences)
+        self._fault.setVisible(bool(sentences))
 
     def go_to(self, line: int) -> None:
         """Put the cursor into a line, counted from 1."""
@@ -355,7 +357,7 @@ class TextPage(QWidget):
         self.editor.setFocus()
 
     def mark_unmodified(self) -> None:
-        """Mark the text as taken into the draft."""
+        """Mark the text as part of the draft."""
         self.editor.document().setModified(False)
 
     def _typed(self) -> None:

@@ -1,4 +1,4 @@
-"""Drawings of noise, painted in a thread beside the window's and shown when they are finished."""
+"""Drawings of noise, painted in a separate thread and shown when they are finished."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -35,10 +35,10 @@ PaintFunction = Callable[[NoisePreview, Canvas], QImage]
 
 
 class NoisePicture(QWidget):
-    """A widget that shows one drawing.
+    """Widget that shows one drawing.
 
     Attributes:
-        paint: makes the drawing.
+        paint: function that makes the drawing.
     """
 
     def __init__(self, paint: PaintFunction, name: str, height: int, resized: Callable[[], None]) -> None:
@@ -68,13 +68,13 @@ class NoisePicture(QWidget):
         painter.end()
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        """Have the drawing made anew."""
+        """Request a drawing in the new size."""
         super().resizeEvent(event)
         self._resized()
 
 
 class _Sheet:
-    """An image with meters on it: x to the right, y up, the same scale for both."""
+    """Image with a scale in meters: x to the right, y up, the same scale for both."""
 
     def __init__(self, canvas: Canvas, points: FloatArray) -> None:
         self.palette = canvas.palette
@@ -107,7 +107,7 @@ class _Sheet:
         self.painter.drawPolyline(self.polygon(points))
 
     def hairs(self, paths: FloatArray, colour: str, alpha: int) -> None:
-        """Draw many lines, (n, k, 2), each one pixel wide: thicker ones take ten times as long."""
+        """Draw many lines, (n, k, 2), each one pixel wide: thicker lines take ten times as long."""
         ink = QColor(colour)
         ink.setAlpha(alpha)
         pen = QPen(ink, 1.0)
@@ -124,7 +124,7 @@ class _Sheet:
         self.painter.drawPoints(self.polygon(points))
 
     def crosses(self, points: FloatArray, colour: str, size: float) -> None:
-        """Draw small crosses, which differ from dots without color."""
+        """Draw small crosses, which differ from dots even without color."""
         self.painter.setPen(QPen(QColor(colour), 1.4))
         for point in self.polygon(points).toList():
             x, y = point.x(), point.y()
@@ -150,7 +150,7 @@ class _Sheet:
 
 
 def fan_image(fan: PathSpread, other: PathSpread, canvas: Canvas, colour: str, *, dashed: bool) -> QImage:
-    """Draw a fan: the drive, 200 paths, the ellipse of their ends; at a scale at which the other fan fits, too."""
+    """Draw a fan: the drive, 200 paths, the ellipse of their ends. The scale also fits the other fan."""
     everything = np.concatenate([each.reshape(-1, 2) for one in (fan, other) for each in (one.paths, one.ellipse)])
     sheet = _Sheet(canvas, np.concatenate([everything, fan.driven]))
     sheet.hairs(fan.paths, colour, 70)
@@ -175,7 +175,7 @@ def scan_image(scan: RoomScan, canvas: Canvas) -> QImage:
 
 
 def fan_painter(course: Literal["straight", "square"], *, believed: bool) -> PaintFunction:
-    """Return what draws a course as the wheels report it, or as the particle filter believes it."""
+    """Return the function that draws a course as the wheels report it, or as the particle filter believes it."""
 
     def paint(preview: NoisePreview, canvas: Canvas) -> QImage:
         drive = preview.straight if course == "straight" else preview.square

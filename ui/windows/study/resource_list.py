@@ -1,4 +1,4 @@
-"""List of the maps, template sets, files, words or programs that a field may name, each with a look at it."""
+"""List of the maps, template sets, files, words or programs that a field may name, each with a preview."""
 
 from pathlib import Path
 
@@ -11,9 +11,9 @@ from ui.windows.look import GAP, px, spaced, style_as_panel
 from ui.windows.words_of_others import shown
 
 _LOOK = QSize(96, 64)
-"""Size of the picture beside a name, `px`."""
+"""Size of the picture next to a name, `px`."""
 _LINES = 40
-"""Height of the words where nothing has a picture, `px`."""
+"""Height of a text without a picture, `px`."""
 _FOLDERS = frozenset({"map", "templates", "dialogue.games", "dialogue.words"})
 """Fields that name folders."""
 _LISTS = frozenset({"ros_parameters"})
@@ -21,16 +21,16 @@ _LISTS = frozenset({"ros_parameters"})
 
 
 class ResourceList(QWidget):
-    """A list that opens below a field, and closes once something is chosen.
+    """List that opens below a field, and closes after a choice.
 
     Signals:
-        chosen: the value that the study shall have.
+        chosen: the value for the study.
 
     Args:
-        key: of the field.
-        resources: what it may name.
-        beside: folder of the study, from which paths start.
-        parent: the field's editor.
+        key: key of the field.
+        resources: resources that the field may name.
+        beside: folder of the study, to which paths are relative.
+        parent: editor of the field.
     """
 
     chosen = Signal(str)
@@ -41,7 +41,7 @@ class ResourceList(QWidget):
         style_as_panel(self)
         self._key, self._beside = key, beside
         self.list = QListWidget()
-        self.list.setAccessibleName("What the field may name")
+        self.list.setAccessibleName("Choices for the field")
         self.list.setIconSize(QSize(px(_LOOK.width()), px(_LOOK.height())))
         self.list.setWordWrap(True)
         for each in resources:
@@ -51,11 +51,11 @@ class ResourceList(QWidget):
                 item.setIcon(QIcon(QPixmap(str(each.picture))))
             self.list.addItem(item)
         if not resources and not is_path(key):
-            self.list.addItem(QListWidgetItem("None is installed"))
+            self.list.addItem(QListWidgetItem("None installed"))
             self.list.item(0).setFlags(Qt.ItemFlag.NoItemFlags)
         self.list.itemClicked.connect(self._choose)
         self.list.itemActivated.connect(self._choose)
-        self.other = QPushButton("Another …")
+        self.other = QPushButton("Browse …")
         self.other.clicked.connect(self._browse)
         self.other.setVisible(is_path(key))
         column = spaced(QVBoxLayout(self), GAP, GAP)
@@ -65,7 +65,7 @@ class ResourceList(QWidget):
         self.resize(px(380), px(min(4, max(1, len(resources))) * (height + 12) + (60 if is_path(key) else 20)))
 
     def open_below(self, editor: QWidget) -> None:
-        """Show the list below a widget, or above where the screen ends; ready for the keyboard."""
+        """Show the list below a widget, or above it if the screen ends there, and give the list the focus."""
         below, above = editor.mapToGlobal(QPoint(0, editor.height())), editor.mapToGlobal(QPoint(0, -self.height()))
         fits = below.y() + self.height() <= editor.screen().availableGeometry().bottom()
         self.move(below if fits else above)
@@ -74,7 +74,7 @@ class ResourceList(QWidget):
         (self.list if self.list.count() else self.other).setFocus()
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Close by Esc."""
+        """Close on Esc."""
         if event.key() == Qt.Key.Key_Escape:
             self.close()
         else:
@@ -99,7 +99,7 @@ class ResourceList(QWidget):
 
 
 def _as_written(path: Path, beside: Path, *, folder: bool) -> str:
-    """A path as a study has it: from the study's own folder where it lies in there; a folder with a slash."""
+    """Return a path as a study writes it: relative if it is in the study's folder; a folder starts with "./"."""
     if not path.resolve().is_relative_to(beside.resolve()):
         return str(path)
     inside = path.resolve().relative_to(beside.resolve())

@@ -1,4 +1,4 @@
-"""One field of the form: its name, meaning, value, the value's origin, and its faults."""
+"""Field of the form: its name, description, value, origin of the value, and faults."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -18,24 +18,24 @@ _EDITOR_WIDTH = 240
 _WIDE = 340
 """Width of the editor of a list, `px`."""
 _WIDEST = 360
-"""Greatest width of an editor, so that a button fits beside it in a small window; logical pixels."""
+"""Greatest width of an editor, logical pixels; a button fits next to it in a small window."""
 _NARROW = 128
-"""Width of an editor beside drawings, `px`."""
+"""Width of an editor next to drawings, `px`."""
 _WORDS = 240
-"""Width that words want beside their editor, `px`."""
+"""Width of the text next to an editor, `px`."""
 _NEVER_BESIDE = 10_000
 _STEPS = 1000
 """Number of steps of a slider."""
 
 
 class _Line(QLineEdit):
-    """A line edit that reports when it loses the focus, and when the list of what it may name is wanted."""
+    """Line edit that reports when it loses the focus, and when a person asks for the list of choices."""
 
     left = Signal()
     listed = Signal()
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Ask for the list by the key that opens lists elsewhere."""
+        """Request the list on the key that opens lists elsewhere."""
         if event.key() == Qt.Key.Key_Down:
             self.listed.emit()
         else:
@@ -47,7 +47,7 @@ class _Line(QLineEdit):
 
 
 class _Combo(ChoiceBox):
-    """A combo box that the wheel changes only while it has the focus, not by accident."""
+    """Combo box that the wheel changes only while it has the focus, to prevent accidents."""
 
     def wheelEvent(self, event: QWheelEvent) -> None:
         if self.hasFocus():
@@ -57,29 +57,29 @@ class _Combo(ChoiceBox):
 
 
 class _Slider(QSlider):
-    """A slider that the wheel never moves, as it would by accident on a page that scrolls."""
+    """Slider that the wheel never moves, to prevent accidents on a page that scrolls."""
 
     def wheelEvent(self, event: QWheelEvent) -> None:
         event.ignore()
 
 
 class FieldRow(FoldingRow):
-    """The row of a field.
+    """Row of a field.
 
     Args:
-        field: the field shown.
+        field: field shown.
         beside: folder of the study.
-        named: tells what the field may name just now.
-        narrow: whether drawings stand beside it.
+        named: function that returns the resources that the field may name at the moment.
+        narrow: True if drawings are next to the row.
 
     Attributes:
-        field: the field shown.
-        editor: the widget to type or to choose in.
-        last_widget: the widget that Tab reaches last in the row.
-        edited: a person typed or chose something: the field's key, and the text.
-        edit_finished: the person is done with the field.
-        reset: a person wants the field's default back.
-        file_wanted: a person wants to edit the file that the field names: the field's key.
+        field: field shown.
+        editor: widget to type or choose in.
+        last_widget: last widget of the row in the order of Tab.
+        edited: a person typed or chose a value: key of the field, and the text.
+        edit_finished: a person finished editing the field.
+        reset: a person wants to return the field to its default.
+        file_wanted: a person wants to edit the file that the field names; key of the field.
     """
 
     edited = Signal(str, str)
@@ -151,7 +151,7 @@ class FieldRow(FoldingRow):
         return "" if self._line is None else self._line.text()
 
     def show_field(self, field: FormField, faults: tuple[BadFile, ...]) -> None:
-        """Show the field's current value; a text that is being typed stays."""
+        """Show the field's current value; keep a text that is being typed."""
         self.field = field
         text = editable_text(field)
         if self._line is not None and not (self._line.hasFocus() and self._line.isModified()):
@@ -179,9 +179,9 @@ class FieldRow(FoldingRow):
 
     def show_faults(self, sentences: tuple[str, ...]) -> None:
         """Show the field's faults."""
-        told = "\n".join(f"⚠ {sentence[:1].upper()}{sentence[1:].rstrip('.')}." for sentence in sentences)
-        self._fault.setText(told)
-        self._fault.setVisible(bool(told))
+        text = "\n".join(f"⚠ {sentence[:1].upper()}{sentence[1:].rstrip('.')}." for sentence in sentences)
+        self._fault.setText(text)
+        self._fault.setVisible(bool(text))
 
     def _made_line(self, field: FormField) -> QWidget:
         line = self._line = follow_text(_Line(), lambda it: _set_muted(it, it.font().italic()))
@@ -200,7 +200,7 @@ class FieldRow(FoldingRow):
         return line
 
     def open_list(self) -> None:
-        """Open the list of what the field may name."""
+        """Open the list of resources that the field may name."""
         shown = ResourceList(self.field.key, self._named(), self._beside, self.editor)
         shown.chosen.connect(self._chosen)
         shown.open_below(self.editor)
@@ -263,7 +263,7 @@ class FieldRow(FoldingRow):
 
 
 def _arrow(colour: QColor) -> QIcon:
-    """The sign of a list that opens."""
+    """Return the sign of a list that opens."""
     side = px(16)
     pixmap = QPixmap(side, side)
     pixmap.fill(Qt.GlobalColor.transparent)
@@ -276,7 +276,7 @@ def _arrow(colour: QColor) -> QIcon:
 
 
 def _set_muted(line: QLineEdit, muted: bool) -> None:
-    """Show a default in italics; the words below say it, too."""
+    """Show a default in italics; the text below says it as well."""
     wanted = font()
     wanted.setItalic(muted)
     line.setFont(wanted)
@@ -291,7 +291,7 @@ def _slides(field: FormField) -> bool:
 
 
 def _value_at(field: FormField, place: int) -> str:
-    """Return the number at a slider's place: small ones have more space, since most noise is small."""
+    """Return the number at a slider's place. Small numbers get more space, since most noise is small."""
     share = place / _STEPS
     if field.minimum < 0:
         return f"{field.minimum + (field.maximum - field.minimum) * share:.3g}"

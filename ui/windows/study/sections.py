@@ -1,4 +1,4 @@
-"""The sections of a study as a tree, each with the numbers of its written and of its wrong fields."""
+"""Sections of a study as a tree, each with the numbers of its written and of its faulty fields."""
 
 from PySide6.QtCore import QSignalBlocker, Qt, Signal
 from PySide6.QtWidgets import QTreeWidget, QTreeWidgetItem
@@ -14,7 +14,7 @@ _KEY = Qt.ItemDataRole.UserRole
 
 
 class SectionTree(QTreeWidget):
-    """The tree of sections.
+    """Tree of sections.
 
     Attributes:
         chosen: a person wants to see the section with this key.
@@ -31,7 +31,7 @@ class SectionTree(QTreeWidget):
         self.currentItemChanged.connect(self._choose)
 
     def show_draft(self, draft: StudyDraft, key: str) -> None:
-        """Show the sections of a draft, with the one of this key chosen."""
+        """Show the sections of a draft, and select the one with this key."""
         groups = {group.key: group for group in draft.form.all_groups() if not group.key.startswith(f"{NOISE}.")}
         if set(groups) != set(self._items()):
             self._fill(draft.form, key)
@@ -46,7 +46,7 @@ class SectionTree(QTreeWidget):
             item.setData(0, Qt.ItemDataRole.AccessibleTextRole, ", ".join([group.label, *spoken]))
 
     def select(self, key: str) -> bool:
-        """Mark a section as chosen, without a signal; return False where there is none with this key."""
+        """Select a section without a signal; return False if no section has this key."""
         item = self._items().get(key)
         if item is None:
             return False
@@ -55,7 +55,7 @@ class SectionTree(QTreeWidget):
         return True
 
     def _fill(self, form: FormGroup, key: str) -> None:
-        """Make the tree anew; open sections stay open."""
+        """Rebuild the tree; open sections stay open."""
         opened = {own for own, item in self._items().items() if item.isExpanded()}
         self.blockSignals(True)
         self.clear()
@@ -91,5 +91,5 @@ def _made_item(group: FormGroup) -> QTreeWidgetItem:
 
 
 def _is_in(place: str, section: str) -> bool:
-    """Return True when a field lies in a section; in that of the whole study are those that lie in no other."""
+    """Return True if a field lies in a section. Fields outside all sections belong to that of the whole study."""
     return place.startswith((f"{section}.", f"{section}[")) if section else "." not in place

@@ -1,4 +1,4 @@
-"""Main window of the study editor, in which a study file is a form."""
+"""Main window of the study editor, which shows a study file as a form."""
 
 from functools import partial
 from itertools import pairwise
@@ -39,7 +39,7 @@ from ui.windows.words_of_others import title_text
 
 
 class StudyWindow(QMainWindow):
-    """Window of a study file: sections at the left, fields in the middle, noise drawn at the right, faults below."""
+    """Window of a study file: sections on the left, fields in the middle, noise drawings on the right, faults below."""
 
     def __init__(self, path: Path) -> None:
         """Open a study file.
@@ -63,7 +63,7 @@ class StudyWindow(QMainWindow):
         self.changes = ChangesPage()
         self.faults = FaultList(
             all_well(path, self.editor.draft.text),
-            lambda told: told.removeprefix(f"{path}, ").removeprefix(f"{path}: "),
+            lambda sentence: sentence.removeprefix(f"{path}, ").removeprefix(f"{path}: "),
         )
         self._title = label(path.name, "title", bold=True)
         self._state = label("", "small", muted=True)
@@ -90,7 +90,7 @@ class StudyWindow(QMainWindow):
             self._section_chosen(key)
 
     def open_field(self, key: str) -> None:
-        """Show a field, and have it ready to be typed in."""
+        """Show a field, and give its editor the focus."""
         section = key.rpartition(".")[0]
         while section and not self.sections.select(section):
             section = section.rpartition(".")[0]
@@ -110,7 +110,7 @@ class StudyWindow(QMainWindow):
 
     @Slot()
     def show_changes(self) -> None:
-        """Show what saving would change."""
+        """Show the changes that saving would make."""
         self._stack.setCurrentWidget(self.changes)
         self._show()
         self.changes.view.setFocus()
@@ -134,7 +134,7 @@ class StudyWindow(QMainWindow):
 
     @Slot()
     def _show(self) -> None:
-        """Update all that is visible."""
+        """Update everything that is visible."""
         draft, editor = self.editor.draft, self.editor
         groups = draft.groups()
         group = groups.get(self._key, draft.form)
@@ -246,15 +246,15 @@ class StudyWindow(QMainWindow):
             self.editor.change(f"+{key}.{name}", lambda draft: draft.add_key(draft.groups()[key], name), at_once=True)
 
     def _open_form(self, key: str) -> None:
-        """Edit the questionnaire that a step names in a window of its own; make the file first if there is none."""
+        """Edit the questionnaire that a step names in a separate window; create the file first if it does not exist."""
         name = editable_text(self.editor.draft.fields()[key])
-        beside, shipped = self.editor.path.parent, shipped_form(name, language_of(self.editor.draft))
-        path, start = beside / (name or "questionnaire.yaml"), START
+        folder, shipped = self.editor.path.parent, shipped_form(name, language_of(self.editor.draft))
+        path, start = folder / (name or "questionnaire.yaml"), START
         if not path.is_file():
             path = path if path.suffix else path.with_suffix(".yaml")
-            words = f"There is no {path.name} in the study's folder."
+            words = f"{path.name} does not exist in the study's folder."
             if shipped.is_file():
-                words = f"{name} comes with the program. {path.name} in the study's folder will be its copy."
+                words = f"{name} comes with the program. This creates a copy, {path.name}, in the study's folder."
                 start = shipped.read_text(encoding="utf-8")
             if not path.is_file() and not self._asked(words, f"Create {path.name}"):
                 return
@@ -276,7 +276,7 @@ class StudyWindow(QMainWindow):
         window.show()
 
     def _preview(self, key: str) -> None:
-        """Show a step as participants see it, in a window of its own."""
+        """Show a step as participants see it, in a separate window."""
         if self.editor.dirty or self.editor.draft.faults:
             what = "Save the file" if self.editor.dirty else "Correct the faults"
             self._failed(f"A preview shows the saved file. {what} first.")
@@ -297,7 +297,7 @@ class StudyWindow(QMainWindow):
 
     @Slot()
     def save(self) -> None:
-        """Write the file; ask first when it has faults, or when others wrote it."""
+        """Write the file; ask first if it has faults, or if another program changed it."""
         self._closing = False
         self.editor.save()
 
@@ -311,15 +311,15 @@ class StudyWindow(QMainWindow):
     @Slot()
     def _ask_unsound(self) -> None:
         count = len(self.editor.draft.faults)
-        words = "fault is" if count == 1 else "faults are"
-        if self._asked(f"{count} {words} left. Programs will refuse this study.", "Save anyway"):
+        words = "fault remains" if count == 1 else "faults remain"
+        if self._asked(f"{count} {words}. thbridge refuses a study with faults.", "Save anyway"):
             self.editor.save(with_faults=True)
         else:
             self._closing = False
 
     @Slot()
     def _ask_over(self) -> None:
-        if self._asked("The file was changed by another program since it was read here.", "Write over it"):
+        if self._asked("Another program changed the file since this window read it.", "Overwrite"):
             self.editor.save(with_faults=True, overwrite=True)
         else:
             self._closing = False
@@ -342,7 +342,7 @@ class StudyWindow(QMainWindow):
 
     @Slot()
     def _changed_outside(self) -> None:
-        self._banner_words.setText("Another program changed this file. What you see is what was read before.")
+        self._banner_words.setText("Another program changed this file. This window shows the earlier version.")
         self._banner.show()
 
     @Slot()
@@ -351,7 +351,7 @@ class StudyWindow(QMainWindow):
         self.editor.load_again()
 
     def closeEvent(self, event: QCloseEvent) -> None:
-        """Ask first when something would be lost."""
+        """Ask first if changes would be lost."""
         touched = bool(self.editor.history.past) or not self.editor.settled
         if self.editor.dirty and touched and not self._closing:
             box = QMessageBox(QMessageBox.Icon.Question, self.editor.path.name, "Save the changes?", parent=self)
@@ -393,7 +393,7 @@ class StudyWindow(QMainWindow):
         ):
             button = QPushButton(words)
             button.setToolTip(f"{words} ({key})")
-            button.setAccessibleDescription(f"Key {key}")
+            button.setAccessibleDescription(f"Shortcut: {key}")
             button.setCheckable(name in {"form", "text", "changes"})
             button.clicked.connect(slot)
             QShortcut(QKeySequence(key), self).activated.connect(slot)
@@ -414,7 +414,7 @@ class StudyWindow(QMainWindow):
         self.setCentralWidget(inside)
 
     def _order(self, page: FieldsPage) -> None:
-        """Set the order of Tab to that of the eye: the buttons above, sections, fields, effect of noise, faults."""
+        """Set the order of Tab to the reading order: buttons at the top, sections, fields, effect of noise, faults."""
         order = [self.search, *self._buttons.values(), self.sections]
         for before, after in pairwise(order):
             self.setTabOrder(before, after)
@@ -429,7 +429,7 @@ class StudyWindow(QMainWindow):
         row = QHBoxLayout(banner)
         words = label("")
         row.addWidget(words, 1)
-        load, keep = QPushButton("Load it"), QPushButton("Keep mine")
+        load, keep = QPushButton("Load the new version"), QPushButton("Keep mine")
         load.clicked.connect(self._load_again)
         keep.clicked.connect(banner.hide)
         row.addWidget(load)

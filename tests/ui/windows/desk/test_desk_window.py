@@ -110,7 +110,7 @@ def test_nothing_final_is_done_without_being_asked(desk: DeskWindow, qtbot: QtBo
         answering(words, reason)
         QTest.keyClick(desk, key, Qt.KeyboardModifier.ControlModifier)
 
-    press("N", "Begin")
+    press("N", "Start")
     press("E", "End", "felt sick")
     press("D", "Exclude", "knew the study")
     assert desk.heard[done:] == [
@@ -213,7 +213,7 @@ def test_it_can_be_used_by_screen_readers_and_by_keys_alone(desk: DeskWindow, st
     assert nameless(desk) == []
     assert against_the_eye(stops(desk)[:4], desk) == []
     names = {table.accessibleName() for table in (desk.cells, desk.runs, desk.events, desk.notes)}
-    assert names == {"Cells and quotas", "Runs", "Events of the run selected", "Notes"}
+    assert names == {"Cells and quotas", "Runs", "Events of the selected run", "Notes"}
     desk.activateWindow()
     visited = []
     desk.next.setFocus()
@@ -288,7 +288,7 @@ def test_status_export_and_backup_are_commands_of_the_desk(
     to_folder(tmp_path)
     at_folder.export.click()
     words, printed = finished(at_folder, qtbot)
-    assert words == "Export: not done. The reason is below."
+    assert words == "Export: failed. The reason is below."
     assert str(tmp_path) in "".join(printed.split())
 
 
@@ -350,7 +350,7 @@ def test_a_withdrawal_shows_what_it_deletes_and_is_asked_of_the_host(at_folder: 
     assert f"This withdraws {who} for good" in said[0]
     assert "will be deleted" in said[0]
     assert asked == []
-    naming(who, f"Delete all of {who}")
+    naming(who, f"Delete all data of {who}")
     at_folder.withdraw.click()
     assert asked == [WithdrawRun(who)]
 
@@ -360,7 +360,7 @@ def test_a_desk_that_only_watches_withdraws_by_the_command(
 ) -> None:
     at_folder.receive(structs.replace(state, read_only=READ_ONLY))
     who = next(run.participant for run in state.runs if run.state == "complete")
-    naming(who, f"Delete all of {who}")
+    naming(who, f"Delete all data of {who}")
     at_folder.withdraw.click()
     assert finished(at_folder, qtbot)[0] == "Withdraw: done."
     log = read_log(tmp_path / "study" / "store" / "log")

@@ -156,7 +156,7 @@ def test_a_file_changed_by_others_is_noticed_and_not_written_over(
     with answering("Cancel"), qtbot.waitSignal(window.editor.conflicted):
         window.save()
     assert file.read_text() == "robots: 3\n"
-    banner = next(button for button in window.findChildren(QPushButton) if button.text() == "Load it")
+    banner = next(button for button in window.findChildren(QPushButton) if button.text() == "Load the new version")
     qtbot.waitUntil(banner.isVisible)
     qtbot.mouseClick(banner, Qt.MouseButton.LeftButton)
     settled(qtbot, window)
@@ -336,7 +336,7 @@ def test_where_no_program_is_installed_the_list_says_so(window: StudyWindow, qtb
     window.open_field("dialogue.author")
     qtbot.keyClick(window.fields.rows["dialogue.author"].editor, Qt.Key.Key_Down)
     shown = next(each for each in QApplication.topLevelWidgets() if isinstance(each, ResourceList) and each.isVisible())
-    assert [shown.list.item(row).text() for row in range(shown.list.count())] == ["None is installed"]
+    assert [shown.list.item(row).text() for row in range(shown.list.count())] == ["None installed"]
     qtbot.keyClick(shown.list, Qt.Key.Key_Return)
     assert window.editor.draft.fields()["dialogue.author"].written is None
     qtbot.keyClick(shown, Qt.Key.Key_Escape)
