@@ -1,1 +1,1 @@
-"""Parts of windows in which files are edited."""
+"""Parts of windows that edit files."""

@@ -1,4 +1,4 @@
-"""Work in a thread beside the window, one piece after the other."""
+"""Work in a separate thread, one piece after the other."""
 
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
@@ -7,11 +7,11 @@ from PySide6.QtCore import QObject, Signal, Slot
 
 
 class BackgroundWorker(QObject):
-    """A thread for one kind of work. While it works, only the newest piece submitted is kept.
+    """Thread for one kind of work. While it works, it keeps only the newest of the waiting pieces.
 
     Attributes:
-        busy: True while a piece of work is being done.
-        done: the result of a piece of work, in the window's own thread.
+        busy: True while a piece of work is running.
+        done: result of a piece of work, in the window's own thread.
     """
 
     done = Signal(object)
@@ -25,14 +25,15 @@ class BackgroundWorker(QObject):
         self._ended.connect(self._finish)
 
     def ask(self, work: Callable[[], object]) -> None:
-        """Do this work next, in place of what waits."""
+        """Do this work next, in place of the piece that waits."""
         self._waiting = work
         if not self.busy:
             self._begin()
 
     def close(self) -> None:
-        """Finish the current work, and drop what waits."""
+        """Finish the current work, and drop the piece that waits."""
         self._waiting = None
+        # The result of the current work must not reach a window that closes.
         self._ended.disconnect(self._finish)
         self._pool.shutdown(wait=True, cancel_futures=True)
 
@@ -40,6 +41,7 @@ class BackgroundWorker(QObject):
         work, self._waiting = self._waiting, None
         if work is not None:
             self.busy = True
+            # The callback runs in the worker's thread; the queued signal moves the result to the window's thread.
             self._pool.submit(work).add_done_callback(self._ended.emit)
 
     @Slot(object)

@@ -1,4 +1,4 @@
-"""Page of what saving would change."""
+"""Page with the changes that saving would make."""
 
 from collections.abc import Sequence
 
@@ -9,25 +9,25 @@ from ui.windows.look import GAP, colours, fixed_font, follow_text, label, spaced
 
 
 class ChangesPage(QWidget):
-    """The changes that saving would make."""
+    """Changes that saving would make."""
 
     def __init__(self) -> None:
         super().__init__()
         self.view = QPlainTextEdit(readOnly=True)
-        self.view.setAccessibleName("What will be written")
+        self.view.setAccessibleName("Changes to write")
         follow_text(self.view, lambda it: it.setFont(fixed_font()))
         self._words = label("", muted=True)
         column = spaced(QVBoxLayout(self), GAP, 2 * GAP, GAP, 2 * GAP, 2 * GAP)
-        column.addWidget(label("What will be written", "title", bold=True))
+        column.addWidget(label("Changes to write", "title", bold=True))
         column.addWidget(self._words)
         column.addWidget(self.view, 1)
 
     def show_changes(self, lines: Sequence[str]) -> None:
-        """Show the lines that differ from what is on disk, as `diff -u` has them."""
+        """Show the lines that differ from the file on disk, in the form of `diff -u`."""
         added = sum(line.startswith("+") and not line.startswith("+++") for line in lines)
         gone = sum(line.startswith("-") and not line.startswith("---") for line in lines)
         self._words.setText(
-            f"Lines with + are new ({added}), lines with - go ({gone}); all others stay to the byte."
+            f"+ marks {added} new lines, - marks {gone} removed lines. All other lines stay exactly as they are."
             if lines
             else "Nothing has changed."
         )

@@ -1,4 +1,4 @@
-"""List of the faults of what is edited, and of notices, which are about entries without an effect."""
+"""List of the faults of an edited file, and of notices about entries without an effect."""
 
 from collections.abc import Callable, Sequence
 
@@ -12,11 +12,11 @@ _TALLEST = 104
 
 
 class FaultList(QWidget):
-    """A verdict, and below it every fault and notice.
+    """Verdict, with all faults and notices below it.
 
     Args:
-        fine: words for no faults.
-        shortened: returns a sentence without what the window shows anyway.
+        fine: sentence that is shown if there are no faults.
+        shortened: function that removes the part of a sentence that the window shows elsewhere.
 
     Attributes:
         chosen: a person wants to see the fault with this index.
@@ -50,7 +50,7 @@ class FaultList(QWidget):
         self.list.setVisible(bool(lines))
         _fit(self.list)
         words = f"{self._count} fault{'s' if self._count > 1 else ''}"
-        self._verdict.setText(f"⚠ {words}. F8 goes to the next." if self._count else f"✓ {self._fine}")
+        self._verdict.setText(f"⚠ {words}. Press F8 for the next one." if self._count else f"✓ {self._fine}")
         self._verdict.setProperty("bad", bool(self._count))
         self._verdict.style().unpolish(self._verdict)
         self._verdict.style().polish(self._verdict)
@@ -69,7 +69,7 @@ class FaultList(QWidget):
 
 
 def _fit(shown: QListWidget) -> None:
-    """Give the list the height of its rows and of the scroll bar below them, or of some of them."""
+    """Give the list the height of its rows and of its scroll bar, up to a limit."""
     height = sum(shown.sizeHintForRow(row) for row in range(shown.count())) + 2 * GAP
     height += shown.horizontalScrollBar().sizeHint().height()
     shown.setFixedHeight(min(px(_TALLEST), height))

@@ -1,1 +1,1 @@
-"""The kiosk's window: one page after the other, full screen, by mouse and by keyboard alone."""
+"""Window of the kiosk: one page after the other, full screen, usable by mouse or by keyboard alone."""

@@ -1,4 +1,4 @@
-"""A window whose host has died stays until another one opens in its place, so that nobody sees the desktop."""
+"""A window whose host has died stays open until another one replaces it, so that people never see the desktop."""
 
 import getpass
 from collections.abc import Callable
@@ -6,12 +6,12 @@ from collections.abc import Callable
 from PySide6.QtCore import QObject
 from PySide6.QtNetwork import QLocalServer, QLocalSocket
 
-_PATIENCE = 200
-"""Milliseconds for which another window is asked to go."""
+_TIMEOUT = 200
+"""Milliseconds to wait for the connection to an earlier window."""
 
 
 class Successor(QObject):
-    """Tells the window of an earlier program that this one is there, and hears of a later one.
+    """Informs the window of an earlier program that this one is open, and waits for a later window.
 
     Args:
         comes: called when a later window has opened.
@@ -22,7 +22,7 @@ class Successor(QObject):
         name = f"thbridge-kiosk-{getpass.getuser()}"
         asked = QLocalSocket(self)
         asked.connectToServer(name)
-        asked.waitForConnected(_PATIENCE)
+        asked.waitForConnected(_TIMEOUT)
         asked.disconnectFromServer()
         self._server = QLocalServer(self)
         self._server.newConnection.connect(comes)

@@ -1,4 +1,4 @@
-"""The kiosk's window: shows the page that its host sends, and tells what the person does there."""
+"""Window of the kiosk: shows the page that its host sends, and reports the person's actions."""
 
 import math
 import time
@@ -54,34 +54,34 @@ from ui.windows.participant_program import GamePage
 from ui.windows.preferences import Preferences, preferences_of
 
 END_KEYS = "Ctrl+Alt+Shift+Q"
-"""The researcher's keys that close the window at once."""
+"""Researcher's keys that close the window at once."""
 BEGIN_KEYS = "Ctrl+Alt+Shift+N"
-"""The researcher's keys that begin the run of the next person."""
+"""Researcher's keys that start the run of the next person."""
 STOP_KEYS = "Alt+F4"
-"""Anybody's keys that ask whether to leave, where no window manager has them."""
+"""Keys of everyone that ask whether to leave, if no window manager handles them."""
 HELP_KEY = HELP.keys[0]
 FRAME = 15
 """Milliseconds between two polls of a game's link."""
 WARNINGS = (60, 10)
-"""Seconds before the end of a game at which people are warned of it; from the first one on they see the seconds."""
+"""Seconds before the end of a game at which people are warned; from the first one, the seconds are shown."""
 
 
 def time_words(texts: Texts, seconds: int) -> str:
-    """Return a time in words: in whole minutes; in seconds only near its end, so that no clock ticks before."""
+    """Return a time in words: in whole minutes, and in seconds only near the end, so that no clock ticks before."""
     if seconds > WARNINGS[0]:
         return texts.text("kiosk.minutes_left", count=math.ceil(seconds / 60))
     return texts.text("kiosk.seconds_left", count=seconds)
 
 
 class ProgressStrip(QWidget):
-    """Progress of a person through the study, and the way out of it: a full screen has no cross.
+    """Progress of a person through the study, and the button to leave, since a full screen has no close button.
 
     Args:
-        texts: of the study.
+        texts: texts of the study.
 
     Attributes:
-        again: opens the instructions that they have read.
-        stop: asks whether they want to stop taking part.
+        again: button that opens the instructions read so far.
+        stop: button that asks whether the person wants to stop taking part.
     """
 
     def __init__(self, texts: Texts) -> None:
@@ -105,19 +105,19 @@ class ProgressStrip(QWidget):
         self.again.hide()
         row.addWidget(self.again)
         self.settings = ActionButton(texts, "small")
-        # Short, since the strip has little room: the sign for text of several sizes, without its key.
+        # Only "Aa", the sign for text of several sizes, and no key, since the strip has little room.
         self.settings.show_face(ButtonFace("Aa", hint=texts.text("settings.hint")), texts.text("settings.title"))
         self.settings.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         row.addWidget(self.settings)
         self.stop = ActionButton(texts, "small")
         stop = texts.text("kiosk.stop")
         self.stop.show_face(ButtonFace(stop, STOP_KEYS), stop)
-        # Pages have their own order of Tab, and get the focus back.
+        # Pages have their own order of Tab, and the focus returns to them.
         self.stop.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         row.addWidget(self.stop)
 
     def show_time(self, seconds: int | None) -> str:
-        """Show how long a game still lasts; None: no game. Return a warning when there is one to say."""
+        """Show the time left in a game; None if there is no game. Return a warning if one is due."""
         self._time.setVisible(seconds is not None)
         before, self._seconds = self._seconds, seconds
         if seconds is None:
@@ -133,7 +133,7 @@ class ProgressStrip(QWidget):
         return left if passed else ""
 
     def show_progress(self, way: StudyProgress) -> None:
-        """Show it; nothing where there are no steps."""
+        """Show the progress; hide the strip if there are no steps."""
         self.show_time(None)
         self.setVisible(way.steps > 0)
         words = self._texts.text("kiosk.step", step=way.step, steps=way.steps)
@@ -144,15 +144,15 @@ class ProgressStrip(QWidget):
 
 
 class LeavingPanel(TitledPanel):
-    """The question to a person who closes the window.
+    """Question to a person who closes the window.
 
     Args:
-        texts: of the study.
+        texts: texts of the study.
 
     Attributes:
-        stay: goes back to the study.
-        stop: ends the person's part.
-        close_button: closes the window.
+        stay: button back to the study.
+        stop: button that ends the person's part.
+        close_button: button that closes the window.
     """
 
     def __init__(self, texts: Texts) -> None:
@@ -172,8 +172,8 @@ class LeavingPanel(TitledPanel):
         """Show the question.
 
         Args:
-            takes_part: somebody is in the middle of the study.
-            can_stop: there is a host to be told that they stop.
+            takes_part: True if a person is in the middle of the study.
+            can_stop: True if a host can receive the message that they stop.
         """
         self.entitle(self._texts.text("kiosk.leave" if takes_part else "kiosk.close"))
         set_text(self.text, self._texts.text("kiosk.leave_text" if takes_part else "kiosk.close_text"))
@@ -183,16 +183,16 @@ class LeavingPanel(TitledPanel):
 
 
 class KioskWindow(QMainWindow):
-    """The window of one laboratory's computer.
+    """Window on one computer of the laboratory.
 
     Args:
-        texts: of the study.
-        preferences: of the person who takes part; they are forgotten when the next one comes.
-        send: sends to the host.
-        clock: monotonic seconds.
+        texts: texts of the study.
+        preferences: preferences of the participant; they are forgotten when the next one starts.
+        send: function that sends a message to the host.
+        clock: monotonic clock, seconds.
 
     Attributes:
-        game: the game that is shown; None on other pages.
+        game: game shown; None on other pages.
     """
 
     def __init__(
@@ -224,7 +224,7 @@ class KioskWindow(QMainWindow):
         self.overlay, self.leaving_panel = ModalOverlay(inside), LeavingPanel(texts)
         self.instructions = HelpSheet(texts)
         self._build_leaving()
-        # Until they are shown they are nobody's children.
+        # Until they are shown they have no parent, so Qt would not delete them with the window.
         self.destroyed.connect(self.leaving_panel.deleteLater)
         self.destroyed.connect(self.instructions.deleteLater)
         self.instructions.requested.connect(self._stay)
@@ -252,7 +252,7 @@ class KioskWindow(QMainWindow):
     # The host's messages
 
     def receive(self, message: ToKiosk) -> None:
-        """Act on a message of the host."""
+        """Act on a message from the host."""
         match message:
             case TextToRead(page=page, anew=anew):
                 if anew:
@@ -274,7 +274,7 @@ class KioskWindow(QMainWindow):
             case GameToJoin():
                 self._join(message)
             case GameNews(page=page) if self.game is not None and page == self._page:
-                self._tell_news(self.game, message)
+                self._show_news(self.game, message)
             case GameRecorded(page=page) if self.game is not None and self.game.is_over and page == self._page:
                 self.game.disconnect_from_game()
             case GameRecorded(page=page, heading=heading, text=text):
@@ -294,7 +294,7 @@ class KioskWindow(QMainWindow):
                 pass
 
     def leave(self) -> None:
-        """Say that the host is gone, and stay until another window opens, or the researcher closes this one."""
+        """Report that the host is gone. Stay open until another window opens, or the researcher closes this one."""
         if self._leaving or self._host_gone:
             return
         self._host_gone = True
@@ -303,7 +303,7 @@ class KioskWindow(QMainWindow):
         self._show_text(0, TextToRead(0, stopped, self._texts.text(text), button=""))
 
     def give_way(self) -> None:
-        """Close if nobody needs this window any more: another one has opened."""
+        """Close this window if its host is gone: another window has opened."""
         if self._host_gone:
             self._end()
 
@@ -347,29 +347,29 @@ class KioskWindow(QMainWindow):
         shown.went_on.connect(on)
         shown.declined.connect(shown.decline)
         shown.window_of_game.help.instructions = self._instructions
-        shown.help_shown.connect(self._tell_reading)
+        shown.help_shown.connect(self._report_reading)
         shown.seen_over.connect(lambda: self._send(GameSeenOver(game.page)))
         shown.require(game.to_do)
         self._show(game.page, shown, game.progress)
         self.game = shown
         self._offer_instructions()
 
-    def _tell_news(self, game: GamePage, news: GameNews) -> None:
-        """Show what must still be done and the time left; near the end of the game, say it once."""
+    def _show_news(self, game: GamePage, news: GameNews) -> None:
+        """Show the remaining tasks and the time left; near the end of the game, announce the time once."""
         game.require(news.to_do)
         warning = self.progress.show_time(news.seconds_left)
         if warning:
             QAccessible.updateAccessibility(QAccessibleAnnouncementEvent(self, warning))
 
     def _go_on(self, page: int) -> None:
-        """Tell that the person goes on, once."""
+        """Report once that the person continues."""
         self._leave_page(WentOn(page))
 
-    def _leave_page(self, told: WentOn | WentBack) -> None:
-        """Tell that the person leaves a page, once."""
-        if told.page == self._page:
+    def _leave_page(self, message: WentOn | WentBack) -> None:
+        """Report once that the person leaves a page."""
+        if message.page == self._page:
             self._page = -1
-            self._send(told)
+            self._send(message)
 
     def _show(self, number: int, page: QWidget, way: StudyProgress) -> None:
         self._leave_game()
@@ -388,38 +388,38 @@ class KioskWindow(QMainWindow):
             page.setFocus()
 
     def _offer_instructions(self) -> None:
-        """Offer to read the instructions again, where somebody has read some, and settings; not beside a game's own."""
+        """Offer the settings, and the instructions if the person has read some; a game offers its own."""
         offered = bool(self._instructions) and self._has_run and self.game is None
         self.progress.again.setVisible(offered)
-        # A game has a button of its own for them.
+        # A game has its own button for the settings.
         self.progress.settings.setVisible(self.game is None)
         self._reading_again.setEnabled(offered)
 
     def _read_again(self) -> None:
-        """Open the instructions, or close them."""
+        """Open or close the instructions."""
         if self.instructions.isVisible():
             self._stay()
         elif not self.overlay.isVisible():
             self.instructions.instructions = self._instructions
             self.instructions.show_help((), (), HELP_KEY)
             self._cover(self.instructions, 760)
-            self._tell_reading(is_open=True)
+            self._report_reading(is_open=True)
             self.instructions.close_button.setFocus(Qt.FocusReason.OtherFocusReason)
 
-    def _tell_reading(self, is_open: bool) -> None:
+    def _report_reading(self, is_open: bool) -> None:
         self._send(InstructionsNews(is_open, time.monotonic_ns()))
 
     def _cover(self, panel: TitledPanel | None, widest: int = 520) -> None:
-        """Show a panel above the page, whose keys do nothing meanwhile; None: the page alone."""
+        """Show a panel above the page and disable the page's keys. If None, show the page alone."""
         if self.instructions.isVisible():
-            self._tell_reading(is_open=False)
+            self._report_reading(is_open=False)
         self.pages.setEnabled(panel is None)
         self.overlay.show_panel(panel, widest)
 
     def _leave_game(self) -> None:
         if self.game is not None:
             if self.game.window_of_game.help.isVisible():
-                self._tell_reading(is_open=False)
+                self._report_reading(is_open=False)
             self.game.leave()
             self.game = None
             self._preferences.texts = self._texts
@@ -471,7 +471,7 @@ class KioskWindow(QMainWindow):
     # The window itself
 
     def changeEvent(self, event: QEvent) -> None:
-        """Tell when keys and clicks go elsewhere, and when they come back."""
+        """Report when keys and clicks go to another window, and when they return."""
         super().changeEvent(event)
         if event.type() != QEvent.Type.ActivationChange or self._leaving:
             return
@@ -482,27 +482,27 @@ class KioskWindow(QMainWindow):
             self._focused = has_focus
 
     def focusNextPrevChild(self, forward: bool) -> bool:
-        """Keep Tab from what lies behind the overlay."""
+        """Keep Tab inside the overlay."""
         return self.overlay.keeps_tab(forward=forward) or super().focusNextPrevChild(forward)
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        """Let the overlay cover all."""
+        """Let the overlay cover the whole window."""
         super().resizeEvent(event)
         self.overlay.setGeometry(self._inside.rect())
 
 
 class KioskProgram:
-    """Opens the window once its words have come; before that, nothing is shown.
+    """Opens the window after its texts have arrived; before that, nothing is shown.
 
     Args:
         app: the application.
-        choice: of colors.
-        send: sends to the host.
+        choice: choice of colors.
+        send: function that sends a message to the host.
         windowed: True for a window that does not fill the screen.
-        title: of the window; empty: the usual one.
+        title: title of the window; empty for the usual one.
 
     Attributes:
-        window: the window; None before it is opened.
+        window: the window; None before it opens.
     """
 
     def __init__(
@@ -516,7 +516,7 @@ class KioskProgram:
         self.window: KioskWindow | None = None
 
     def receive(self, message: ToKiosk) -> None:
-        """Act on a message of the host."""
+        """Act on a message from the host."""
         if self.window is not None:
             self.window.receive(message)
         elif isinstance(message, StudyTexts) and (texts := message.texts.texts()) is not None:
@@ -539,14 +539,14 @@ class KioskProgram:
             look.open_within_screen(window)
             window.show()
         else:
-            # Where no window manager runs, nobody else makes it as large as the screen.
+            # Set the size as well: without a window manager, full screen has no effect.
             window.setGeometry(window.screen().geometry())
             window.showFullScreen()
         return window
 
 
 def open_kiosk(choice: look.Choice, *, windowed: bool, title: str = "") -> int:
-    """Open the window for the host at standard input and output; returns when it is closed."""
+    """Open the window for the host at standard input and output; return when it is closed."""
     app = application()
     pipe = HostPipe(KIOSK)
     pipe.listen(KioskProgram(app, choice, pipe.send, windowed=windowed, title=title))

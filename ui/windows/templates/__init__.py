@@ -9,7 +9,7 @@ from ui.windows.templates.window import TemplateWindow
 
 
 def edit_templates(folder: Path, choice: Choice = "system") -> int:
-    """Open the window of a template set, and wait until it is closed; return the program's exit code.
+    """Open the window of a template set, wait until it is closed, and return the program's exit code.
 
     Raises:
         BadFile: one of its files cannot be read.

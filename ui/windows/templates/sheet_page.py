@@ -1,4 +1,4 @@
-"""Page with a sheet of a template set: a row a treasure or a property, a list of choices where there are some."""
+"""Page with a sheet of a template set: one row for each treasure or property, with lists of choices for some cells."""
 
 from collections.abc import Callable, Collection, Mapping
 from functools import partial
@@ -37,20 +37,20 @@ from ui.windows.look import GAP, follow_text, label, px, spaced
 _LOOK = QSize(48, 36)
 """Size of a picture in a cell, `px`."""
 _WIDEST = 260
-"""Width beyond which a column does not grow by itself, `px`."""
+"""Greatest automatic width of a column, `px`."""
 
 _Index = QModelIndex | QPersistentModelIndex
 
 
 class SheetPage(QWidget):
-    """A table whose cells are typed in or chosen, and buttons that add and remove rows.
+    """Table of cells to type or choose in, and buttons that add and remove rows.
 
     Signals:
-        changed: the files that a change changes, with their new texts.
+        changed: the files that a change affects, with their new texts.
 
     Args:
-        name: what the rows are, such as `treasure`.
-        sheet: returns the sheet on the texts as they are now; None: they cannot be read as one.
+        name: kind of the rows, such as `treasure`.
+        sheet: function that returns the sheet for the current texts; None if they cannot be read as one.
 
     Attributes:
         table: the cells.
@@ -81,10 +81,10 @@ class SheetPage(QWidget):
         self._meaning = label("", "small", muted=True)
         self._meaning.setWordWrap(True)
         self.add = QPushButton(f"Add a {name}")
-        self.copy = QPushButton("Copy it")
-        self.copy.setAccessibleName(f"Copy the {name} that is chosen")
-        self.remove = QPushButton("Remove it")
-        self.remove.setAccessibleName(f"Remove the {name} that is chosen")
+        self.copy = QPushButton("Copy")
+        self.copy.setAccessibleName(f"Copy the selected {name}")
+        self.remove = QPushButton("Remove")
+        self.remove.setAccessibleName(f"Remove the selected {name}")
         self.add.clicked.connect(self._add)
         self.copy.clicked.connect(self._copy)
         self.remove.clicked.connect(self._remove)
@@ -98,16 +98,16 @@ class SheetPage(QWidget):
         column.addLayout(buttons)
 
     def refresh(self, pictures: Mapping[str, bytes], faults: Collection[BadFile]) -> None:
-        """Show the sheet as the texts are now.
+        """Show the sheet for the current texts.
 
         Args:
-            pictures: the set's pictures, by name.
-            faults: of the set; those about a cell are marked there.
+            pictures: pictures of the set, by name.
+            faults: faults of the set; the table marks those about a cell.
         """
         sheet = self._shown = self._sheet()
         self.setEnabled(sheet is not None)
         if sheet is None:
-            self._meaning.setText("⚠ The file cannot be read as a table; its text says why.")
+            self._meaning.setText("⚠ The file cannot be read as a table. See the faults below.")
             return
         rows, wrong = sheet.rows, dict[tuple[int, int], str]()
         for fault in faults:
@@ -127,7 +127,7 @@ class SheetPage(QWidget):
         self._show_meaning()
 
     def go_to(self, fault: BadFile) -> bool:
-        """Choose the cell that a fault is about; return False where there is none."""
+        """Select the cell that a fault is about; return False if no cell is."""
         cell = None if self._shown is None else self._shown.cell_of(fault)
         if cell is None:
             return False
@@ -156,7 +156,7 @@ class SheetPage(QWidget):
         if sheet is None:
             return
         if self.table.currentRow() < 0:
-            self._meaning.setText("Choose a cell and type, or press F2.")
+            self._meaning.setText("Select a cell and type, or press F2.")
             return
         column = sheet.columns[item.column()]
         wrong = f"⚠ {item.toolTip()} " if item.toolTip() else ""
@@ -197,7 +197,7 @@ class SheetPage(QWidget):
 
 
 class _Choices(QStyledItemDelegate):
-    """Gives cells that have choices a list of them to choose from."""
+    """Gives cells with choices a list to choose from."""
 
     def __init__(self, table: QTableWidget, choices: Callable[[int], tuple[str, ...]]) -> None:
         super().__init__(table)
@@ -226,7 +226,7 @@ class _Choices(QStyledItemDelegate):
             super().setEditorData(editor, index)
 
     def setModelData(self, editor: QWidget, model: QAbstractItemModel, index: _Index) -> None:
-        """Put what was chosen into the cell."""
+        """Write the choice into the cell."""
         if isinstance(editor, ChoiceBox):
             model.setData(index, editor.currentText())
         else:
@@ -234,7 +234,7 @@ class _Choices(QStyledItemDelegate):
 
 
 def _fit(table: QTableWidget) -> None:
-    """Give each column the width of what is in it."""
+    """Give each column the width of its contents."""
     table.setIconSize(QSize(px(_LOOK.width()), px(_LOOK.height())))
     table.resizeColumnsToContents()
     for number in range(table.columnCount()):

@@ -50,21 +50,21 @@ from ui.windows.templates.sheet_page import SheetPage
 from ui.windows.words_of_others import button_text, shown, title_text
 
 _PAUSE = 250
-"""Milliseconds without a key after which what was typed is checked."""
+"""Milliseconds without a key press after which the text is checked."""
 _ROW_NAMES = {"Treasures": "treasure", "Properties": "property"}
 _LOOK = QSize(96, 96)
 """Size of a picture in the list, `px`."""
 
 
 class TemplateWindow(QMainWindow):
-    """Sheets and texts at the left, the preview and the pictures at the right, faults below.
+    """Sheets and texts on the left, the preview and the pictures on the right, faults below.
 
     Attributes:
-        sheets: the page of each sheet, by its title.
-        pages: the editor of each file, by its path in the folder.
-        changes: what saving would change.
-        words: menu of the words that hold where the cursor is.
-        draft: the texts as they were checked last.
+        sheets: page of each sheet, by its title.
+        pages: editor of each file, by its path in the folder.
+        changes: changes that saving would make.
+        words: menu of the words that are allowed at the cursor.
+        draft: texts at the latest check.
         preview: all sentences, as a robot would say them.
         faults: all faults.
     """
@@ -81,15 +81,16 @@ class TemplateWindow(QMainWindow):
         self.pages = {name: self._made_page(name, disk.text) for name, disk in self._on_disk.items()}
         self.sheets = {title: self._made_sheet(title) for title in sheets_of(self._shown_texts()) or ("Treasures",)}
         self.changes = ChangesPage()
-        # Names of the pages whose last steps are one step of the person, the latest last; and of steps taken back.
+        # Names of the pages changed by each step of the person, the latest step last; and of the steps that were
+        # undone.
         self._done: list[tuple[str, ...]] = []
         self._undone: list[tuple[str, ...]] = []
         self._step: list[str] | None = None
         self.draft: TemplateDraft | None = None
         self._new_pictures: dict[str, bytes] = {}
-        # Pictures as they were when others were put into their place.
+        # Original bytes of the replaced pictures.
         self._replaced: dict[str, bytes | None] = {}
-        # Of the texts when they had no faults last.
+        # Properties and pictures of the latest texts without faults.
         self._properties: tuple[TreasureProperty, ...] = ()
         self._pictures: Mapping[str, bytes] = {}
         self._pause = QTimer(self, singleShot=True, interval=_PAUSE)
@@ -97,10 +98,10 @@ class TemplateWindow(QMainWindow):
         self._worker = BackgroundWorker(self, "templates")
         self._worker.done.connect(self._checked)
         self.preview = QPlainTextEdit(readOnly=True)
-        self.preview.setAccessibleName("What robots would say")
+        self.preview.setAccessibleName("Preview of the robots' sentences")
         self.treasure, self.place = ChoiceBox(), ChoiceBox()
-        self.treasure.setAccessibleName("Treasure that the sentences are about")
-        self.place.setAccessibleName("Map whose numbers the sentences have")
+        self.treasure.setAccessibleName("Treasure in the sentences")
+        self.place.setAccessibleName("Map for the numbers in the sentences")
         self.place.addItems(["no map", *shipped().names("maps")])
         self.treasure.currentIndexChanged.connect(self._show_preview)
         self.place.currentIndexChanged.connect(self._show_preview)
@@ -108,8 +109,8 @@ class TemplateWindow(QMainWindow):
         self.pictures.setAccessibleName("Pictures of treasures")
         self.pictures.setIconSize(QSize(px(_LOOK.width()), px(_LOOK.height())))
         self.pictures.itemActivated.connect(self._change_picture)
-        self.word_button = QPushButton("Put in a word")
-        self.word_button.setAccessibleDescription("A word that stands for what is known at this line")
+        self.word_button = QPushButton("Insert a word")
+        self.word_button.setAccessibleDescription("Insert a word that stands for a fact known at this line")
         self.words = QMenu(self.word_button)
         self.words.aboutToShow.connect(self._offer_words)
         self.words.triggered.connect(self._put_in_word)
@@ -117,8 +118,8 @@ class TemplateWindow(QMainWindow):
         self.add_picture = QPushButton("Add a picture …")
         self.add_picture.clicked.connect(self._add_picture)
         self.faults = FaultList(
-            "No faults: this set can be played.",
-            lambda told: told.removeprefix(f"{folder}/").removeprefix(f"{folder}: "),
+            "No faults: the set can be played.",
+            lambda sentence: sentence.removeprefix(f"{folder}/").removeprefix(f"{folder}: "),
         )
         self.faults.chosen.connect(self._open_fault)
         QShortcut(QKeySequence("F8"), self).activated.connect(self.faults.choose_next)
@@ -127,11 +128,11 @@ class TemplateWindow(QMainWindow):
             (self.undo_button, "Ctrl+Z", self.undo),
             (self.redo_button, "Ctrl+Shift+Z", self.redo),
         ):
-            button.setAccessibleDescription(f"Key {keys}")
+            button.setAccessibleDescription(f"Shortcut: {keys}")
             button.clicked.connect(step)
             QShortcut(QKeySequence(keys), self).activated.connect(step)
         self.save_button = QPushButton("Save")
-        self.save_button.setAccessibleDescription("Key Ctrl+S")
+        self.save_button.setAccessibleDescription("Shortcut: Ctrl+S")
         self.save_button.clicked.connect(self.save)
         QShortcut(QKeySequence("Ctrl+S"), self).activated.connect(self.save)
         self._lay_out()
@@ -142,51 +143,51 @@ class TemplateWindow(QMainWindow):
     # Texts ------------------------------------------------------------------------------------------------------------
 
     def texts(self) -> dict[str, str]:
-        """Return the texts as they are typed, with the line ends of their files."""
+        """Return the texts as typed, with the line ends of their files."""
         return {
             name: with_line_ends_of(self._on_disk[name].text, exact_text(page)) for name, page in self.pages.items()
         }
 
     def changed(self) -> list[str]:
-        """Return the names of the files that are not those on disk: of texts, and of pictures put in."""
+        """Return the names of the files that differ from those on disk: of texts, and of inserted pictures."""
         return [*self._changed_texts(), *self._new_pictures]
 
     def _changed_texts(self) -> list[str]:
         return [name for name, text in self.texts().items() if text != self._on_disk[name].text]
 
     def _shown_texts(self) -> dict[str, str]:
-        """The texts with line ends as editors have them."""
+        """Return the texts with line ends as editors use them."""
         return {name: exact_text(page) for name, page in self.pages.items()}
 
     @Slot()
     def save(self) -> bool:
-        """Write what has changed, each file at once; return False where that was refused or not possible."""
+        """Write all changes, each file in one step. Return False if that was declined or not possible."""
         faults = template_draft(self.folder, self.texts(), self._new_pictures).faults
-        left = f"{len(faults)} {'fault is' if len(faults) == 1 else 'faults are'} left. Programs will refuse this set."
-        if faults and not self._asked(left, "Save anyway"):
+        count = f"{len(faults)} {'fault remains' if len(faults) == 1 else 'faults remain'}"
+        if faults and not self._asked(f"{count}. thbridge refuses a set with faults.", "Save anyway"):
             return False
         try:
             others = self._changed_by_others()
-            told = f"Another program has changed since they were read here: {', '.join(others)}."
-            if others and not self._asked(told, "Write over them"):
+            question = f"Another program changed these files since this window read them: {', '.join(others)}."
+            if others and not self._asked(question, "Overwrite"):
                 return False
             for name in self._changed_texts():
                 path = self.folder / name
                 self._on_disk[name] = write_edited(path, self.texts()[name], self._on_disk[name].marked)
             for name in list(self._new_pictures):
-                with suppress(OSError):  # told by the writing that follows
+                with suppress(OSError):  # The write below reports the error.
                     (self.folder / PICTURES).mkdir(exist_ok=True)
                 write_whole(path_inside(self.folder / PICTURES, name), self._new_pictures[name])
                 del self._new_pictures[name]
         except BadFile as fault:
-            self._tell(str(fault))
+            self._show_problem(str(fault))
             return False
         finally:
             self._show_state()
         return True
 
     def _changed_by_others(self) -> list[str]:
-        """Names of the files to be written that are no longer what was read."""
+        """Return the names of the files to be written that have changed since they were read."""
         texts = [name for name in self._changed_texts() if read_edited(self.folder / name) != self._on_disk[name]]
         return texts + [name for name in self._new_pictures if self._picture_on_disk(name) != self._replaced.get(name)]
 
@@ -197,7 +198,7 @@ class TemplateWindow(QMainWindow):
             return None
 
     def closeEvent(self, event: QCloseEvent) -> None:
-        """Ask first when something would be lost."""
+        """Ask first if changes would be lost."""
         if self.changed():
             box = QMessageBox(QMessageBox.Icon.Question, self.folder.name, "Save the changes?", parent=self)
             box.setObjectName("question")
@@ -211,7 +212,8 @@ class TemplateWindow(QMainWindow):
         self._worker.close()
         super().closeEvent(event)
 
-    # What follows from them -------------------------------------------------------------------------------------------
+    # Checks and updates after changes
+    # -----------------------------------------------------------------------------------
 
     @Slot()
     def _typed(self) -> None:
@@ -319,7 +321,7 @@ class TemplateWindow(QMainWindow):
         self._refresh_sheets()
 
     def _stepped(self, name: str) -> None:
-        """Note that a page has one more step to be taken back."""
+        """Note that a page has one more step that can be undone."""
         if self._step is not None:
             self._step.append(name)
         else:
@@ -332,12 +334,12 @@ class TemplateWindow(QMainWindow):
 
     @Slot()
     def undo(self) -> None:
-        """Take the last step back, in whatever file it was made."""
+        """Undo the last step, in any file."""
         self._go(self._done, self._undone, QPlainTextEdit.undo)
 
     @Slot()
     def redo(self) -> None:
-        """Make the step again that was taken back last."""
+        """Redo the step that was undone last."""
         self._go(self._undone, self._done, QPlainTextEdit.redo)
 
     def _go(
@@ -352,7 +354,7 @@ class TemplateWindow(QMainWindow):
             self._show_state()
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Leave the keys of undo and redo to the window: a page knows its own steps only."""
+        """Leave the undo and redo keys to the window, since a page knows only its own steps."""
         if event.type() == QEvent.Type.ShortcutOverride and isinstance(event, QKeyEvent) and _is_of_steps(event):
             event.ignore()
             return True
@@ -360,12 +362,12 @@ class TemplateWindow(QMainWindow):
 
     @Slot()
     def _offer_words(self) -> None:
-        """Offer the words that hold on the line of the cursor."""
+        """Offer the words that are allowed on the line of the cursor."""
         self.words.clear()
         page = self._questions()
         scenario = None if page is None else scenario_on(exact_text(page), page.textCursor().blockNumber() + 1)
         if scenario is None:
-            self.words.addAction("Words stand in questions only").setEnabled(False)
+            self.words.addAction("Words can only be inserted in questions").setEnabled(False)
             return
         for name, meaning in allowed_words(scenario, self._properties).items():
             self.words.addAction(button_text(f"£{name}£ – {meaning}")).setData(f"£{name}£")
@@ -378,18 +380,18 @@ class TemplateWindow(QMainWindow):
             page.setFocus()
 
     def _questions(self) -> QPlainTextEdit | None:
-        """The page that is open, if it holds questions."""
+        """Return the open page if it holds questions."""
         shown = self.tabs.currentWidget()
         pages = (page for name, page in self.pages.items() if Path(name).name == DIALOGUE_TEXT)
         return next((page for page in pages if page is shown), None)
 
     def _change_picture(self, item: QListWidgetItem) -> None:
-        """Put another image file into the place of a treasure's picture; it is written when the set is saved."""
+        """Replace a treasure's picture by another image file; saving the set writes it."""
         self._take_picture(item.data(Qt.ItemDataRole.UserRole))
 
     @Slot()
     def _add_picture(self) -> None:
-        """Put an image file beside the others, for a treasure that is to name it."""
+        """Add an image file to the others, for a treasure to name."""
         self._take_picture(None)
 
     def _take_picture(self, name: str | None) -> None:
@@ -399,18 +401,18 @@ class TemplateWindow(QMainWindow):
         try:
             data = Path(picked).read_bytes()
         except OSError as error:
-            self._tell(f"{picked}: it cannot be read ({error.strerror}).")
+            self._show_problem(f"{picked}: cannot be read ({error.strerror}).")
             return
         if QPixmap().loadFromData(data):
-            # The list of treasures takes names without blanks.
+            # Replace blanks, since the list of treasures allows none in names.
             taken = name or "_".join(Path(picked).name.split())
             self._replaced.setdefault(taken, self._picture_on_disk(taken))
             self._new_pictures[taken] = data
             self._typed()
         else:
-            self._tell(f"{picked}: this is no picture. Choose a PNG or JPEG file.")
+            self._show_problem(f"{picked}: this is not a picture. Choose a PNG or JPEG file.")
 
-    def _tell(self, words: str) -> None:
+    def _show_problem(self, words: str) -> None:
         box = QMessageBox(QMessageBox.Icon.Critical, self.folder.name, words, parent=self)
         box.setObjectName("question")
         box.exec()
@@ -431,7 +433,7 @@ class TemplateWindow(QMainWindow):
         follow_text(page, lambda it: it.setFont(fixed_font()))
         page.textChanged.connect(self._typed)
         page.document().undoCommandAdded.connect(partial(self._stepped, name))
-        page.setContextMenuPolicy(Qt.ContextMenuPolicy.NoContextMenu)  # its undo is the page's own
+        page.setContextMenuPolicy(Qt.ContextMenuPolicy.NoContextMenu)  # The menu would undo steps of this page only.
         page.installEventFilter(self)
         return page
 
@@ -465,7 +467,7 @@ class TemplateWindow(QMainWindow):
         choices.addWidget(self.treasure, 1)
         choices.addWidget(self.place, 1)
         column.addWidget(self.preview, 3)
-        column.addWidget(label("Pictures; Enter replaces one.", "small", muted=True))
+        column.addWidget(label("Pictures. Press Enter to replace one.", "small", muted=True))
         column.addWidget(self.pictures, 2)
         column.addWidget(self.add_picture)
         self.tabs.currentChanged.connect(lambda _: self.word_button.setVisible(self._questions() is not None))
@@ -491,7 +493,7 @@ def _is_of_steps(event: QKeyEvent) -> bool:
 
 
 def _replace_text(page: QPlainTextEdit, text: str) -> None:
-    """Write a text into a page, as one step that changes no more than what differs."""
+    """Write a text into a page, as one step that changes only the part that differs."""
     before = exact_text(page)
     if before == text:
         return
@@ -504,11 +506,11 @@ def _replace_text(page: QPlainTextEdit, text: str) -> None:
 
 
 def _same(one: str, other: str) -> int:
-    """Number of signs with which both begin."""
+    """Return the number of characters that both have in common at the beginning."""
     pairs = enumerate(zip(one, other, strict=False))
     return next((index for index, (a, b) in pairs if a != b), min(len(one), len(other)))
 
 
 def _units(text: str) -> int:
-    """Length as Qt counts it, in units of UTF-16."""
+    """Return the length as Qt counts it, in units of UTF-16."""
     return len(text.encode("utf-16-le", "surrogatepass")) // 2

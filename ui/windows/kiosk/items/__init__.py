@@ -1,1 +1,1 @@
-"""Items of forms: what is asked, and a field for each kind of answer."""
+"""Items of forms: a question, and a field for each kind of answer."""

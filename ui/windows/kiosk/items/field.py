@@ -1,4 +1,4 @@
-"""A field in which an item is answered, whatever its scale."""
+"""Field for the answer to an item, whatever its scale."""
 
 from PySide6.QtCore import Signal
 from PySide6.QtWidgets import QWidget
@@ -11,15 +11,15 @@ class AnswerField(QWidget):
     """Base class of the fields.
 
     Args:
-        item: what is answered.
-        texts: of the study.
+        item: item that is answered.
+        texts: texts of the study.
 
     Attributes:
-        touched: a person begins to answer.
-        changed: the answer is another one.
-        typed: likewise, in the middle of typing.
-        pasted: so many characters were pasted.
-        passed: a person is done with it, by the keyboard.
+        touched: a person starts to answer.
+        changed: the answer changed.
+        typed: the answer changed in the middle of typing.
+        pasted: number of characters that were pasted.
+        passed: a person finished the item with the keyboard.
     """
 
     touched = Signal()
@@ -35,24 +35,24 @@ class AnswerField(QWidget):
 
     @property
     def answer(self) -> Answer:
-        """The answer that is shown; None: none."""
+        """Answer shown; None if there is none."""
         raise NotImplementedError
 
     @property
     def problem(self) -> str:
-        """A sentence about what is there and is no answer; empty where nothing is wrong."""
+        """Sentence about an entry that is not a valid answer; empty if nothing is wrong."""
         return ""
 
     def show_answer(self, answer: Answer) -> None:
-        """Show an answer that was given before; None shows none."""
+        """Show an earlier answer. If None, show no answer."""
         raise NotImplementedError
 
     def take_key(self, text: str) -> bool:
-        """Answer by a digit or letter, if it stands for something here; True if it does."""
+        """Answer by a digit or letter. Return True if it stands for an answer here."""
         return False
 
     def focus_target(self) -> QWidget | None:
-        """Return the widget that gets the focus when the item does; None where it would look like an answer."""
+        """Return the widget that gets the focus when the item does; None if focus would look like an answer."""
         raise NotImplementedError
 
     def number(self, number: float) -> str:

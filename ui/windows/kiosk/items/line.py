@@ -1,4 +1,4 @@
-"""A line between two words, on which a person makes a mark; there is none before, for it would be an answer."""
+"""Line between two words on which a person makes a mark. It starts without a mark, since a mark would be an answer."""
 
 from PySide6.QtCore import QPointF, QRectF, QSize, Qt
 from PySide6.QtGui import QColor, QKeyEvent, QMouseEvent, QPaintEvent, QPen
@@ -11,16 +11,16 @@ from ui.windows.kiosk.items.field import AnswerField
 from ui.windows.look import GAP, RING, colours, px, smooth_painter, spaced
 
 _FINE = 1000
-"""Places of a mark on a line on which any value may be marked."""
+"""Number of places of a mark on a line without steps."""
 _MOST_TICKS = 21
 
 
 class MarkedLine(QSlider):
-    """The line. A click marks it there; arrows move the mark, from the middle if there is none.
+    """Line for a mark. A click sets the mark; arrow keys move it, starting from the middle.
 
     Args:
-        field: it belongs to.
-        places: places of a mark, from 0.
+        field: field that contains the line.
+        places: highest place of a mark, counted from 0.
     """
 
     def __init__(self, field: AnswerField, places: int) -> None:
@@ -33,7 +33,7 @@ class MarkedLine(QSlider):
         self.setFocusPolicy(Qt.FocusPolicy.TabFocus)
 
     def mark(self, place: int) -> None:
-        """Make the mark there, as a person does."""
+        """Set the mark there, as a person does."""
         self._field.touched.emit()
         before = self.value() if self.marked else None
         self.marked = True
@@ -43,27 +43,27 @@ class MarkedLine(QSlider):
         self.update()
 
     def sizeHint(self) -> QSize:
-        """Return a size that is easy to hit."""
+        """Return a size that is easy to click."""
         return QSize(px(300), px(40))
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
-        """Mark it where the pointer is."""
+        """Set the mark at the pointer."""
         if event.button() is Qt.MouseButton.LeftButton:
             self.mark(self._place(event.position().x()))
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
-        """Move the mark along."""
+        """Move the mark with the pointer."""
         if event.buttons() & Qt.MouseButton.LeftButton:
             self.mark(self._place(event.position().x()))
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
-        """Have the mark where it is."""
+        """Accept the mark."""
         if event.button() is Qt.MouseButton.LeftButton:
             self.setFocus(Qt.FocusReason.MouseFocusReason)
             self._field.changed.emit()
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Move the mark; go on by Enter."""
+        """Move the mark; Enter goes to the next item."""
         whole = self.maximum()
         at = self.value() if self.marked else whole // 2
         first = 0 if not self.marked else 1
@@ -117,7 +117,7 @@ class MarkedLine(QSlider):
 
 
 class LineField(AnswerField):
-    """A line on which a value is marked."""
+    """Field with a line on which a person marks a value."""
 
     def __init__(self, item: FormItem, texts: Texts) -> None:
         super().__init__(item, texts)
@@ -138,7 +138,7 @@ class LineField(AnswerField):
 
     @property
     def answer(self) -> Answer:
-        """See `AnswerField`, for all of these."""
+        """See `AnswerField`."""
         item, whole = self.item, self.line.maximum()
         if not self.line.marked:
             return None

@@ -14,21 +14,21 @@ from ui.windows.look import GAP, spaced
 from ui.windows.participant.widgets.buttons import ActionButton, ButtonFace, Weight
 
 _SHORT = 14
-"""Letters of an option that may stand beside others."""
+"""Largest number of letters in an option that can be next to others in a row."""
 _BESIDE = 4
-"""Options beside each other, at most."""
+"""Largest number of options in a row."""
 
 
 class OptionButton(ActionButton):
-    """An answer that is chosen or not; Enter chooses it, and once more goes on.
+    """Answer that is chosen or not. Enter chooses it; Enter again goes to the next item.
 
     Args:
-        field: it belongs to.
-        label: of the button.
-        name: for screen readers.
-        key: that chooses it; empty: it is on the label.
-        weight: of the button.
-        alone: True where no other one can be chosen beside it.
+        field: field that contains the button.
+        label: text on the button.
+        name: name for screen readers.
+        key: key that chooses it; empty if the key is on the label.
+        weight: weight of the button.
+        alone: True if choosing it excludes the others.
     """
 
     def __init__(
@@ -41,27 +41,27 @@ class OptionButton(ActionButton):
         self.show_face(ButtonFace(label, key), name)
         self.setAccessibleDescription(field.item.text)
         self.pressed.connect(field.touched)
-        # Keys go on where the mouse was; not before the click is over, for what gets the focus may scroll into sight.
+        # Let the keyboard continue where the mouse was. Wait for the end of the click, since focus may scroll the page.
         self.clicked.connect(lambda: self.setFocus(Qt.FocusReason.MouseFocusReason))
         self.choose(False)
 
     def choose(self, chosen: bool) -> None:
-        """Show that it is chosen, or is not. To screen readers one of several alone is a radio button."""
+        """Show whether the answer is chosen. To screen readers, an exclusive answer is a radio button."""
         self.setAutoExclusive(False)
         self.setChecked(chosen)
         self.setAutoExclusive(self._alone)
 
     def focusInEvent(self, event: QFocusEvent) -> None:
-        """Keep the others in reach of arrows: Qt would leave only one radio button of a group."""
+        """Keep the other buttons within reach of the arrow keys: Qt would leave only one radio button of a group."""
         super().focusInEvent(event)
         for other in self._field.findChildren(OptionButton):
             other.setFocusPolicy(Qt.FocusPolicy.TabFocus)
 
     def nextCheckState(self) -> None:
-        """Leave it to the field what is chosen."""
+        """Do nothing: the field decides which answer is chosen."""
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Go on by Enter from what is chosen already."""
+        """Let Enter go to the next item if this answer is already chosen."""
         if event.key() in (Qt.Key.Key_Return, Qt.Key.Key_Enter) and self.isChecked() and not event.isAutoRepeat():
             self._field.passed.emit()
         else:
@@ -69,7 +69,7 @@ class OptionButton(ActionButton):
 
 
 class PointsField(AnswerField):
-    """Points of a scale between two words, or each with a word of its own."""
+    """Points of a scale between two words, or each with its own word."""
 
     def __init__(self, item: FormItem, texts: Texts) -> None:
         super().__init__(item, texts)
@@ -103,7 +103,7 @@ class PointsField(AnswerField):
 
     @property
     def answer(self) -> Answer:
-        """See `AnswerField`, for all of these."""
+        """See `AnswerField`."""
         return next((index + 1.0 for index, button in enumerate(self.buttons) if button.isChecked()), None)
 
     def show_answer(self, answer: Answer) -> None:
@@ -130,7 +130,7 @@ class PointsField(AnswerField):
 
 
 class ChoiceField(AnswerField):
-    """Options, of which one or several are chosen."""
+    """Options; a person chooses one or several of them."""
 
     def __init__(self, item: FormItem, texts: Texts) -> None:
         super().__init__(item, texts)
@@ -146,7 +146,7 @@ class ChoiceField(AnswerField):
 
     @property
     def answer(self) -> Answer:
-        """See `AnswerField`, for all of these."""
+        """See `AnswerField`."""
         chosen = self._chosen()
         if self.item.several:
             return tuple(chosen) or None

@@ -1,4 +1,4 @@
-"""One item of a form: what is asked, its field, "not applicable", and what is missing."""
+"""Item of a form: a question, its field, "not applicable", and a note if an answer is missing."""
 
 import math
 from typing import Literal
@@ -20,10 +20,10 @@ from ui.windows.participant.widgets.focus import ARROWS, make_region, reachable
 from ui.windows.participant.widgets.painting import ring
 
 PAUSE = 700
-"""Milliseconds without typing after which what was typed so far is told."""
+"""Milliseconds without typing after which the text so far is reported."""
 
 LIMIT_WARNING = 10
-"""Seconds before the end of a longer time limit at which a screen reader says how many are left."""
+"""Seconds before the end of a longer time limit at which a screen reader announces the seconds left."""
 
 What = Literal["shown", "touched", "changed", "given", "pasted", "timed out"]
 
@@ -38,17 +38,17 @@ _FIELDS: dict[str, type[AnswerField]] = {
 
 
 class ItemPanel(QFrame):
-    """An item.
+    """Panel with one item of a form.
 
     Args:
-        item: as people see it.
-        number: of the item on its page, from 1.
-        of: items on the page.
-        texts: of the study.
+        item: item as people see it.
+        number: number of the item on its page, from 1.
+        of: number of items on the page.
+        texts: texts of the study.
 
     Attributes:
-        news: something happened with it; what, and how many characters were pasted.
-        passed: the person is done with it, by the keyboard.
+        news: something happened with the item: what, and how many characters were pasted.
+        passed: the person finished the item with the keyboard.
     """
 
     news = Signal(str, int)
@@ -101,14 +101,14 @@ class ItemPanel(QFrame):
 
     @property
     def answer(self) -> Answer:
-        """The answer that is shown."""
+        """Answer shown."""
         if self.not_applicable is not None and self.not_applicable.isChecked():
             return NOT_APPLICABLE
         return self.field.answer
 
     @property
     def lacks(self) -> str:
-        """A sentence about what is missing here; empty where nothing is."""
+        """Sentence about a missing answer; empty if nothing is missing."""
         if self.closed:
             return ""
         if self.answer is None and self.field.problem:
@@ -116,7 +116,7 @@ class ItemPanel(QFrame):
         return self._texts.text("forms.please_answer") if self.answer is None and self.item.required else ""
 
     def show_answer(self, answer: Answer) -> None:
-        """Show an answer that was given before."""
+        """Show an earlier answer."""
         refused = answer == NOT_APPLICABLE and self.not_applicable is not None
         if self.not_applicable is not None:
             self.not_applicable.choose(refused)
@@ -124,13 +124,13 @@ class ItemPanel(QFrame):
         self._name()
 
     def point_at_missing(self, sentence: str) -> None:
-        """Say what is missing; an empty sentence says nothing."""
+        """Show a sentence about a missing answer. If it is empty, hide the sentence."""
         self.missing.setText(sentence)
         self.missing.setVisible(bool(sentence))
         self._name()
 
     def show_left(self, seconds: float) -> bool:
-        """Show how much of its time limit is left, and close it at the end; True: it has just been closed."""
+        """Show the rest of the time limit, and close the item at the end. Return True if this closed it."""
         before, self._left = self._left, max(math.ceil(seconds), 0)
         if self.closed or self._left == before:
             return False
@@ -143,7 +143,7 @@ class ItemPanel(QFrame):
         return self.closed
 
     def close_item(self) -> None:
-        """Close it as it is: its time limit is over."""
+        """Close the item with the answer so far, since its time limit is over."""
         self.closed, self._ungiven = True, False
         self._pause.stop()
         self.field.setEnabled(False)
@@ -160,13 +160,13 @@ class ItemPanel(QFrame):
         QAccessible.updateAccessibility(QAccessibleAnnouncementEvent(self, sentence))
 
     def come_into_sight(self) -> None:
-        """Note that it is wholly in sight, for the first time."""
+        """Note the first time that the item is fully visible."""
         if not self._is_shown:
             self._is_shown = True
             self.news.emit("shown", 0)
 
     def go_on(self) -> None:
-        """Note that the person is somewhere else now: what is here is given."""
+        """Note that the person went elsewhere, which gives the answer."""
         if self._pause.isActive():
             self._changed()
         if self._ungiven:
@@ -174,7 +174,7 @@ class ItemPanel(QFrame):
             self.news.emit("given", 0)
 
     def focus_target(self) -> QWidget:
-        """Return the widget that gets the focus when the item does; the item itself where nothing is chosen yet."""
+        """Return the widget that gets the focus when the item does; the panel itself if nothing is chosen yet."""
         if self.closed:
             return self
         if self.not_applicable is not None and self.not_applicable.isChecked():
@@ -182,13 +182,13 @@ class ItemPanel(QFrame):
         return self.field.focus_target() or self
 
     def paintEvent(self, event: QPaintEvent) -> None:
-        """Draw the ring of the focus."""
+        """Draw the focus ring."""
         super().paintEvent(event)
         if self.hasFocus():
             ring(smooth_painter(self), QRectF(self.rect()).adjusted(-2, -2, 2, 2), colours().accent)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Answer by a digit, or refuse by N, where nothing is typed."""
+        """Answer by a digit, or choose "not applicable" by N, unless the focus is in a text field."""
         text = event.text().upper()
         keypad = Qt.KeyboardModifier.KeypadModifier
         if self.closed or event.modifiers() & ~keypad or event.isAutoRepeat():
@@ -236,14 +236,14 @@ class ItemPanel(QFrame):
         self.news.emit("changed", 0)
 
     def _name(self) -> None:
-        """Name it for screen readers: its question, its state, what is missing, and its time limit."""
+        """Name the item for screen readers: question, state, missing answer, and time limit."""
         texts, answer = self._texts, self.answer
         parts = [texts.text("forms.question", number=self._number, total=self._of, question=self.question.text())]
         if answer is None:
             parts.append(texts.text("forms.state_open"))
         else:
-            told = texts.text("forms.not_applicable") if answer == NOT_APPLICABLE else self.field.told(answer)
-            parts.append(texts.text("forms.state_answered", answer=told))
+            spoken = texts.text("forms.not_applicable") if answer == NOT_APPLICABLE else self.field.told(answer)
+            parts.append(texts.text("forms.state_answered", answer=spoken))
         if not self.missing.isHidden():
             parts.append(self.missing.text())
         if self.closed:

@@ -11,11 +11,11 @@ from ui.windows.kiosk.items.field import AnswerField
 from ui.windows.look import GAP, follow_text, px, spaced
 
 LONGEST = 20_000
-"""Characters of a text, at most."""
+"""Largest number of characters in a text."""
 
 
 class NumberField(AnswerField):
-    """A number, with its unit."""
+    """Number with its unit."""
 
     def __init__(self, item: FormItem, texts: Texts) -> None:
         super().__init__(item, texts)
@@ -36,7 +36,7 @@ class NumberField(AnswerField):
 
     @property
     def answer(self) -> Answer:
-        """See `AnswerField`, for all of these."""
+        """See `AnswerField`."""
         number = self._number()
         return number if number is not None and self.item.minimum <= number <= self.item.maximum else None
 
@@ -64,7 +64,7 @@ class NumberField(AnswerField):
 
 
 class LineOfTextField(AnswerField):
-    """A text of one line, such as a code."""
+    """Text of one line, such as a code."""
 
     def __init__(self, item: FormItem, texts: Texts) -> None:
         super().__init__(item, texts)
@@ -80,7 +80,7 @@ class LineOfTextField(AnswerField):
 
     @property
     def answer(self) -> Answer:
-        """See `AnswerField`, for all of these."""
+        """See `AnswerField`."""
         return self.line.text() if self.line.text().strip() else None
 
     def show_answer(self, answer: Answer) -> None:
@@ -93,10 +93,10 @@ class LineOfTextField(AnswerField):
 
 
 class FreeText(QPlainTextEdit):
-    """The place for a free text; what is pasted or dropped into it is told.
+    """Field for a free text that reports pasted and dropped text.
 
     Args:
-        field: it belongs to.
+        field: field that contains it.
     """
 
     def __init__(self, field: AnswerField) -> None:
@@ -106,7 +106,7 @@ class FreeText(QPlainTextEdit):
         follow_text(self, lambda it: it.setFixedHeight(px(88)))
 
     def insertFromMimeData(self, source: QMimeData) -> None:
-        """Take what is pasted as text, and tell how much."""
+        """Insert pasted text, and report its length."""
         before = len(self.toPlainText())
         super().insertFromMimeData(source)
         if source.hasText():
@@ -122,7 +122,7 @@ class FreeText(QPlainTextEdit):
 
 
 class TextField(AnswerField):
-    """A free text."""
+    """Free text."""
 
     def __init__(self, item: FormItem, texts: Texts) -> None:
         super().__init__(item, texts)
@@ -134,7 +134,7 @@ class TextField(AnswerField):
 
     @property
     def answer(self) -> Answer:
-        """See `AnswerField`, for all of these."""
+        """See `AnswerField`."""
         return self.text.toPlainText()[:LONGEST] if self.text.toPlainText().strip() else None
 
     def show_answer(self, answer: Answer) -> None:

@@ -1,1 +1,1 @@
-"""Pages of the kiosk: texts, and forms."""
+"""Pages of the kiosk: texts and forms."""

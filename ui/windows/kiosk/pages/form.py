@@ -1,4 +1,4 @@
-"""A page of a form: its items below one another, and what leads on."""
+"""Page of a form: its items one below another, and the buttons that lead on."""
 
 import time
 from collections.abc import Callable, Sequence
@@ -25,24 +25,24 @@ from ui.windows.participant.widgets.focus import make_region
 from ui.windows.participant.widgets.panels import set_text
 
 LIMIT_STEP = 100
-"""Milliseconds between two looks at time limits."""
+"""Milliseconds between two updates of time limits."""
 WIDEST = 860
-"""Width of the column of items at most, `px`: lines and scales that are longer are harder to read."""
+"""Largest width of the column of items, `px`: longer lines and scales are harder to read."""
 
 
 class FormPage(QWidget):
-    """A page of a form.
+    """Page of a form.
 
     Args:
         form: the page.
-        texts: of the study.
-        clock: monotonic seconds.
+        texts: texts of the study.
+        clock: monotonic clock, seconds.
 
     Attributes:
         news: an `ItemNews`.
-        went_on: all that is required is answered, and the person goes on.
-        went_back: the person goes back to the page before.
-        back: leads there; None: nothing does.
+        went_on: all required items are answered, and the person continues.
+        went_back: the person goes back to the previous page.
+        back: button to the previous page; None if there is no way back.
     """
 
     news = Signal(object)
@@ -72,7 +72,7 @@ class FormPage(QWidget):
             panel = ItemPanel(item, number, len(form.items), texts)
             if item.id in form.answers:
                 panel.show_answer(form.answers[item.id])
-            panel.news.connect(lambda what, characters, panel=panel: self._tell(panel, what, characters))
+            panel.news.connect(lambda what, characters, panel=panel: self._report(panel, what, characters))
             panel.passed.connect(lambda panel=panel: self._pass(panel))
             if item.id in form.timed_out:
                 panel.close_item()
@@ -96,7 +96,7 @@ class FormPage(QWidget):
         bar.rangeChanged.connect(lambda _least, _most: self._looking.start())
         bar.rangeChanged.connect(lambda _least, most: self._align_foot(bar.sizeHint().width() if most > 0 else 0))
         QApplication.instance().focusChanged.connect(self._follow)  # type: ignore[union-attr]  # there is one
-        self._tell_count()
+        self._show_count()
 
     def _build_foot(self, rows: QVBoxLayout) -> None:
         self._foot = QWidget()
@@ -113,7 +113,7 @@ class FormPage(QWidget):
         self.go_on.clicked.connect(self._leave)
 
     def _align_foot(self, scroll_bar: int) -> None:
-        """Keep the foot below the items, which stand beside a scroll bar of this width."""
+        """Keep the foot aligned with the items, which have a scroll bar of this width next to them."""
         self._foot.setContentsMargins(0, 0, scroll_bar, 0)
 
     def _add_to_foot(self, row: QHBoxLayout, button: ActionButton, label: str, shown: str, *keys: str) -> None:
@@ -125,7 +125,7 @@ class FormPage(QWidget):
             shortcut.activated.connect(button.click)
 
     def start(self) -> None:
-        """Give the focus to the first item without an answer, or to what the host found missing."""
+        """Give the focus to the first item without an answer, or to the first one that the host found missing."""
         missing = [panel for panel in self.panels if panel.item.id in self._form.missing]
         for panel in missing:
             panel.point_at_missing(self._texts.text("forms.please_answer"))
@@ -136,7 +136,7 @@ class FormPage(QWidget):
         first.focus_target().setFocus(Qt.FocusReason.OtherFocusReason)
 
     def focusNextPrevChild(self, forward: bool) -> bool:
-        """Go from item to item by Tab, to "not applicable" between them, and to what leads on in the end."""
+        """Let Tab move from item to item, to "not applicable" between them, and finally to the buttons that lead on."""
         stops: list[QWidget] = []
         for panel in self.panels:
             stops.append(panel.focus_target())
@@ -150,28 +150,28 @@ class FormPage(QWidget):
         return True
 
     def _stop_of(self, focused: QWidget | None, stops: Sequence[QWidget]) -> int:
-        """Index of the stop of the item in which something else has the focus."""
+        """Return the index of the stop of the item in which another widget has the focus."""
         panel = next((panel for panel in self.panels if focused is not None and panel.isAncestorOf(focused)), None)
         return -1 if panel is None else stops.index(panel.focus_target())
 
     def showEvent(self, event: QShowEvent) -> None:
-        """Look which items are in sight."""
+        """Check which items are visible."""
         super().showEvent(event)
         self._looking.start()
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        """Look anew."""
+        """Check again which items are visible."""
         super().resizeEvent(event)
         self._looking.start()
 
     def event(self, event: QEvent) -> bool:
-        """Look anew when something has another size."""
+        """Check again which items are visible when the layout changes."""
         if event.type() == QEvent.Type.LayoutRequest:
             self._looking.start()
         return super().event(event)
 
     def _look(self) -> None:
-        """Tell of items that are wholly in sight; of one that is higher than the window, its question."""
+        """Report items that are fully visible. For an item taller than the window, the question counts."""
         if not self.isVisible():
             return
         port = self._area.viewport()
@@ -183,7 +183,7 @@ class FormPage(QWidget):
                 panel.come_into_sight()
 
     def _follow(self, _before: QWidget | None, now: QWidget | None) -> None:
-        """Show the item that has the focus, and note that the person is there."""
+        """Scroll to the item that has the focus, and note that the person is there."""
         panel = next((panel for panel in self.panels if now is panel or (now and panel.isAncestorOf(now))), None)
         if panel is not None:
             self._area.ensureWidgetVisible(panel, 0, 2 * GAP)
@@ -194,23 +194,23 @@ class FormPage(QWidget):
             self._active.go_on()
         self._active = panel
 
-    def _tell(self, panel: ItemPanel, what: str, characters: int) -> None:
+    def _report(self, panel: ItemPanel, what: str, characters: int) -> None:
         if what in {"touched", "changed"}:
             self._enter(panel)
         moment = time.monotonic_ns()
         answer = panel.answer if what in {"changed", "given", "timed out"} else None
         self.news.emit(ItemNews(self._form.page, panel.item.id, what, moment, answer, characters))  # type: ignore[arg-type]
         if what in {"changed", "given", "timed out"}:
-            self._tell_count()
+            self._show_count()
 
     def _count_down(self) -> None:
-        """Show the time that is left of items with a time limit; what is closed leaves the focus to what leads on."""
+        """Show the time left for items with a time limit. When an item closes, focus moves to the continue button."""
         for panel in self.panels:
             if panel.item.seconds > 0.0 and panel.show_left(self._came + panel.item.seconds - self._clock()):
                 self.go_on.setFocus(Qt.FocusReason.OtherFocusReason)
 
     def _pass(self, panel: ItemPanel) -> None:
-        """Go on from an item to the next one."""
+        """Go from an item to the next one."""
         at = self.panels.index(panel) + 1
         target = self.panels[at].focus_target() if at < len(self.panels) else self.go_on
         target.setFocus(Qt.FocusReason.TabFocusReason)
@@ -218,7 +218,7 @@ class FormPage(QWidget):
             self._enter(None)
 
     def _leave(self) -> None:
-        """Go on, if nothing is missing; else point at all that is, and go to the first of it."""
+        """Continue if nothing is missing; otherwise mark all missing answers, and go to the first."""
         if self._is_new:
             return
         self._enter(None)
@@ -241,17 +241,17 @@ class FormPage(QWidget):
 
     @property
     def _is_new(self) -> bool:
-        """True while a press was meant for the page before."""
+        """True at first, when a press was meant for the previous page."""
         return self._clock() - self._came < READING
 
-    def _tell_count(self) -> None:
+    def _show_count(self) -> None:
         answered = sum(panel.answer is not None for panel in self.panels)
-        told = []
+        parts = []
         if self._form.parts > 1:
-            told.append(self._texts.text("forms.page", page=self._form.part, pages=self._form.parts))
+            parts.append(self._texts.text("forms.page", page=self._form.part, pages=self._form.parts))
         if len(self.panels) > 1:
-            told.append(self._texts.text("forms.answered", answered=answered, total=len(self.panels)))
-        set_text(self._count, " ".join(told))
+            parts.append(self._texts.text("forms.answered", answered=answered, total=len(self.panels)))
+        set_text(self._count, " ".join(parts))
 
 
 def _column(inside: QWidget, vertical: int = 2 * GAP) -> QVBoxLayout:

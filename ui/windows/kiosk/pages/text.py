@@ -18,22 +18,22 @@ from ui.windows.participant.widgets.panels import page_column
 from ui.windows.participant.widgets.reading import ReadingText
 
 SHORT = 500
-"""Letters of a text that stands in the middle of the page; a longer one is read in a panel that scrolls."""
+"""Letters of a text up to which it stands in the middle of the page; a longer one gets a panel that scrolls."""
 READING = 0.4
-"""Seconds for which a page that has just come is not left: a press was meant for the one before."""
+"""Seconds for which a new page ignores presses, since they were meant for the previous page."""
 _IN_A_GROUP = 4
 
 
 class ReadingPage(QWidget):
-    """A text to read.
+    """Page with a text to read.
 
     Args:
         page: the text.
-        texts: of the study.
-        clock: monotonic seconds.
+        texts: texts of the study.
+        clock: monotonic clock, seconds.
 
     Attributes:
-        went_on: the person goes on.
+        went_on: the person continues.
     """
 
     went_on = Signal()
@@ -73,7 +73,7 @@ class ReadingPage(QWidget):
         rows.addStretch(3)
 
     def start(self) -> None:
-        """Give the focus to what is read, or to the button."""
+        """Give the focus to the text, or to the button."""
         target = self.text or self.go_on
         if target is not None:
             target.setFocus(Qt.FocusReason.OtherFocusReason)
