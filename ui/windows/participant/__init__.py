@@ -1,4 +1,4 @@
-"""The participant's window."""
+"""Participant's window."""
 
 from ui.windows.participant.pages.start import StartPage
 from ui.windows.participant.window import ParticipantWindow

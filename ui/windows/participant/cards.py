@@ -1,4 +1,4 @@
-"""The robots beside the map."""
+"""Robots next to the map."""
 
 from PySide6.QtCore import QPointF, QRect, QRectF, QSize, Qt, Signal
 from PySide6.QtGui import QColor, QFontMetricsF, QPainter, QPaintEvent, QPen, QResizeEvent
@@ -25,16 +25,16 @@ from ui.windows.participant.widgets.painting import (
 
 PAD = 1.25 * GAP
 EDGE = 6.0
-"""Logical pixels above the first line and below the last one when there is little room."""
+"""Distance above the first line and below the last one when there is little room, logical pixels."""
 BAR = 7.0
 CLOSE, FAR = 3.0, 7.0
-"""Distance between the bar and the lines, logical pixels: with little room, and with enough."""
+"""Distance between the bar and the lines with little room, and with enough room, logical pixels."""
 BETWEEN = 3.0
-"""Distance between the lines of another commander and of what the robot does, logical pixels."""
+"""Distance between the line of another commander and the line of the robot's activity, logical pixels."""
 
 
 class CardFace(ParticipantButton):
-    """A card without its buttons; pressing it selects the robot."""
+    """Card without its buttons; pressing it selects the robot."""
 
     def __init__(self, texts: Texts, parent: QWidget) -> None:
         super().__init__(texts, parent)
@@ -43,10 +43,10 @@ class CardFace(ParticipantButton):
         self._button_width = 0
 
     def nextCheckState(self) -> None:
-        """Do nothing: the game decides whether it is checked, not a press."""
+        """Do nothing: the game decides whether the card is checked, not a press."""
 
     def show_card(self, card: RobotCard, button_width: int) -> None:
-        """Show this robot, with so much space for the button in the first line below the bar."""
+        """Show this robot; leave this width free for the button in the first line below the bar."""
         if (card, button_width) == (self._card, self._button_width):
             return
         if self._card is None or bool(self._card.commander) != bool(card.commander):
@@ -65,7 +65,7 @@ class CardFace(ParticipantButton):
         return QSize(px(200), int(self._high(CLOSE)))
 
     def paintEvent(self, _event: QPaintEvent) -> None:
-        """Draw name and energy; the bar; another commander; what the robot does and where; its progress."""
+        """Draw name and energy; the bar; another commander; activity and place; progress."""
         card = self._card
         if card is None:
             return
@@ -105,7 +105,7 @@ class CardFace(ParticipantButton):
 
     @classmethod
     def commander_high(cls) -> int:
-        """Return by how much a card is higher that shows another commander, logical pixels."""
+        """Return the extra height of a card that shows another commander, logical pixels."""
         return round(cls._line() + BETWEEN)
 
     @staticmethod
@@ -151,7 +151,7 @@ class CardFace(ParticipantButton):
 
     @staticmethod
     def _waits(painter: QPainter, waits: int, left: float, middle: float) -> None:
-        """Draw the number of things that wait for an answer."""
+        """Draw the number of items that wait for an answer."""
         palette, face = colours(), font("small", bold=True)
         metrics = QFontMetricsF(face)
         text, side = str(waits), metrics.height()
@@ -165,7 +165,7 @@ class CardFace(ParticipantButton):
 
     @staticmethod
     def _progress(painter: QPainter, rect: QRectF, share: float, colour: str) -> None:
-        """Draw a thin line along the lower edge, which grows with the distance driven."""
+        """Draw a thin line along the lower edge that grows with the distance driven."""
         y = rect.bottom() - 5.0
         reach = rect.left() + PAD + (rect.width() - 2.0 * PAD) * min(1.0, max(0.0, share))
         pen = QPen(QColor(colours().track), 3.0)
@@ -178,8 +178,10 @@ class CardFace(ParticipantButton):
 
 
 class Card(ActionWidget):
-    """A robot: its face, and a button that stops it while it drives, asks another commander to give it back, or takes
-    up again what was left where it stands.
+    """Card of a robot: its face and a button.
+
+    The button stops a driving robot, asks another commander to give the robot back, or takes up again a treasure that
+    was left at the robot's place.
     """
 
     def __init__(self, texts: Texts, parent: QWidget | None = None) -> None:
@@ -196,7 +198,7 @@ class Card(ActionWidget):
         follow_text(self, Card._fit)
 
     def show_card(self, card: RobotCard) -> None:
-        """Show this robot; does nothing when it is shown so already."""
+        """Show this robot; do nothing if it is already shown like this."""
         if card == self._card:
             return
         self._card = card
@@ -204,7 +206,7 @@ class Card(ActionWidget):
         self._fit()
 
     def _fit(self) -> None:
-        """Lay out the face and its button, by their words."""
+        """Lay out the face and its button according to their texts."""
         card = self._card
         if card is None:
             return
@@ -217,7 +219,7 @@ class Card(ActionWidget):
         self._place()
 
     def _offer(self, button: ActionButton, action: Action | None, spoken: str) -> int:
-        """Show an action on a button, or hide the button; return the width it needs. There is never more than one."""
+        """Show an action on a button, or hide the button. Return the width it needs. At most one button is visible."""
         if action is not None:
             button.show_action(action)
             button.setAccessibleName(spoken if action.enabled else self._texts.text("window.asked_for", name=spoken))
@@ -227,15 +229,15 @@ class Card(ActionWidget):
         return 0 if action is None else button.sizeHint().width() + GAP
 
     def sizeHint(self) -> QSize:
-        """Return that of its face."""
+        """Return the size hint of the face."""
         return self.face.sizeHint()
 
     def minimumSizeHint(self) -> QSize:
-        """Return that of its face."""
+        """Return the minimum size hint of the face."""
         return self.face.minimumSizeHint()
 
     def resizeEvent(self, _event: QResizeEvent) -> None:
-        """Put the buttons on the face, at its right."""
+        """Put the buttons on the right side of the face."""
         self._place()
 
     def _place(self) -> None:
@@ -245,10 +247,10 @@ class Card(ActionWidget):
 
 
 class Cards(ActionWidget):
-    """The cards of all robots, in the order of the team.
+    """Cards of all robots, in the order of the team.
 
     Attributes:
-        reveal: the card that should be seen.
+        reveal: card to scroll into view.
     """
 
     reveal = Signal(object)
@@ -262,16 +264,16 @@ class Cards(ActionWidget):
         self.cards: list[Card] = []
 
     def height_to_come(self) -> int:
-        """Return by how much the cards may yet grow, logical pixels.
+        """Return how much the cards may still grow, logical pixels.
 
-        Once somebody else has commanded a robot, each robot may be taken. The layout keeps this free below the cards,
-        so that what lies there does not move away from under the pointer.
+        Once another commander has taken a robot, each robot may be taken. The layout keeps this height free below the
+        cards, so that the rooms below never move away from under the pointer.
         """
         own = sum(not card.commander for card in self._shown) if self._others_command else 0
         return own * CardFace.commander_high()
 
     def show_cards(self, cards: tuple[RobotCard, ...]) -> None:
-        """Show these; does nothing when they are shown already."""
+        """Show these cards; do nothing if they are already shown."""
         if cards == self._shown:
             return
         selected = [card.robot for card in self._shown if card.selected]
@@ -293,7 +295,7 @@ class Cards(ActionWidget):
                 self.focus_selected()
 
     def focus_selected(self) -> None:
-        """Give the focus to the card of the robot selected: two framed cards would look selected both."""
+        """Give the focus to the card of the selected robot: with two framed cards, both would look selected."""
         for shown, card in zip(self.cards, self._shown, strict=True):
             if card.selected:
                 shown.face.setFocus(Qt.FocusReason.OtherFocusReason)
@@ -307,7 +309,7 @@ class Cards(ActionWidget):
 
 
 def _draw_line(painter: QPainter, line: QRectF, marked: Sign | None, ink: str, words: str, beside: str = "") -> None:
-    """Draw a line of a card: a sign and bold words, or plain words without a sign; and the words beside them."""
+    """Draw a line of a card: a sign with bold words, or plain words without a sign, and more words next to them."""
     small = QFontMetricsF(font("small"))
     left = line.left()
     if marked is not None:
@@ -324,7 +326,7 @@ def _draw_line(painter: QPainter, line: QRectF, marked: Sign | None, ink: str, w
 
 
 def draw_energy(painter: QPainter, rect: QRectF, card: RobotCard) -> None:
-    """Draw the energy left in the robot's color; the part that the considered move would cost is hatched."""
+    """Draw the energy left in the robot's color; the cost of the considered move is hatched."""
     palette = colours()
     colour = palette.robot(card.robot)
     full = max(card.energy_at_start, card.energy, 1e-9)
@@ -350,7 +352,7 @@ def draw_energy(painter: QPainter, rect: QRectF, card: RobotCard) -> None:
 
 
 def energy_words(texts: Texts, card: RobotCard) -> tuple[str, ...]:
-    """Return the energy left; while a move is considered, also its cost: the full words, and shorter ones."""
+    """Return the energy left, and the cost of a considered move: the full words, and shorter ones."""
     energy, left = texts.number(card.energy), card.energy
     if card.cost is None:
         shown = energy
@@ -365,7 +367,7 @@ def energy_words(texts: Texts, card: RobotCard) -> tuple[str, ...]:
 
 
 def spoken_card(texts: Texts, card: RobotCard) -> str:
-    """Return a card as screen readers say it."""
+    """Return a card as screen readers read it."""
     parts = [
         card.name,
         texts.text("window.selected") if card.selected else "",

@@ -1,4 +1,4 @@
-"""The column beside the map: robots above, rooms below them."""
+"""Column next to the map: robots on top, rooms below them."""
 
 import math
 
@@ -19,7 +19,7 @@ _SECTION = int(1.5 * GAP)
 
 
 class SideColumn(ActionWidget):
-    """Robots above rooms: where height is short, robots come closer, rooms fold, and only then something scrolls."""
+    """Robots above rooms. If height is short, robots move closer together, rooms fold, and finally parts scroll."""
 
     def __init__(self, texts: Texts) -> None:
         super().__init__()
@@ -46,7 +46,7 @@ class SideColumn(ActionWidget):
         self._place()
 
     def event(self, event: QEvent) -> bool:
-        """Divide the height anew when the number of robots or rooms has changed."""
+        """Divide the height again after a change of the number of robots or rooms."""
         if event.type() == QEvent.Type.LayoutRequest:
             self._place()
         return super().event(event)
@@ -62,7 +62,8 @@ class SideColumn(ActionWidget):
         to_come = self.cards.height_to_come()
         tiles = self.tiles.fit(wide, room - most - to_come, room - least - to_come)
         if least + tiles > room:
-            # Neither fits whole: each keeps at least two fifths, and what one does not need goes to the other.
+            # Not both fit completely: each keeps at least two fifths, and gives the height it does not need to the
+            # other.
             tiles = min(tiles, max(room - least, int(0.4 * room)))
         cards = min(most, room - tiles)
         to_come = min(to_come, room - tiles - cards)
@@ -74,7 +75,7 @@ class SideColumn(ActionWidget):
 
 
 class ColumnScrollArea(QScrollArea):
-    """A scroll area without a frame, which is visible only when its widget does not fit."""
+    """Scroll area without a frame; its scroll bar is visible only when its widget does not fit."""
 
     def __init__(self, inside: QWidget, parent: QWidget) -> None:
         super().__init__(parent)
@@ -85,7 +86,7 @@ class ColumnScrollArea(QScrollArea):
         self.setWidget(inside)
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Report another size of the widget inside to the layout."""
+        """Ask the layout for a new size when the widget inside changes its size."""
         if event.type() == QEvent.Type.LayoutRequest:
             self.updateGeometry()
         return super().eventFilter(watched, event)

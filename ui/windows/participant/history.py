@@ -1,4 +1,4 @@
-"""The game's history as text."""
+"""History of the game as text."""
 
 from PySide6.QtCore import QSize
 from PySide6.QtGui import QColor, QFont, QTextCharFormat, QTextCursor
@@ -10,11 +10,11 @@ from ui.windows import look
 from ui.windows.look import GAP, colours, follow_text, font, px
 
 MAX_LINES = 500
-"""Most lines that are shown."""
+"""Largest number of lines shown."""
 
 
 class HistoryView(QPlainTextEdit):
-    """All sentences and events of the game, the newest at the bottom, as text that can be copied."""
+    """All sentences and events of the game as text that can be copied, the newest at the bottom."""
 
     def __init__(self, texts: Texts, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -35,15 +35,15 @@ class HistoryView(QPlainTextEdit):
         self.setMaximumHeight(px(160))
 
     def sizeHint(self) -> QSize:
-        """Return a size of some lines, which goes down to two where there is little space."""
+        """Return a size of some lines; with little space, the view shrinks to two lines."""
         return QSize(px(300), px(160))
 
     def height_over(self, height: int) -> int:
-        """Return the height that it has over a map of this height, logical pixels."""
+        """Return the height of the view above a map of this height, logical pixels."""
         return max(self.minimumHeight(), min(self.maximumHeight(), height // 3))
 
     def show_history(self, history: tuple[HistoryLine, ...]) -> None:
-        """Show this; only new lines are written."""
+        """Show this history; only new lines are written."""
         if history == self._shown:
             return
         new = _new(self._shown, history)
@@ -54,7 +54,7 @@ class HistoryView(QPlainTextEdit):
             self._write(line)
 
     def repaint_words(self) -> None:
-        """Write it anew in the colors in force."""
+        """Write the history again in the current colors."""
         shown, self._shown = self._shown, ()
         self.show_history(shown)
 
@@ -77,7 +77,7 @@ class HistoryView(QPlainTextEdit):
 
 
 def _new(shown: tuple[HistoryLine, ...], history: tuple[HistoryLine, ...]) -> tuple[HistoryLine, ...]:
-    """Return the lines that follow those shown, of which the oldest may be gone by now."""
+    """Return the lines that follow those shown; the oldest of them may have been removed."""
     for gone in range(len(shown) + 1):
         kept = len(shown) - gone
         if shown[gone:] == history[:kept]:

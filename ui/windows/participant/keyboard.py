@@ -1,4 +1,4 @@
-"""Keys of the window: one shortcut each, so that the widget with the focus takes none, and none counts twice."""
+"""Keys of the window: one shortcut each, so that the focused widget receives none, and none counts twice."""
 
 import string
 from collections.abc import Callable
@@ -16,7 +16,7 @@ _NAMES = {
     **{key: key for key in ("Tab", "Shift+Tab", "Enter", "Esc", "Space", "Up", "Down", "Home", "End", "F1")},
     "Return": "Enter",
 }
-"""Name of a key in `ui.model.playing.keys`, by Qt's name of it."""
+"""Name of a key in `ui.model.playing.keys`, by Qt's name for it."""
 
 _REPEATING = ("Tab", "Shift+Tab", "Up", "Down")
 
@@ -24,11 +24,11 @@ _REPEATING = ("Tab", "Shift+Tab", "Up", "Down")
 class KeyboardShortcuts:
     """Turns keys into acts.
 
-    A key that means nothing on the screen shown stays with the widget that has the focus: Tab goes from button to
-    button on a page of text, arrows scroll it.
+    A key without a meaning on the current screen goes to the widget with the focus. On a page of text, Tab then moves
+    from button to button, and arrow keys scroll.
 
     Args:
-        window: the window with the keys.
+        window: window with the keys.
         do: called with the act of a pressed key.
     """
 
@@ -39,7 +39,7 @@ class KeyboardShortcuts:
         self._shortcuts = {key: self._shortcut(window, key) for key in _NAMES}
 
     def show_screen(self, screen: Screen) -> None:
-        """Give the keys the meanings that they have on this screen."""
+        """Give the keys their meanings on this screen."""
         self._screen = screen
         for key, shortcut in self._shortcuts.items():
             act = act_for(_NAMES[key], screen)
@@ -47,7 +47,7 @@ class KeyboardShortcuts:
             shortcut.setEnabled(act is not None)
 
     def type(self, event: QKeyEvent) -> None:
-        """Do the act of a letter that has no shortcut: one of another alphabet."""
+        """Do the act of a letter of another alphabet, which has no shortcut."""
         letter = event.text().upper()
         if is_letter(letter) and letter not in _NAMES and self._screen is not None and not event.isAutoRepeat():
             act = act_for(letter, self._screen)

@@ -1,4 +1,4 @@
-"""The map with the banner and the history over its edges, and the place of pop-ups over one of its corners."""
+"""Map with the banner and the history over its edges, and with pop-ups over one of its corners."""
 
 from collections.abc import Callable, Sequence
 
@@ -17,17 +17,17 @@ MAX_PANEL_WIDTH = 620
 """Greatest width of a panel in the middle, `px`."""
 
 Corner = tuple[bool, bool]
-"""A corner of the map: at the right or not, at the bottom or not."""
+"""Corner of the map: True for right, True for bottom."""
 
 _CORNERS: tuple[Corner, ...] = ((True, True), (True, False), (False, True), (False, False))
 
 
 class MapArea(QWidget):
-    """The map, which always fills it; over it a banner, the history, and at most one panel.
+    """Map that fills the whole area; over it a banner, the history, and at most one panel.
 
-    A pop-up about a robot covers the corner of the map that is farthest from what it is about. It stays there while it
-    is about that robot, unless robot or room would be hidden. It takes half of the map at most, and two thirds of its
-    height, unless its words need more; where no corner is free for it, it is as much lower as its words allow.
+    A pop-up about a robot covers the corner of the map that is farthest from its subject. It stays there as long as it
+    is about that robot, unless it would hide the robot or the room. It covers at most half of the map and two thirds of
+    its height, unless its words need more. If no corner is free, the pop-up becomes as low as its words allow.
     Any other panel is in the middle. Nothing moves the map.
     """
 
@@ -58,10 +58,12 @@ class MapArea(QWidget):
 
         Args:
             panel: the panel.
-            robot: index of the robot that a pop-up is about; pop-ups about the same robot stay in the same corner. None
-                puts the panel in the middle.
-            subject: what a pop-up is about: while that is the same, it never gets lower.
-            about: returns the places on the map that a pop-up should leave in sight, pixels, the most important first.
+            robot: index of the robot that a pop-up is about; pop-ups about the same robot stay in the same corner. If
+                None,
+                the panel is in the middle.
+            subject: subject of a pop-up. While it is the same, the pop-up never gets lower.
+            about: function that returns the places on the map that a pop-up should leave visible, pixels, the most
+                important first.
         """
         self._about = about
         if (robot, subject) != (self._robot, self._subject):
@@ -84,9 +86,9 @@ class MapArea(QWidget):
         self._place()
 
     def keep_in_sight(self) -> None:
-        """Move the pop-up to another corner if it hides what it is about, and would hide less there.
+        """Move the pop-up to another corner if it hides its subject, and would hide less there.
 
-        Where the map follows the robot, the map moves instead: it is kept in the middle of the part left free.
+        If the map follows the robot, the map moves instead: the robot is kept in the middle of the free part.
         """
         self._map.sight = None
         if self._panel is None or self._robot is None or self._corner is None:
@@ -101,20 +103,20 @@ class MapArea(QWidget):
             self._place()
 
     def place_anew(self) -> None:
-        """Lay everything out anew, since the map has changed; a pop-up may get another corner."""
+        """Lay out everything again after a change of the map; a pop-up may get another corner."""
         self._corner, self._high = None, 0
         self._place()
 
     def resizeEvent(self, _event: QResizeEvent) -> None:
-        """Lay everything out anew."""
+        """Lay out everything again."""
         self.place_anew()
 
     def showEvent(self, _event: QShowEvent) -> None:
-        """Lay everything out anew: while it was hidden, Qt told the map no new size."""
+        """Lay out everything again: while the area was hidden, Qt did not report new sizes to the map."""
         self.place_anew()
 
     def event(self, event: QEvent) -> bool:
-        """Lay out anew when a panel's words have changed, which may need another size."""
+        """Lay out again after a change of a panel's words, which may need another size."""
         if event.type() == QEvent.Type.LayoutRequest:
             self._place()
         return super().event(event)
@@ -133,7 +135,7 @@ class MapArea(QWidget):
             return
         space = self._space()
         if self._robot is None:
-            # Below the banner: in a low window it would hide the title.
+            # Below the banner, which would hide the title in a low window.
             space.setTop(space.top() + self.banner.height_for(space.width()))
             size = panel.wanted(min(px(MAX_PANEL_WIDTH), space.width()), space.height())
             place = QRect(QPoint(0, 0), size)
@@ -157,7 +159,7 @@ class MapArea(QWidget):
         panel.raise_()
 
     def _place_banner(self) -> None:
-        """Put the banner along the upper edge of the map, or the lower one where a pop-up is above."""
+        """Put the banner along the upper edge of the map, or along the lower edge if a pop-up is at the top."""
         width = self.width() - 2 * GAP
         high = self.banner.height_for(width)
         above = self._panel is None or self._robot is None or self._corner is None or self._corner[1]
@@ -171,10 +173,11 @@ class MapArea(QWidget):
         return self.rect().adjusted(GAP, GAP, -GAP, -GAP - below)
 
     def _best_corner(self, size: QSize, space: QRect) -> Corner:
-        """Return the corner in which a pop-up hides least of what it is about, and is farthest from it.
+        """Return the corner in which a pop-up hides least of its subject, and is farthest from it.
 
-        A robot that is followed is in the middle of the view wherever it is: then its place on the whole map counts,
-        and the view has room to move to the free side.
+        A followed robot is always in the middle of the view. In this case its place on the whole map counts, and the
+        view
+        can move to the free side.
         """
         if self._robot is not None and self._map.followed == self._robot:
             opposite = self._map.opposite_corner(self._robot)
@@ -189,7 +192,7 @@ class MapArea(QWidget):
         return max(_CORNERS, key=merit)
 
     def _hides(self, place: QRect) -> int:
-        """Return how much of what a pop-up is about it would hide: the earlier of the places count for more."""
+        """Return how much of its subject a pop-up would hide; earlier places count more."""
         about = self._about()
         return sum(2 ** (len(about) - at) for at, part in enumerate(about) if place.intersects(part))
 
@@ -198,17 +201,17 @@ class MapArea(QWidget):
         return self._hides(self._at(self._best_corner(size, space), size, space))
 
     def _free(self, panel: QRect) -> QRect:
-        """Return the part of the map beside a pop-up in a corner, or the one above or below it if that is wider."""
-        beside, over = self._space(), self._space()
-        if panel.center().x() > beside.center().x():
-            beside.setRight(panel.left())
+        """Return the part of the map next to a pop-up in a corner, or the part above or below it if that is wider."""
+        next_to, over = self._space(), self._space()
+        if panel.center().x() > next_to.center().x():
+            next_to.setRight(panel.left())
         else:
-            beside.setLeft(panel.right())
+            next_to.setLeft(panel.right())
         if panel.center().y() > over.center().y():
             over.setBottom(panel.top())
         else:
             over.setTop(panel.bottom())
-        return max(beside, over, key=lambda part: min(part.width(), part.height()))
+        return max(next_to, over, key=lambda part: min(part.width(), part.height()))
 
     @staticmethod
     def _at(corner: Corner, size: QSize, space: QRect) -> QRect:

@@ -1,4 +1,4 @@
-"""The score, which counts up to a new one."""
+"""Score that counts up to a new value."""
 
 from PySide6.QtCore import QEasingCurve, QRectF, QSize, QVariantAnimation
 from PySide6.QtGui import QColor, QFontMetricsF, QPaintEvent
@@ -13,7 +13,7 @@ COUNT_DURATION = 900
 
 
 class ScoreLabel(QWidget):
-    """The score. When it changes it counts to the new one, and the gain is shown beside it for a moment."""
+    """Score. When it changes, it counts to the new value, and the gain is shown next to it for a moment."""
 
     def __init__(self, texts: Texts, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -26,7 +26,7 @@ class ScoreLabel(QWidget):
         self.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Fixed)
 
     def show_score(self, score: int, *, moving: bool) -> None:
-        """Show this score, with an animation when `moving`."""
+        """Show this score, with an animation if `moving`."""
         if score == self._score:
             return
         self._from = self._score if self._score is not None else score
@@ -38,7 +38,7 @@ class ScoreLabel(QWidget):
         self.update()
 
     def sizeHint(self) -> QSize:
-        """Return the size of a word, four figures and the gain."""
+        """Return the size of a word, four digits and the gain."""
         hero = QFontMetricsF(font("hero", bold=True))
         small = QFontMetricsF(font("small"))
         return QSize(
@@ -73,11 +73,11 @@ class ScoreLabel(QWidget):
 
     @property
     def is_counting(self) -> bool:
-        """True while the figures move."""
+        """True while the digits move."""
         return self._counting.state() == QVariantAnimation.State.Running
 
     def _share(self) -> float:
-        """Return the share of the counting that is done, 0 to 1."""
+        """Return the completed share of the counting, 0 to 1."""
         if not self.is_counting:
             return 1.0
         value = self._counting.currentValue()

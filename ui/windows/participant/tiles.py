@@ -1,4 +1,4 @@
-"""The rooms' buttons."""
+"""Buttons of the rooms."""
 
 from PySide6.QtCore import QPointF, QRectF, QSize, Signal
 from PySide6.QtGui import QFocusEvent, QFontMetricsF, QPainter, QPaintEvent, QResizeEvent
@@ -23,17 +23,17 @@ SPACE = GAP - 2
 """Distance between tiles, logical pixels."""
 
 _FOLDED, _NARROW, _WIDE = 40, 76, 140
-"""Least width of a folded tile and of a usual one, and the width from which that shows the room's name; `px`."""
+"""Smallest width of a folded tile and of a usual one, and the width from which a tile shows the room's name; `px`."""
 
 _TALLEST = 1.5
 """Greatest height of a tile, as a share of the usual one."""
 
 
 class Tile(ParticipantButton):
-    """One room: its number, which is its key too, a sign of its state, and what it costs or what was found in it.
+    """Room: its number, which is also its key, a sign of its state, and its cost or the find in it.
 
     Attributes:
-        looked_at: the pointer was moved onto it or away, or it got or lost the focus.
+        looked_at: the pointer moved onto or off the tile, or the tile got or lost the focus.
     """
 
     looked_at = Signal()
@@ -45,7 +45,7 @@ class Tile(ParticipantButton):
         self.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Fixed)
 
     def show_tile(self, tile: RoomTile) -> None:
-        """Show this room; does nothing when it is shown so already."""
+        """Show this room; do nothing if it is already shown like this."""
         if tile == self._tile:
             return
         self._tile = tile
@@ -53,7 +53,7 @@ class Tile(ParticipantButton):
         self.update()
 
     def fold(self, folded: bool) -> None:
-        """Show the number and the sign alone, or all."""
+        """Show only the number and the sign, or everything."""
         if folded != self._folded:
             self._folded = folded
             self.update()
@@ -68,16 +68,16 @@ class Tile(ParticipantButton):
 
     @property
     def pointed_room(self) -> int | None:
-        """Its room while the pointer is on it."""
+        """Room of the tile while the pointer is on it."""
         return self._tile.room if self._pointed and self._tile is not None else None
 
     @property
     def focused_room(self) -> int | None:
-        """Its room while it has the focus."""
+        """Room of the tile while it has the focus."""
         return self._tile.room if self.hasFocus() and self._tile is not None else None
 
     def set_pointed(self, pointed: bool) -> None:
-        """Keep it, and report that the room is looked at, or not any more."""
+        """Store the state, and report that the room is looked at, or no longer."""
         before = self._pointed
         super().set_pointed(pointed)
         if pointed != before:
@@ -89,7 +89,7 @@ class Tile(ParticipantButton):
         self.looked_at.emit()
 
     def focusOutEvent(self, event: QFocusEvent) -> None:
-        """Report that the room is not looked at any more."""
+        """Report that the room is no longer looked at."""
         super().focusOutEvent(event)
         self.looked_at.emit()
 
@@ -128,7 +128,8 @@ class Tile(ParticipantButton):
         palette = colours()
         face = font("body" if self._folded else "title", bold=True)
         metrics = QFontMetricsF(face)
-        number = tile.choose.key or str(tile.room)  # the key is the number, with a zero before it among ten or more
+        # The key is the number, with a leading zero if there are ten or more rooms.
+        number = tile.choose.key or str(tile.room)
         write(painter, line, number, face, palette.text if tile.choose.enabled else palette.muted)
         side = metrics.height() * 0.7
         mark = QRectF(line.right() - side, line.center().y() - side / 2, side, side)
@@ -156,7 +157,7 @@ class Tile(ParticipantButton):
 
 
 def tile_size(folded: bool) -> QSize:
-    """Return the least size of a tile: two lines, or a number with a sign."""
+    """Return the smallest size of a tile: two lines, or a number with a sign."""
     if folded:
         return QSize(px(_FOLDED), int(QFontMetricsF(font("body", bold=True)).height() + 1.5 * GAP))
     high = QFontMetricsF(font("title", bold=True)).height() + QFontMetricsF(font("small")).height()
@@ -164,13 +165,13 @@ def tile_size(folded: bool) -> QSize:
 
 
 class Tiles(ActionWidget):
-    """All rooms in a grid: with few columns, and so room for names, where the height allows it.
+    """All rooms in a grid. If the height allows it, there are few columns, with room for names.
 
-    Where it allows no grid, the rooms are folded to a row of numbers.
+    If there is no height for a grid, the rooms fold into a row of numbers.
 
     Attributes:
-        reveal: the tile that should be seen.
-        looked_at: another room may be looked at.
+        reveal: tile to scroll into view.
+        looked_at: a person may look at another room.
     """
 
     reveal = Signal(QWidget)
@@ -187,13 +188,13 @@ class Tiles(ActionWidget):
 
     @property
     def considered(self) -> int | None:
-        """The room that the pointer was moved onto, or else the one with the focus."""
+        """Room under the pointer, otherwise the one with the focus."""
         pointed = (tile.pointed_room for tile in self.tiles)
         focused = (tile.focused_room for tile in self.tiles)
         return next((room for room in (*pointed, *focused) if room is not None), None)
 
     def show_tiles(self, tiles: tuple[RoomTile, ...]) -> None:
-        """Show these; does nothing when they are shown already."""
+        """Show these tiles; do nothing if they are already shown."""
         if tiles == self._shown:
             return
         self._shown = tiles
@@ -203,12 +204,12 @@ class Tiles(ActionWidget):
             shown.show_tile(tile)
 
     def fit(self, width: int, height: int, most: int) -> int:
-        """Take the fewest columns that fit, or fold; return the height.
+        """Use the fewest columns that fit, or fold; return the height.
 
         Args:
-            width: of the space.
-            height: of the space, which is filled as far as that looks good.
-            most: height that may be taken where more columns do not help.
+            width: width of the space.
+            height: height of the space, which is filled as far as it looks good.
+            most: height to use if more columns do not help.
         """
         for folded, high in ((False, height), (False, most), (True, most)):
             tile = tile_size(folded)
@@ -218,7 +219,7 @@ class Tiles(ActionWidget):
             if self._high(self._columns) <= high:
                 break
         rows = -(-len(self.tiles) // self._columns) or 1
-        # So many rows may need fewer columns, which are wider then.
+        # This number of rows may need fewer columns, which are wider then.
         self._columns = -(-len(self.tiles) // rows) or 1
         tallest = int((1.0 if self._folded else _TALLEST) * self._tall)
         self._tall = max(self._tall, min((height + SPACE) // rows - SPACE, tallest))
@@ -232,11 +233,11 @@ class Tiles(ActionWidget):
         return QSize(4 * px(_NARROW), self._high(self._columns))
 
     def minimumSizeHint(self) -> QSize:
-        """Return the height of all rows in one column's width: rows do not get lower."""
+        """Return the height of all rows at one column's width: rows do not get lower."""
         return QSize(px(_NARROW), self._high(self._columns))
 
     def resizeEvent(self, _event: QResizeEvent) -> None:
-        """Set the tiles into their grid."""
+        """Place the tiles in their grid."""
         self._place()
 
     def _high(self, columns: int) -> int:
@@ -267,7 +268,7 @@ class Tiles(ActionWidget):
 
 
 def below(texts: Texts, tile: RoomTile) -> tuple[str, ...]:
-    """Return the line below a room's number, and shorter ones: the finding there, or the cost to go there."""
+    """Return the line below a room's number, and shorter ones: the find there, or the cost to go there."""
     if tile.found:
         return tile.found, *tile.found_shorter
     if tile.state == "reserved":
@@ -281,7 +282,7 @@ def below(texts: Texts, tile: RoomTile) -> tuple[str, ...]:
 
 
 def spoken_tile(texts: Texts, tile: RoomTile) -> str:
-    """Return a room as screen readers say it."""
+    """Return a room as screen readers read it."""
     if tile.robot is None or tile.state == "unvisited":
         state = texts.text(f"window.{tile.state}")
     else:

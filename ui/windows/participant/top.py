@@ -14,11 +14,11 @@ from ui.windows.participant.widgets.painting import WRAPPED, box, sign, write
 from ui.windows.participant.widgets.panels import set_text
 
 _SPARE = 50
-"""Width kept free for words that get longer during a game, `px`: else the strip would fold, and the map would move."""
+"""Width kept free for words that get longer during a game, `px`; otherwise the strip would fold and move the map."""
 
 
 class TopStrip(ActionWidget):
-    """Score, time and rooms left at the left, tools at the right, or below where the window is too narrow for both."""
+    """Score, time and remaining rooms on the left, tools on the right, or below if the window is too narrow."""
 
     def __init__(self, texts: Texts, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -39,7 +39,7 @@ class TopStrip(ActionWidget):
         self.tools = ActionRow(texts, tools, self.requested, "quiet")
 
     def show_strip(self, game: int, score: int, progress: str, *, moving: bool, tools: tuple[Action, ...]) -> None:
-        """Show this."""
+        """Show this state of the game."""
         set_text(self._game, self._texts.text("window.game", number=game) if game else "")
         self._game.setVisible(bool(game))
         self.score.show_score(score, moving=moving)
@@ -48,7 +48,7 @@ class TopStrip(ActionWidget):
 
 
 class BannerLine(QWidget):
-    """A line across the top of the map, above it, so that nothing else moves when it appears."""
+    """Line across the top of the map; it lies over the map, so that nothing moves when it appears."""
 
     def __init__(self, parent: QWidget) -> None:
         super().__init__(parent)
@@ -57,7 +57,7 @@ class BannerLine(QWidget):
         self.hide()
 
     def show_banner(self, banner: Banner | None) -> bool:
-        """Show this, or nothing; return True when that changed anything."""
+        """Show this banner, or nothing. Return True if that changed anything."""
         if banner == self._banner:
             return False
         self._banner = banner
@@ -67,7 +67,7 @@ class BannerLine(QWidget):
         return True
 
     def height_for(self, width: int) -> int:
-        """Return the height that its text needs."""
+        """Return the height that the text needs."""
         if self._banner is None:
             return 0
         frame = QRectF(0, 0, max(1.0, width - 6.0 * GAP), 1000.0)

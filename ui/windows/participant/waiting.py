@@ -1,4 +1,4 @@
-"""Strip along the bottom with all that waits for the participant."""
+"""Strip along the bottom with everything that waits for the participant."""
 
 import math
 
@@ -16,10 +16,10 @@ from ui.windows.participant.widgets.panels import set_text
 
 
 class WaitingChip(ParticipantButton):
-    """One thing that waits: its robot, and what it is, in two lines.
+    """Item that waits: its robot, and a description in two lines.
 
     Attributes:
-        short: only the robot is shown; a screen reader and the pointer still have the words.
+        short: True if only the robot is shown; the description remains in the tool tip and for screen readers.
     """
 
     def __init__(self, texts: Texts, parent: QWidget | None = None) -> None:
@@ -29,7 +29,7 @@ class WaitingChip(ParticipantButton):
         self.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Fixed)
 
     def show_waiting(self, waiting: WaitingItem) -> None:
-        """Show this."""
+        """Show this item."""
         if waiting == self._waiting:
             return
         self._waiting = waiting
@@ -82,19 +82,19 @@ class WaitingChip(ParticipantButton):
             key_cap(painter, cap, self._shown_key, palette.muted)
 
     def _key_room(self) -> float:
-        """Return the width that its key takes, logical pixels."""
+        """Return the width that the key needs, logical pixels."""
         return key_size(self._shown_key)[0] + GAP / 2.0 if self._shown_key else 0.0
 
 
 def _width_of_two_lines(text: str) -> float:
-    """Return the least width in which words take two lines at most, broken where `WRAPPED` does, logical pixels."""
+    """Return the smallest width at which words need at most two lines, broken as `WRAPPED` does, logical pixels."""
     metrics, words = QFontMetricsF(font("small")), text.split()
     lines = ((" ".join(words[:at]), " ".join(words[at:])) for at in range(1, len(words) + 1))
     return math.ceil(min((max(map(metrics.horizontalAdvance, pair)) for pair in lines), default=0.0)) + 1.0
 
 
 class HorizontalScrollArea(QScrollArea):
-    """A scroll area that scrolls sideways, by the vertical wheel too."""
+    """Scroll area that scrolls sideways, also with the vertical wheel."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -112,10 +112,10 @@ class HorizontalScrollArea(QScrollArea):
 
 
 class WaitingStrip(ActionWidget):
-    """All that waits for the participant, oldest first; its height never changes, so that nothing jumps.
+    """Everything that waits for the participant, oldest first. The height never changes, so that nothing jumps.
 
     Attributes:
-        history: the button that opens the history.
+        history: button that opens the history.
     """
 
     def __init__(self, texts: Texts, parent: QWidget | None = None) -> None:
@@ -141,17 +141,17 @@ class WaitingStrip(ActionWidget):
         follow_text(self, lambda it: it.setFixedHeight(WaitingChip.height_of_two_lines() + 2))
 
     def resizeEvent(self, _event: QResizeEvent) -> None:
-        """Leave the chips as much room as there is."""
+        """Give the chips all the available room."""
         self._make_room()
 
     def event(self, event: QEvent) -> bool:
-        """Leave room anew when words have changed, or their size."""
+        """Give the chips room again after a change of words or their size."""
         if event.type() == QEvent.Type.LayoutRequest:
             self._make_room()
         return super().event(event)
 
     def _make_room(self) -> None:
-        """Hide the number of chips where it would leave too little room for one of them; shorten the last ones."""
+        """Hide the number of chips if it leaves too little room for one of them; shorten the last ones."""
         shown = [chip for chip in self.chips if not chip.isHidden()]
         widest = max((chip.width_of(short=False) for chip in shown), default=0)
         counted, others = self._count.sizeHint().width() + GAP, self.history.sizeHint().width() + GAP
@@ -163,12 +163,12 @@ class WaitingStrip(ActionWidget):
             needed -= each.width_of(short=False) - each.width_of(short=True) if each.short else 0
 
     def show_waiting(self, waiting: tuple[WaitingItem, ...], nothing_waits: str) -> None:
-        """Show these, or the sentence where there are none; does nothing for those that are shown already."""
+        """Show these items, or the sentence if there are none; do nothing for those already shown."""
         set_text(self._count, self._texts.text("window.waiting", count=len(waiting)) if waiting else nothing_waits)
         if waiting == self._shown:
             return
         self._shown = waiting
-        # The sentence may take both lines; the number is never broken.
+        # The sentence may use both lines; the number is never wrapped.
         self._count.setWordWrap(not waiting)
         self._area.setVisible(bool(waiting))
         self._row.setStretchFactor(self._count, 0 if waiting else 1)

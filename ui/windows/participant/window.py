@@ -1,4 +1,4 @@
-"""The participant's window: shows a `Screen`, returns `Act`s, and decides nothing."""
+"""Participant's window: shows a `Screen`, returns `Act`s, and decides nothing."""
 
 from collections.abc import Callable
 
@@ -74,31 +74,33 @@ FRAME = 16
 """Milliseconds between two updates from the model."""
 
 ANSWER_DELAY = 0.3
-"""Seconds for which a new pop-up cannot be answered: nobody has read it, so a press was meant for what was there
-before. That holds for the next turn of the same dialogue too: the second half of a double click is no answer; and a
-name is submitted only once it can have been read."""
+"""Seconds for which a new pop-up ignores answers: a press was meant for the previous content.
+
+The next turn of the same dialogue counts as new, too: the second half of a double click is not an answer. A name is
+submitted only after there was time to read it.
+"""
 
 ROBOT_SIZE = 40
 """Side of the square around a robot on the map that a pop-up should not cover, logical pixels."""
 
 
 class ParticipantWindow(QWidget):
-    """The map, the robots beside it, the rooms below them, pop-ups in a corner of the map.
+    """Map, robots next to it, rooms below them, pop-ups in a corner of the map.
 
     It is a window, or a page of one. It follows the model while it is shown, in the language that the model had when
     it was made.
 
     Args:
-        model: source of all that is shown.
-        clock: monotonic seconds.
+        model: source of all data shown.
+        clock: monotonic clock, seconds.
         palette: the colors.
-        can_cancel: True to offer *Cancel* while the game is not reached.
+        can_cancel: True to offer *Cancel* before the game is reached.
 
     Attributes:
         declined: the participant does not take part in the study.
-        sounded: a `GameSound` is to be heard.
-        went_on: the participant goes on with what comes after the game.
-        help_shown: the sheet of rules and keys was opened, or closed.
+        sounded: play a `GameSound`.
+        went_on: the participant continues after the game.
+        help_shown: the sheet of rules and keys was opened or closed.
         settings_wanted: the participant wants to open the settings.
     """
 
@@ -123,12 +125,12 @@ class ParticipantWindow(QWidget):
         self._announced: int | None = None
         self._popped: tuple[Act, ...] = ()
         self._popped_at = self._opened_at = -ANSWER_DELAY
-        # Time at which digits became those of rooms again: a press was meant for a numbered answer.
+        # Time at which digits became those of rooms again: a press right after it was meant for a numbered answer.
         self._digits_at = -ANSWER_DELAY
-        # Time at which another robot was selected by itself: a room was meant for the one before.
+        # Time at which the game selected another robot: a room right after it was meant for the previous robot.
         self._selected_at = -ANSWER_DELAY
         self._acting = False
-        # Time at which the pop-up had come that was there when the key held now was pressed.
+        # Time at which the current pop-up had appeared when the key that is held now was pressed.
         self._pressed_since = self._opened_at
         self.setWindowTitle(self._texts.text("window.title"))
         self.setMinimumSize(760, 420)
@@ -142,7 +144,7 @@ class ParticipantWindow(QWidget):
         self._ticking = QTimer(self)
         self._ticking.setTimerType(Qt.TimerType.PreciseTimer)
         self._ticking.timeout.connect(self.refresh)
-        # Nothing is marked as focused until somebody goes through the window by keyboard.
+        # No widget shows the focus until a person moves through the window by keyboard.
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.setFocus()
         self.refresh()
@@ -178,7 +180,7 @@ class ParticipantWindow(QWidget):
         around = QVBoxLayout(self)
         around.setContentsMargins(0, 0, 0, 0)
         around.addWidget(self.pages)
-        # Not a child of the pages: to assistive technology those have no other children than the page shown.
+        # Not a child of the pages: to assistive technology, they have no children other than the current page.
         self.overlay = ModalOverlay(self)
         self._connect()
 
@@ -203,7 +205,7 @@ class ParticipantWindow(QWidget):
 
     @property
     def regions(self) -> list[QWidget]:
-        """The stops of F6, in the order of the eye; only the pop-up in front when there is one."""
+        """Stops of F6 in reading order; only the pop-up in front if there is one."""
         if self.overlay.isVisible():
             return [panel for panel in (self.question, self.help, self.large) if panel.isVisible()]
         if self._screen is not None and self._screen.phase in self._page_of:
@@ -214,7 +216,7 @@ class ParticipantWindow(QWidget):
     # Each frame -------------------------------------------------------------------------------------------------------
 
     def refresh(self) -> None:
-        """Take the model's current state, and change what has changed."""
+        """Read the model's current state, and update the parts that changed."""
         now = self._clock()
         screen = self._model.screen(now)
         if screen is not self._screen:
@@ -230,7 +232,7 @@ class ParticipantWindow(QWidget):
         self._show_map(now)
 
     def do(self, act: Act) -> None:
-        """Have the model carry this out, unless it was meant for what was there a moment ago."""
+        """Let the model do this, unless it was meant for the previous content."""
         if isinstance(act, DeclineConsentAct):
             self.declined.emit()
             return
@@ -253,14 +255,14 @@ class ParticipantWindow(QWidget):
         if isinstance(act, FitMap):
             self.map.fit()
         if isinstance(act, TypeLetter) and isinstance(QApplication.focusWidget(), ParticipantButton):
-            # Enter is to submit the name, not to press the button.
+            # Enter should submit the name, not press the button.
             self.treasure.names.setFocus()
         self._acting = True
         self.refresh()
         self._acting = False
 
     def _do_on_map(self, act: Act) -> None:
-        """Do what was clicked on the map, unless a pop-up that has just gone was meant."""
+        """Do the act of a click on the map, unless it was meant for a pop-up that has just closed."""
         if self._clock() - self._popped_at >= ANSWER_DELAY:
             self.do(act)
 
@@ -269,14 +271,14 @@ class ParticipantWindow(QWidget):
             self.do(FollowRobot())
 
     def _consider(self) -> None:
-        """Have the model consider the room looked at on the map or among the tiles, if it is another than before."""
+        """Let the model consider the room looked at on the map or among the tiles, if it changed."""
         room = self.map.hovered or self.column.tiles.considered
         if room != self._considered and not self._showing:
             self._considered = room
             self.do(ConsiderRoom(room))
 
     def set_palette(self, palette: Palette) -> None:
-        """Use other colors for the map and the history; all else follows from the application's palette."""
+        """Use these colors for the map and the history; all other parts follow the application's palette."""
         self.map.set_palette(palette)
         self.history.repaint_words()
 
@@ -289,7 +291,7 @@ class ParticipantWindow(QWidget):
             if floor_plan != before:
                 self.map.show_floor_plan(floor_plan)
                 self.map_area.place_anew()
-                return  # Rooms and robots come with the next frame: both together would hold the window up.
+                return  # Rooms and robots come with the next frame: both together would block the window.
         self.map.show_rooms(self._model.rooms(now))
         first = self.map.robot_place(0) is None
         self.map.show_robots(self._model.robots(now))
@@ -369,7 +371,7 @@ class ParticipantWindow(QWidget):
             self._opened_at = now
 
     def _subject_on_map(self) -> list[QRect]:
-        """Return the places on the map of what the pop-up is about, the robot and the middle of the room, pixels."""
+        """Return the places on the map of the pop-up's subject, pixels: the robot and the middle of the room."""
         pop = None if self._screen is None else self._screen.popup
         if pop is None:
             return []
@@ -388,7 +390,8 @@ class ParticipantWindow(QWidget):
     # Keys and focus ---------------------------------------------------------------------------------------------------
 
     def event(self, event: QEvent) -> bool:
-        """Take arrows that are held since before a pop-up came from its list: they were meant for something else."""
+        """Keep arrow keys that were pressed before a pop-up appeared away from its list: they were meant for other
+        parts."""
         if event.type() == QEvent.Type.ShortcutOverride and isinstance(event, QKeyEvent):
             if not event.isAutoRepeat():
                 self._pressed_since = self._opened_at
@@ -398,27 +401,27 @@ class ParticipantWindow(QWidget):
         return super().event(event)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Take a letter that has no shortcut; in a dialogue, go to the answers by arrows, and turn pages."""
+        """Handle a letter without a shortcut; in a dialogue, let arrow keys move to the answers, and turn pages."""
         if self.dialogue.isVisible():
             self.dialogue.go_to(event.key())
         self._keyboard.type(event)
 
     def focusNextPrevChild(self, forward: bool) -> bool:
-        """Keep Tab from what lies behind the overlay."""
+        """Keep Tab inside the overlay."""
         return self.overlay.keeps_tab(forward=forward) or super().focusNextPrevChild(forward)
 
     def _stepper(self, step: int) -> Callable[[], None]:
         return lambda: focus.next_region(self.regions, step)
 
     def _focused_region(self) -> QWidget | None:
-        """Return the region that the focus is in."""
+        """Return the region that has the focus."""
         focused = QApplication.focusWidget()
         if focused is None:
             return None
         return next((home for home in self.regions if home is focused or home.isAncestorOf(focused)), None)
 
     def _keep_focus(self, before: QWidget | None) -> None:
-        """Move the focus from a region that has gone to what has come in its place."""
+        """Move the focus from a region that disappeared to the one that replaced it."""
         regions = self.regions
         if before is not None and before not in regions and regions:
             if regions[0] is self.top:
@@ -427,7 +430,7 @@ class ParticipantWindow(QWidget):
                 # Not its first button, which puts it aside: Enter is for the first answer.
                 self.dialogue.setFocus(Qt.FocusReason.OtherFocusReason)
             elif regions[0] is self.treasure and self.treasure.names.isVisible():
-                self.treasure.names.setFocus(Qt.FocusReason.OtherFocusReason)  # Where Enter submits the name.
+                self.treasure.names.setFocus(Qt.FocusReason.OtherFocusReason)  # There Enter submits the name.
             else:
                 focus.focus_region(regions[0])
 
@@ -445,24 +448,24 @@ class ParticipantWindow(QWidget):
         self._ticking.start(FRAME)
 
     def hideEvent(self, event: QHideEvent) -> None:
-        """Stop following the model: nobody sees the window."""
+        """Stop following the model while the window is not visible."""
         super().hideEvent(event)
         self._ticking.stop()
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        """Divide the width anew; the overlay covers all."""
+        """Divide the width again; let the overlay cover the whole window."""
         super().resizeEvent(event)
         self._divide()
         self.overlay.setGeometry(self.rect())
 
     def _divide(self) -> None:
-        """Give the column beside the map three tenths of the width, or what its words need, but not half of it."""
+        """Give the column next to the map three tenths of the width, or more for its words, but less than half."""
         wide = min(max(px(336), int(self.width() * 0.3)), px(480))
         self.column.setFixedWidth(min(wide, int(self.width() * 0.45)))
 
 
 def _offered(screen: Screen) -> tuple[Act, ...]:
-    """Return the possible answers to the pop-up, the question and the end, which all appear by themselves."""
+    """Return the possible answers to the pop-up, the question and the end; all of these appear on their own."""
     acts: list[Act] = []
     if screen.confirmation is not None:
         acts += [screen.confirmation.yes.act, screen.confirmation.no.act]
@@ -479,7 +482,7 @@ def _offered(screen: Screen) -> tuple[Act, ...]:
 
 
 def _subject(screen: Screen) -> tuple[object, ...]:
-    """Return what a person has to read before answering."""
+    """Return the content that a person has to read before answering."""
     pop = screen.popup
     match pop:
         case DialoguePopup():
@@ -501,14 +504,14 @@ def _is_numbered(screen: Screen) -> bool:
 
 
 def _listed(screen: Screen) -> tuple[object, ...]:
-    """Return what letters and arrows are for."""
+    """Return the subject of letters and arrow keys."""
     pop = screen.popup
     subject = (pop.robot, pop.room) if isinstance(pop, TreasurePopup) else None
     return subject, screen.confirmation, bool(screen.help)
 
 
 def _hint(texts: Texts, screen: Screen) -> str:
-    """Return a remark about the room that is being considered, or the digits typed so far."""
+    """Return a remark about the considered room, or the digits typed so far."""
     if screen.typed:
         return texts.text("window.digits", digits=screen.typed, enter=shown_key(texts, "Enter"))
     tile: RoomTile | None = next((tile for tile in screen.tiles if tile.considered), None)

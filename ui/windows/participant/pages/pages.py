@@ -1,4 +1,4 @@
-"""Pages that fill the window or lie above it: connecting, consent, a question, help, the end of the game."""
+"""Pages that fill the window or cover it: connecting, consent, a question, help, the end of the game."""
 
 from collections.abc import Callable
 
@@ -27,11 +27,11 @@ from ui.windows.participant.widgets.panels import TitledPanel, page_column, set_
 from ui.windows.participant.widgets.reading import ReadingText
 
 FILLS = 1000
-"""Stretch of a text that takes the space that it needs, before what is empty around it gets any."""
+"""Stretch of a text, so that it gets the space it needs before the empty space around it gets any."""
 
 
 def page_keys(texts: Texts) -> tuple[tuple[str, str], ...]:
-    """Return the keys of every page, for people who use it button by button."""
+    """Return the keys of every page, for people who move from button to button."""
     ctrl, space, enter = (shown_key(texts, key) for key in ("Ctrl", "Space", "Enter"))
     return (
         (texts.text("pages.keys_arrows"), texts.text("pages.key_arrows", space=space, enter=enter)),
@@ -41,17 +41,17 @@ def page_keys(texts: Texts) -> tuple[tuple[str, str], ...]:
 
 
 def window_keys(texts: Texts) -> tuple[tuple[str, str], ...]:
-    """Return the keys of the game's window beside those of the game."""
+    """Return the keys of the game's window other than those of the game."""
     keys = texts.text("keys.one_or_other", key="F6", other_key=shown_key(texts, "Ctrl+Tab"))
     return (keys, texts.text("pages.key_next_part")), *page_keys(texts)
 
 
 class ConnectingPage(QWidget):
-    """The page before there is a game: says what it waits for, and for how long it has waited.
+    """Page before the game: shows the reason for waiting, and the time waited.
 
     Args:
-        texts: of the window's language.
-        parent: as for any widget.
+        texts: texts in the window's language.
+        parent: parent widget.
         can_cancel: True to offer *Cancel*.
 
     Attributes:
@@ -64,13 +64,13 @@ class ConnectingPage(QWidget):
         super().__init__(parent)
         self._texts = texts
         make_region(self, texts.text("pages.connecting"))
-        # The focus stays here: a second press of Enter, meant for the page before, must not cancel.
+        # The focus stays here: a second press of Enter, meant for the previous page, must not cancel.
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         rows = spaced(QVBoxLayout(self), GAP, 4 * GAP)
         self._title = look.label(texts.text("pages.one_moment"), "hero", bold=True)
         self._what = look.label(size="title", muted=True)
         self.bar, self.waited = QProgressBar(), look.label(muted=True)
-        self.bar.setRange(0, 0)  # Nobody knows how long it takes.
+        self.bar.setRange(0, 0)  # Busy indicator: the duration is unknown.
         self.bar.setTextVisible(False)
         self.bar.setAccessibleName(texts.text("pages.one_moment"))
         follow_text(self.bar, lambda bar: bar.setFixedWidth(look.px(280)))
@@ -95,11 +95,11 @@ class ConnectingPage(QWidget):
         self._counting.timeout.connect(self._count)
 
     def show_waiting(self, text: str) -> None:
-        """Say in words what it waits for."""
+        """Show the reason for waiting."""
         set_text(self._what, text)
 
     def showEvent(self, event: QShowEvent) -> None:
-        """Begin to count the seconds."""
+        """Start counting seconds."""
         super().showEvent(event)
         self._since.start()
         self._count()
@@ -115,7 +115,7 @@ class ConnectingPage(QWidget):
 
 
 class ConsentPage(ActionWidget):
-    """The text to agree to, and the buttons for yes and no."""
+    """Text to agree to, and the buttons for yes and no."""
 
     def __init__(self, texts: Texts, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -125,7 +125,7 @@ class ConsentPage(ActionWidget):
         rows.addWidget(look.label(texts.text("pages.before"), "hero", bold=True))
         self._text = ReadingText(texts.text("pages.agree_to"))
         rows.addWidget(self._text, FILLS)
-        # Both weigh the same: neither answer is the one to give.
+        # Both buttons look equally important: the study must not suggest an answer.
         self.decline, self.agree = ActionButton(texts, hints=True), ActionButton(texts, hints=True)
         foot = _foot(rows)
         for button in (self.decline, self.agree):
@@ -134,7 +134,7 @@ class ConsentPage(ActionWidget):
         rows.addStretch(3)
 
     def show_consent(self, text: str, agree: Action, decline: Action, *, markdown: bool = False) -> None:
-        """Show this."""
+        """Show this consent."""
         self._text.show_text(text, markdown=markdown)
         self.agree.show_action(agree)
         self.decline.show_action(decline)
@@ -143,14 +143,14 @@ class ConsentPage(ActionWidget):
 def consent_page(
     texts: Texts, text: str, answered: Callable[[bool], None], hint_of_no: str, *, markdown: bool = False
 ) -> ConsentPage:
-    """Return the page outside of a game, which has keys of its own.
+    """Return the page for use outside of a game, with its own keys.
 
     Args:
-        texts: of the window's language.
-        text: to agree to.
-        answered: called with the answer; True: the person takes part.
-        hint_of_no: tells what follows from a no.
-        markdown: True where the text is Markdown.
+        texts: texts in the window's language.
+        text: text to agree to.
+        answered: called with the answer; True means that the person takes part.
+        hint_of_no: what follows from a no.
+        markdown: True if the text is Markdown.
     """
     page = ConsentPage(texts)
     agree = keyed(GiveConsentAct(), texts.text("game.agree"), hint=texts.text("game.agree_hint"))
@@ -163,10 +163,10 @@ def consent_page(
 
 
 class ThanksPage(QWidget):
-    """The page for whoever does not take part.
+    """Page for a person who does not take part.
 
     Attributes:
-        close_button: closes the window.
+        close_button: button that closes the window.
     """
 
     def __init__(self, texts: Texts, text: str, parent: QWidget | None = None) -> None:
@@ -185,21 +185,21 @@ class ThanksPage(QWidget):
 
 
 class QuestionPanel(TitledPanel):
-    """The question whether an act is really meant."""
+    """Question whether the person really means an act."""
 
     def __init__(self, texts: Texts, parent: QWidget | None = None) -> None:
         super().__init__(texts, texts.text("pages.question"), parent)
         self._text = look.label()
         self.rows.addWidget(self._text, 1)
         foot = _foot(self.rows)
-        # What cannot be undone is never the button that stands out.
+        # The default button is never the one that cannot be undone.
         self.no, self.yes = ActionButton(texts, "main", hints=True), ActionButton(texts, hints=True)
         for button in (self.no, self.yes):
             button.requested.connect(self.requested)
             foot.addWidget(button)
 
     def show_question(self, question: Confirmation) -> None:
-        """Show this."""
+        """Show this question."""
         self.entitle(question.title)
         set_text(self._text, question.text)
         self.yes.show_action(question.yes)
@@ -207,7 +207,7 @@ class QuestionPanel(TitledPanel):
 
 
 class EndingPanel(TitledPanel):
-    """The panel at the end of the game."""
+    """Panel at the end of the game."""
 
     def __init__(self, texts: Texts, parent: QWidget | None = None) -> None:
         super().__init__(texts, texts.text("pages.game_over"), parent)
@@ -221,18 +221,18 @@ class EndingPanel(TitledPanel):
         self._ways = [self.again]
 
     def add_way_back(self, button: ActionButton) -> None:
-        """Offer another way to go on, below the next game."""
+        """Offer another way to continue, below the next game."""
         self._ways.append(button)
         self.rows.addWidget(button)
 
     def show_ending(self, ending: GameOverPage) -> None:
-        """Show this."""
+        """Show this ending."""
         self.entitle(ending.title)
         set_text(self._lines, "\n".join(ending.lines))
         self.again.show_action(ending.again)
 
     def wanted(self, width: int, height: int) -> QSize:
-        """Return a size as high as its lines, if there is space; else they scroll."""
+        """Return a size as high as the lines if there is space; otherwise they scroll."""
         lines = max(self._lines.heightForWidth(width - 8 * GAP), self._area.minimumSizeHint().height())
         ways = sum(way.sizeHint().height() + self.rows.spacing() for way in self._ways)
         around = self.top.sizeHint().height() + ways + 8 * GAP
@@ -259,10 +259,10 @@ class KeyCap(QWidget):
 
 
 class HelpSheet(TitledPanel):
-    """Sheet of the rules, and of all keys and their meanings; in a study also of its instructions.
+    """Sheet of the rules and of all keys with their meanings; in a study also of its instructions.
 
     Attributes:
-        instructions: texts above the rules, and whether each is Markdown.
+        instructions: texts above the rules, each with True if it is Markdown.
     """
 
     def __init__(self, texts: Texts, parent: QWidget | None = None) -> None:
@@ -304,20 +304,20 @@ class HelpSheet(TitledPanel):
         inside.setAutoFillBackground(False)
 
     def _title_key(self, *, has_keys: bool) -> str:
-        """Return the key of the title."""
+        """Return the key of the title's text."""
         if not self.instructions:
             return "pages.rules_and_keys"
         return "pages.instructions_and_rules" if has_keys else "pages.instructions"
 
     def wanted(self, width: int, height: int) -> QSize:
-        """Return a size as high as its lines, if there is space."""
+        """Return a size as high as the lines, if there is space."""
         inside = self._area.widget()
         lines = inside.sizeHint().height() if inside is not None else 0
         return QSize(width, min(height, lines + self.top.sizeHint().height() + 6 * GAP))
 
 
 def _text_area(inside: QWidget | None, name: str) -> QScrollArea:
-    """Make an area that scrolls a text, with this name for assistive technology."""
+    """Return a scroll area for a text, with this name for assistive technology."""
     area = QScrollArea(widgetResizable=True)
     area.setFrameShape(QFrame.Shape.NoFrame)
     area.setFocusPolicy(Qt.FocusPolicy.TabFocus)
@@ -332,8 +332,8 @@ def _text_area(inside: QWidget | None, name: str) -> QScrollArea:
 def _foot(rows: QVBoxLayout) -> QHBoxLayout:
     """Add a row below others, filled from the right.
 
-    It is added before it is filled: PySide takes a spacer in a layout that is added for an object of Python's, and
-    deletes it a second time.
+    It is added before it is filled: when a layout is added, PySide takes a spacer inside it for an object that Python
+    owns, and deletes it a second time.
     """
     row = QHBoxLayout()
     rows.addLayout(row)

@@ -1,4 +1,4 @@
-"""The page before a game: an introduction, the number of robots, and a practice game."""
+"""Page before a game: an introduction, the number of robots, and a practice game."""
 
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtGui import QKeySequence, QResizeEvent, QShortcut
@@ -15,23 +15,23 @@ from ui.windows.participant.widgets.panels import ModalOverlay, page_column
 
 _LAST_DIGIT = 9
 _IN_A_ROW = 5
-"""Most choices side by side."""
+"""Largest number of choices side by side."""
 
 
 class StartPage(QWidget):
-    """Asks how many robots shall play.
+    """Page that asks how many robots should play.
 
     Args:
-        texts: of the window's language.
-        least: smallest number of robots that may be chosen.
-        most: largest number.
+        texts: texts in the window's language.
+        least: smallest number of robots to choose from.
+        most: largest number of robots to choose from.
         usual: number that is chosen at first.
-        rules: of the game, in sentences.
-        parent: as for any widget.
+        rules: rules of the game, in sentences.
+        parent: parent widget.
 
     Attributes:
-        start: begin a game with so many robots.
-        tutorial: begin the practice game.
+        start: start a game with this number of robots.
+        tutorial: start the practice game.
         settings_wanted: open the settings.
     """
 
@@ -110,7 +110,7 @@ class StartPage(QWidget):
         self.setFocus()
 
     def choose(self, number: int) -> None:
-        """Choose so many robots."""
+        """Choose this number of robots."""
         self._number = number
         for other, button in self.choices.items():
             button.setChecked(other == number)
@@ -118,7 +118,7 @@ class StartPage(QWidget):
         self.begin.show_face(ButtonFace(words, "Enter"), words)
 
     def _toggle_help(self) -> None:
-        """Open the sheet of rules and keys, or close it."""
+        """Open or close the sheet of rules and keys."""
         opens = not self.overlay.isVisible()
         if opens:
             self.help.show_help(self._rules, self._key_lines(), HELP.keys[0])
@@ -127,24 +127,24 @@ class StartPage(QWidget):
         (self.help.close_button if opens else self).setFocus()
 
     def focusNextPrevChild(self, forward: bool) -> bool:
-        """Keep Tab from what lies behind the overlay."""
+        """Keep Tab inside the overlay."""
         return self.overlay.keeps_tab(forward=forward) or super().focusNextPrevChild(forward)
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        """Let the overlay cover all."""
+        """Let the overlay cover the whole page."""
         super().resizeEvent(event)
         self.overlay.setGeometry(self.rect())
 
     def _choice(self, number: int) -> ActionButton:
         button = ActionButton(self._texts, "large")
         button.setCheckable(True)
-        # The number is its own key, so none is printed beside it.
+        # The number is its own key, so no key is printed next to it.
         button.show_face(ButtonFace(str(number)), self._texts.text("words.robots", count=number))
         button.clicked.connect(lambda: self.choose(number))
         return button
 
     def _key_lines(self) -> tuple[tuple[str, str], ...]:
-        """Keys of this page, for the sheet."""
+        """Return the keys of this page for the sheet."""
         texts = self._texts
         digits = [str(number) for number in self.choices if number <= _LAST_DIGIT]
         asks = len(self.choices) > 1 and digits
@@ -159,7 +159,7 @@ class StartPage(QWidget):
         )
 
     def _enter(self) -> None:
-        """Start; or close the sheet, which comes first while it is open."""
+        """Start the game, or close the sheet if it is open."""
         if self.overlay.isVisible():
             self._toggle_help()
         else:

@@ -1,4 +1,4 @@
-"""The pop-up in which a robot talks with the participant."""
+"""Pop-up for the dialogue of a robot with the participant."""
 
 from PySide6.QtCore import QSize, Qt
 from PySide6.QtWidgets import QGridLayout, QVBoxLayout, QWidget
@@ -12,16 +12,16 @@ from ui.windows.participant.widgets.buttons import ActionButton, ActionRow
 from ui.windows.participant.widgets.panels import TitledPanel, Transcript
 
 _SAID_WIDTH = 140
-"""Least width of what was said beside a picture, `px`."""
+"""Smallest width of the sentences next to a picture, `px`."""
 
 
 class DialoguePanel(TitledPanel):
-    """A dialogue with a robot: what it is about, sentences as bubbles, answers as buttons."""
+    """Dialogue with a robot: its subject, sentences as bubbles, answers as buttons."""
 
     def __init__(self, texts: Texts, parent: QWidget | None = None) -> None:
         super().__init__(texts, texts.text("window.dialogue"), parent)
         self._pop: DialoguePopup | None = None
-        self._beside: bool | None = None
+        self._side_by_side: bool | None = None
         self.aside = ActionButton(texts, "quiet")
         self.aside.requested.connect(self.requested)
         self.top.addWidget(self.aside)
@@ -40,14 +40,14 @@ class DialoguePanel(TitledPanel):
         self.rows.addWidget(self._warning)
         answers = spaced(QVBoxLayout(), GAP)
         self.rows.addLayout(answers)
-        # All alike: the window must not make one answer look better than another.
+        # All buttons look alike: the window must not make one answer look better than another.
         self.choices = ActionRow(texts, answers, self.requested, hints=True)
-        # The answer that led to the questions, which lead back to it.
+        # Answer that opened the questions; the focus returns to it when the person leaves the questions.
         self._left_from = 0
         self.arrange(self.usual_size())
 
     def show_pop(self, pop: DialoguePopup) -> None:
-        """Show this; does nothing when it is shown already."""
+        """Show this dialogue; do nothing if it is already shown."""
         if pop == self._pop:
             return
         before, self._pop = self._pop, pop
@@ -70,21 +70,21 @@ class DialoguePanel(TitledPanel):
             self._keep_focus(focused, before, pop)
 
     def arrange(self, space: QSize) -> None:
-        """Put what was sensed and said beside the picture, or below where the panel is narrow."""
+        """Put readings and sentences next to the picture, or below it if the panel is narrow."""
         super().arrange(space)
         self.transcript.keep_room(space.height() // 2)
-        beside = self.room_beside(PICTURE.width(), space) >= px(_SAID_WIDTH)
-        if beside == self._beside:
+        side_by_side = self.room_beside(PICTURE.width(), space) >= px(_SAID_WIDTH)
+        if side_by_side == self._side_by_side:
             return
-        self._beside = beside
-        row, column, columns = (0, 1, 1) if beside else (2, 0, 2)
+        self._side_by_side = side_by_side
+        row, column, columns = (0, 1, 1) if side_by_side else (2, 0, 2)
         self._grid.addWidget(self.facts, row, column, 1, columns, Qt.AlignmentFlag.AlignTop)
         self._grid.addWidget(self.transcript, row + 1, column, 1, columns)
         for each in (1, 3):
             self._grid.setRowStretch(each, int(each == row + 1))
 
     def usual_size(self) -> QSize:
-        """Return that of a find where it is about one, since the one takes the place of the other."""
+        """Return the size of a pop-up about a find if the dialogue is about one, since it takes that pop-up's place."""
         about_find = self._pop is not None and (self._pop.facts or self._pop.picture is not None)
         if about_find:
             return find_size()
@@ -93,7 +93,7 @@ class DialoguePanel(TitledPanel):
         return QSize(px(380), px(400)) if numbered else super().usual_size()
 
     def go_to(self, key: int) -> None:
-        """Go to the first answer by Down, to the last by Up; turn pages of what was said."""
+        """Go to the first answer by Down, to the last by Up; turn pages of the sentences."""
         match key:
             case Qt.Key.Key_Down:
                 self._focus_choice(0)
@@ -111,11 +111,11 @@ class DialoguePanel(TitledPanel):
             shown[at].setFocus(Qt.FocusReason.OtherFocusReason)
 
     def _focused(self) -> int | None:
-        """Return which of the answers has the focus, if any."""
+        """Return the index of the answer that has the focus, if any."""
         return next((at for at, button in enumerate(self.choices.buttons) if button.hasFocus()), None)
 
     def _keep_focus(self, focused: int, before: DialoguePopup | None, pop: DialoguePopup) -> None:
-        """Give the focus to the first of new answers; after a look at the questions, to where it was before."""
+        """Give the focus to the first of new answers; after a look at the questions, to the earlier answer."""
         turned = before is not None and (before.robot, before.sentences) == (pop.robot, pop.sentences)
         if _asks(pop) and not (before is not None and _asks(before)):
             self._left_from = focused
@@ -127,5 +127,5 @@ class DialoguePanel(TitledPanel):
 
 
 def _asks(pop: DialoguePopup) -> bool:
-    """Return True while the answers are questions to the robot, which Esc leads back from."""
+    """Return True while the answers are questions to the robot, which Esc leaves."""
     return any(choice.key == "Esc" for choice in pop.choices)

@@ -1,4 +1,4 @@
-"""Views of a found treasure: its picture, what the robot sensed, and the result of naming it."""
+"""Views of a found treasure: its picture, the robot's readings, and the result of naming it."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -23,24 +23,24 @@ from ui.windows.participant.widgets.painting import WRAPPED, ring, sign, write
 from ui.windows.participant.widgets.panels import TitledPanel
 
 PICTURE = QSize(208, 156)
-"""Size of a picture in a pop-up, logical pixels: the same in each, and with text of each size."""
+"""Size of a picture in a pop-up, logical pixels; it is the same in all pop-ups and at all text sizes."""
 FACTS_WIDTH = 112
-"""Least width of what is known of a treasure, `px`."""
+"""Smallest width of the known facts about a treasure, `px`."""
 _VALUES_A_ROW = 3
 
 
 def find_size() -> QSize:
-    """Return the usual size of a pop-up about what was found, logical pixels: names have room beside the picture."""
+    """Return the usual size of a pop-up about a find, logical pixels; names fit next to the picture."""
     return QSize(PICTURE.width() + 6 * GAP + px(240), px(330))
 
 
 class TreasurePicture(ParticipantButton):
-    """A treasure's picture, which a press enlarges or makes small again; or a frame with a note where there is none.
+    """Picture of a treasure that a press enlarges or shrinks again; or a frame with a note if there is none.
 
     Args:
-        texts: of the window's language.
-        size: it always has; None: as large as there is space.
-        parent: as for any widget.
+        texts: texts in the window's language.
+        size: fixed size. If None, the picture fills the available space.
+        parent: parent widget.
     """
 
     def __init__(self, texts: Texts, size: QSize | None = PICTURE, parent: QWidget | None = None) -> None:
@@ -60,7 +60,7 @@ class TreasurePicture(ParticipantButton):
         return QSize(PICTURE)
 
     def minimumSizeHint(self) -> QSize:
-        """Return the size of a picture in a pop-up: it is never smaller."""
+        """Return the size of a picture in a pop-up, which is the smallest size."""
         return QSize(PICTURE)
 
     def show_picture(self, data: bytes | None, note: str = "", enlarge: Action | None = None) -> None:
@@ -68,8 +68,8 @@ class TreasurePicture(ParticipantButton):
 
         Args:
             data: content of the image file.
-            note: shown where there is no picture.
-            enlarge: what a press does.
+            note: note to show if there is no picture.
+            enlarge: action of a press.
         """
         if data != self._data:
             self._pixmap = QPixmap()
@@ -88,7 +88,7 @@ class TreasurePicture(ParticipantButton):
         self.update()
 
     def paintEvent(self, _event: QPaintEvent) -> None:
-        """Draw the picture as large as fits."""
+        """Draw the picture as large as it fits."""
         palette = colours()
         painter = smooth_painter(self)
         painter.setRenderHint(QPainter.RenderHint.SmoothPixmapTransform)
@@ -110,9 +110,9 @@ class TreasurePicture(ParticipantButton):
 
 
 class PicturePlace(QWidget):
-    """The place of a picture; before there is one, the button that takes it.
+    """Place of a picture; before the picture exists, the button that takes it.
 
-    The place is as large as the larger of the two, so that nothing moves when the picture comes.
+    The place is as large as the larger of the two, so that nothing moves when the picture appears.
 
     Attributes:
         picture: the picture.
@@ -137,7 +137,7 @@ class PicturePlace(QWidget):
         follow_text(self, PicturePlace._fit)
 
     def _fit(self) -> None:
-        """Keep the height that the words of the button need in the width of a picture."""
+        """Keep the height that the button's words need at the width of a picture."""
         self.take.setMinimumHeight(self.take.heightForWidth(PICTURE.width() - 2 * GAP))
 
     def show_place(self, picture: bytes | None, note: str, take: Action | None, enlarge: Action | None) -> None:
@@ -150,7 +150,7 @@ class PicturePlace(QWidget):
         self.picture.setVisible(take is None)
 
     def paintEvent(self, _event: QPaintEvent) -> None:
-        """Draw the frame of the picture to come."""
+        """Draw the frame of the picture."""
         palette = colours()
         painter = smooth_painter(self)
         painter.setPen(QColor(palette.line))
@@ -159,7 +159,7 @@ class PicturePlace(QWidget):
 
 
 class PicturePanel(TitledPanel):
-    """A picture shown large; a press on it makes it small again."""
+    """Enlarged picture; a press shrinks it again."""
 
     def __init__(self, texts: Texts, parent: QWidget | None = None) -> None:
         super().__init__(texts, texts.text("window.picture"), parent)
@@ -171,24 +171,24 @@ class PicturePanel(TitledPanel):
         self.rows.addWidget(self.picture, 1)
 
     def show_large(self, data: bytes, title: str, robot: int) -> None:
-        """Show this picture of what a robot found."""
+        """Show this picture of a robot's find."""
         close = Action(EnlargePicture(), self._texts.text("popups.close"), "Esc")
         self.entitle(title, robot)
         self.close_button.show_action(close)
         self.picture.show_picture(data, enlarge=close)
 
     def wanted(self, width: int, height: int) -> QSize:
-        """Return all the space there is."""
+        """Return all the available space."""
         return QSize(width, height)
 
 
 class TreasureFacts(QWidget):
-    """Lines on what is known of a treasure: a patch of a color or a drawing of a shape beside it, or its label."""
+    """Lines with the known facts about a treasure, each with a patch of color, a drawing of a shape, or a label."""
 
     def __init__(self, texts: Texts, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self._texts = texts
-        # None while the robot still looks.
+        # None while the robot is still looking.
         self._facts: tuple[TreasureFact, ...] | None = None
         follow_text(self, lambda it: it.setMinimumWidth(px(FACTS_WIDTH)))
         policy = QSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Preferred)
@@ -196,23 +196,23 @@ class TreasureFacts(QWidget):
         self.setSizePolicy(policy)
 
     def sizeHint(self) -> QSize:
-        """Return the size of its lines, at least one."""
+        """Return the size of the lines, at least one."""
         return QSize(px(FACTS_WIDTH), int(max(len(self._facts or ()), 1) * self._line()) + GAP)
 
     def heightForWidth(self, width: int) -> int:
-        """Return the height of the broken lines."""
+        """Return the height of the wrapped lines."""
         return int(sum(self._height(fact, width) for fact in self._facts or ()) or self._line()) + GAP
 
     def show_facts(self, facts: tuple[TreasureFact, ...] | None) -> None:
-        """Show the known ones of these facts; None while the robot still looks."""
+        """Show the known facts among these; None while the robot is still looking."""
         known = None if facts is None else tuple(fact for fact in facts if fact.value)
         if known == self._facts and self.accessibleName():
             return
         self._facts = known
         texts = self._texts
-        told = [texts.text("window.fact_sentence", label=fact.label, value=fact.shown) for fact in known or ()]
+        spoken = [texts.text("window.fact_sentence", label=fact.label, value=fact.shown) for fact in known or ()]
         nothing = texts.text("window.still_looking" if known is None else "window.nothing_sensed")
-        self.setAccessibleName(" ".join(told) or nothing)
+        self.setAccessibleName(" ".join(spoken) or nothing)
         self.updateGeometry()
         self.update()
 
@@ -220,14 +220,14 @@ class TreasureFacts(QWidget):
         return QFontMetricsF(font()).height() + GAP
 
     def _height(self, fact: TreasureFact, width: float) -> float:
-        """Return the height of a fact's words beside its drawing."""
-        frame = QRectF(0.0, 0.0, max(width - self._beside(fact), 1.0), 10000.0)
+        """Return the height of a fact's words next to its drawing."""
+        frame = QRectF(0.0, 0.0, max(width - self._drawing_width(fact), 1.0), 10000.0)
         return (
             QFontMetricsF(font()).boundingRect(frame, int(Qt.TextFlag.TextWordWrap), self._words(fact)).height() + GAP
         )
 
-    def _beside(self, fact: TreasureFact) -> float:
-        """Return the width of a drawing and of the gap beside it."""
+    def _drawing_width(self, fact: TreasureFact) -> float:
+        """Return the width of a drawing and of the gap next to it."""
         return 0.0 if fact.drawn is PropertyDrawing.NONE else self._line() - 4.0 + 1.5 * GAP
 
     def paintEvent(self, _event: QPaintEvent) -> None:
@@ -251,11 +251,18 @@ class TreasureFacts(QWidget):
                 painter.drawRoundedRect(patch, 4, 4)
             elif fact.drawn is PropertyDrawing.SHAPE:
                 self._shape(painter, patch, fact.value.casefold())
-            write(painter, line.adjusted(self._beside(fact), 0, 0, 0), self._words(fact), font(), palette.text, WRAPPED)
+            write(
+                painter,
+                line.adjusted(self._drawing_width(fact), 0, 0, 0),
+                self._words(fact),
+                font(),
+                palette.text,
+                WRAPPED,
+            )
 
     @staticmethod
     def _shape(painter: QPainter, patch: QRectF, words: str) -> None:
-        """Draw a shape, round or square, large or small, as far as the words say so."""
+        """Draw a shape: round or square, large or small, as far as the words say."""
         inset = 0.28 * patch.width() if "small" in words else 0.04 * patch.width()
         shape = patch.adjusted(inset, inset, -inset, -inset)
         painter.setPen(QColor(colours().text))
@@ -266,16 +273,16 @@ class TreasureFacts(QWidget):
             painter.drawRect(shape)
 
     def _words(self, fact: TreasureFact) -> str:
-        """A fact in words: what is drawn needs no label."""
+        """Return a fact in words, without a label if it is drawn."""
         drawn = fact.drawn is not PropertyDrawing.NONE
         return fact.shown if drawn else self._texts.text("window.fact", label=fact.label, value=fact.shown)
 
 
 class FactActs(QWidget):
-    """Buttons that find out more of a treasure: one for each property to be sensed, one for each value to be told.
+    """Buttons that find out more about a treasure: one for each property to sense, one for each value to report.
 
     Signals:
-        requested: an act is asked for.
+        requested: a person asks for an act.
     """
 
     requested = Signal(object)
@@ -284,7 +291,7 @@ class FactActs(QWidget):
         super().__init__(parent)
         self._texts = texts
         self._rows = spaced(QVBoxLayout(self), GAP, 0)
-        # The acts shown, by the label of their property.
+        # Acts shown, by the label of their property.
         self._acts: list[tuple[str, list[Act]]] = []
         self._buttons: list[ActionButton] = []
 
@@ -297,7 +304,7 @@ class FactActs(QWidget):
             self._lay_out(offered)
         actions = [action for fact in offered for action in fact.acts]
         for button, action in zip(self._buttons, actions, strict=True):
-            # The key of the values stands beside the question, as it goes from one to the next.
+            # The key of the values is shown next to the question, since it moves from one value to the next.
             button.show_action(replace(action, key="") if isinstance(action.act, TellPropertyAct) else action)
         self.setVisible(bool(offered))
 
@@ -336,7 +343,7 @@ class NamingResult(QWidget):
         return QSize(px(160), px(120))
 
     def show_verdict(self, text: str, points: int | None) -> None:
-        """Show this."""
+        """Show this result."""
         self._text, self._points = text, points
         self.setAccessibleName(text)
         self.update()

@@ -1,4 +1,4 @@
-"""The list of names that a treasure may have."""
+"""List of names that a treasure may have."""
 
 from PySide6.QtCore import QModelIndex, QSize, Qt, Signal
 from PySide6.QtGui import QFocusEvent, QHideEvent, QKeyEvent, QMouseEvent, QShowEvent
@@ -15,10 +15,10 @@ from ui.windows.participant.widgets import focus
 
 
 class NameList(QListWidget):
-    """A list of possible names of a treasure. None is picked until a person picks one.
+    """List of possible names of a treasure. None is picked until a person picks one.
 
     Attributes:
-        picked: the name that the person picked.
+        picked: name that the person picked.
     """
 
     picked = Signal(str)
@@ -30,7 +30,7 @@ class NameList(QListWidget):
         self.setSelectionMode(QAbstractItemView.SelectionMode.SingleSelection)
         self.setFrameShape(QFrame.Shape.NoFrame)
         self.setUniformItemSizes(True)
-        # A bar below would cover a name where two have room; names that are cut off have a tool tip.
+        # A bar at the bottom would cover one of only two visible names; names that are cut off have a tool tip.
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self.setProperty("roomy", True)
         self.setFocusPolicy(Qt.FocusPolicy.TabFocus)
@@ -52,9 +52,9 @@ class NameList(QListWidget):
 
         Args:
             names: the names.
-            picked: the one that is picked; None: none.
-            worth: points of each, as far as they are known.
-            called: the words of each; empty: the names themselves.
+            picked: the picked name. If None, no name is picked.
+            worth: points of each name, if known.
+            called: words for each name. If empty, the names themselves are shown.
         """
         self._picked, called = picked, called or names
         if (names, called, worth) != (self._names, self._called, self._worth) or self.count() == 0:
@@ -73,7 +73,7 @@ class NameList(QListWidget):
         return QSize(px(220), self._high * min(max(len(self._names), 3), 8) + 2 * GAP)
 
     def widest(self) -> int:
-        """Return the width in which every name is shown whole."""
+        """Return the width at which every name is fully visible."""
         words = self._rows()
         bar = self.verticalScrollBar().sizeHint().width()
         wide = max((self.fontMetrics().horizontalAdvance(each) for each in words), default=0)
@@ -91,28 +91,28 @@ class NameList(QListWidget):
         super().showEvent(event)
 
     def hideEvent(self, event: QHideEvent) -> None:
-        """Empty the list: assistive technology finds the names even where the list is hidden."""
+        """Empty the list: assistive technology finds the names even if the list is hidden."""
         super().hideEvent(event)
         self.clear()
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Leave the list sideways by arrows; the window's shortcuts pick its names."""
+        """Leave the list sideways by arrow keys; the window's shortcuts pick its names."""
         if event.key() in focus.ARROWS:
             focus.move_focus(self, event.key())
         else:
             event.ignore()
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
-        """Do nothing: a name is picked by a click, not by dragging over the list."""
+        """Do nothing: a click picks a name; dragging over the list does not."""
         event.accept()
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
-        """Pick by a click; a press that picked nothing leaves no other name marked than the one picked."""
+        """Pick by a click. If a press picked nothing, mark the picked name again."""
         super().mouseReleaseEvent(event)
         self._pick()
 
     def focusInEvent(self, event: QFocusEvent) -> None:
-        """Take the focus without picking a name, unlike Qt's own lists."""
+        """Accept the focus without picking a name, unlike Qt's own lists."""
         current = self.currentIndex()
         super().focusInEvent(event)
         if not current.isValid():
@@ -137,7 +137,7 @@ class NameList(QListWidget):
             self.setCurrentRow(row)
 
     def _rows(self) -> list[str]:
-        """Names as the list has them, with their points where they are known."""
+        """Return the names as the list shows them, with their points if known."""
         texts, worth = self._texts, self._worth or (None,) * len(self._called)
         return [
             words

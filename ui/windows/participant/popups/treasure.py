@@ -1,4 +1,4 @@
-"""The pop-up about a treasure that a robot found."""
+"""Pop-up about a treasure that a robot found."""
 
 from PySide6.QtCore import QSize, Qt
 from PySide6.QtWidgets import (
@@ -27,7 +27,7 @@ from ui.windows.participant.widgets.panels import TitledPanel, set_text, wrapped
 
 
 class TreasurePanel(TitledPanel):
-    """Picture and sensor readings at the left, the list of possible names at the right, the acts below.
+    """Picture and sensor readings on the left, the list of possible names on the right, the acts below.
 
     In a narrow panel the list is above picture and readings.
     """
@@ -71,16 +71,17 @@ class TreasurePanel(TitledPanel):
         self.arrange(self.usual_size())
 
     def arrange(self, space: QSize) -> None:
-        """Put the list beside the picture where names fit whole there, or else above; the readings likewise.
+        """Put the list next to the picture if names fit there completely, otherwise above it; the readings likewise.
 
-        Where space is short, what a name costs and wins is below all else and not on the button, and all is closer.
+        If space is short, cost and gain of a name move from the button to the bottom, and everything gets closer
+        together.
         """
         super().arrange(space)
         self._space = space
         for button in (self.name_it, self.unsure, self.leave):
             button.show_hints(not self.compact)
         gap = GAP if self.compact else int(1.5 * GAP)
-        if self.rows.spacing() != gap:  # else each layout would ask for another one
+        if self.rows.spacing() != gap:  # Without this check, each layout would cause another one.
             self.rows.setSpacing(gap)
             self._grid.setSpacing(gap)
         row, column = QBoxLayout.Direction.LeftToRight, QBoxLayout.Direction.TopToBottom
@@ -88,8 +89,8 @@ class TreasurePanel(TitledPanel):
         alone = self._pop is None or self._pop.unsure is None
         self.foot.setStretch(0, 3 if not self.compact else 4 if alone else 2)
         self._show_stakes()
-        beside = self.room_beside(PICTURE.width(), space)
-        named, known = beside >= self.names.widest(), beside >= px(FACTS_WIDTH)
+        free = self.room_beside(PICTURE.width(), space)
+        named, known = free >= self.names.widest(), free >= px(FACTS_WIDTH)
         if (named, known) == self._columns:
             return
         self._columns = named, known
@@ -102,7 +103,7 @@ class TreasurePanel(TitledPanel):
         self._grid.setRowStretch(2, int(named))
 
     def _show_stakes(self) -> None:
-        """Say what a name costs and wins where the button does not, in a place that is high enough for each name."""
+        """Show cost and gain of a name if the button does not; the place is high enough for each name."""
         asks = self._pop is not None and self._pop.asks_for_name
         set_text(self._stakes, self._pop.name_it.hint if self._pop is not None and asks else "")
         self._stakes.setVisible(self.compact and asks)
@@ -111,15 +112,16 @@ class TreasurePanel(TitledPanel):
         self._stakes.setMinimumHeight(wrapped_height(self._stakes, longest.hint, width) if longest else 0)
 
     def usual_size(self) -> QSize:
-        """Return that of all pop-ups about what was found."""
+        """Return the size of all pop-ups about finds."""
         return find_size()
 
     def _ask_for_pick(self, name: str) -> None:
-        # A function within `__init__` would hold this panel by a list that it owns, so that nothing could free it.
+        # A function inside `__init__` would refer to this panel from a list that the panel owns: it would never be
+        # freed.
         self.requested.emit(PickName(name))
 
     def show_pop(self, pop: TreasurePopup) -> None:
-        """Show this; does nothing when it is shown already."""
+        """Show this treasure; do nothing if it is already shown."""
         if pop == self._pop:
             return
         new = self._pop is None or pop.room != self._pop.room

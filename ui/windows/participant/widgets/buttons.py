@@ -1,4 +1,4 @@
-"""Buttons that show an `Action`: its label, its key, its cost or why it cannot be pressed."""
+"""Buttons that show an `Action`: its label, its key, its cost, or why it cannot be pressed."""
 
 from dataclasses import dataclass, replace
 from typing import Literal
@@ -16,13 +16,13 @@ from ui.windows.participant.widgets import focus
 from ui.windows.participant.widgets.painting import WRAPPED, box, key_cap, key_size, ring, sign, write
 
 Weight = Literal["main", "large", "plain", "small", "quiet"]
-"""Prominence of a button: the most likely action; one of several, with much, usual and little space; a side matter,
-without an edge."""
+"""Prominence of a button: "main" for the most likely action; "large", "plain" and "small" for one of several actions,
+by the available space; "quiet" for a side matter, without an edge."""
 
 
 @dataclass(frozen=True, slots=True)
 class ButtonFace:
-    """The content of a button; the attributes are those of `Action`."""
+    """Content of a button; the attributes are those of `Action`."""
 
     label: str
     key: str = ""
@@ -37,12 +37,12 @@ _ENTER = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
 class ParticipantButton(QPushButton):
     """Base class of the buttons in the participant's window; each subclass paints itself.
 
-    A button that cannot be pressed just now stays reachable: it says why when it is pressed, and keeps the focus. It
-    takes the focus from the keyboard only: after a click, Space and Enter must not press it again.
+    A button that cannot be pressed at the moment stays reachable: if pressed, it shows the reason and keeps the focus.
+    It accepts the focus only from the keyboard: after a click, Space and Enter must not press it again.
 
     Args:
-        texts: of the window's language.
-        parent: as for any widget.
+        texts: texts in the window's language.
+        parent: parent widget.
 
     Attributes:
         requested: the `Act` of the action shown.
@@ -56,7 +56,7 @@ class ParticipantButton(QPushButton):
         super().__init__(parent)
         self._texts = texts
         self.face: ButtonFace | None = None
-        # Its key as people read it.
+        # Key as people read it.
         self._shown_key = ""
         self.act: Act | None = None
         self._pointed = False
@@ -65,14 +65,15 @@ class ParticipantButton(QPushButton):
         self.clicked.connect(self._pressed)
 
     def bind(self, action: Action, name: str) -> None:
-        """Keep the action; `name` is how screen readers say the button."""
+        """Store the action; `name` is the name for screen readers."""
         if action.act != self.act:
             self.let_go()
         self.act = action.act
         self.show_face(ButtonFace(action.label, action.key, action.enabled, action.hint, action.pending), name)
 
     def show_face(self, face: ButtonFace, name: str) -> None:
-        """Keep the face, and tell assistive technology what this button is, and why it cannot be pressed."""
+        """Store the face, and set name and description for assistive technology, with the reason if it cannot be
+        pressed."""
         self.face = face
         self._shown_key = shown_key(self._texts, face.key)
         state = "asked_for" if face.busy else "impossible"
@@ -83,16 +84,16 @@ class ParticipantButton(QPushButton):
         self.setToolTip(face.hint)
 
     def pointed_at(self) -> bool:
-        """Return True when the pointer was moved onto it and it can be pressed."""
+        """Return True if the pointer was moved onto the button and it can be pressed."""
         return self.face is not None and self.face.enabled and (self._pointed or self.isDown())
 
     def let_go(self) -> None:
-        """Forget the pointer and a press begun: both were meant for what was shown before."""
+        """Forget the pointer and an unfinished press: both were meant for the previous content."""
         self.setDown(False)
         self.set_pointed(False)
 
     def set_pointed(self, pointed: bool) -> None:
-        """Keep that the pointer was moved onto it, or that it points at nothing any more."""
+        """Store whether the pointer was moved onto the button."""
         if pointed != self._pointed:
             self._pointed = pointed
             self.update()
@@ -108,9 +109,9 @@ class ParticipantButton(QPushButton):
         self.focused.emit(self)
 
     def event(self, event: QEvent) -> bool:
-        """Follow the pointer; keep Enter, which the window's own shortcuts would take, to press the button.
+        """Follow the pointer, and let Enter press the button before the window's shortcuts receive it.
 
-        Space is left to them: while a name is typed, it is a blank.
+        Space stays with the shortcuts: while a person types a name, it is a blank.
         """
         if event.type() == QEvent.Type.HoverLeave:
             self.set_pointed(False)
@@ -122,7 +123,7 @@ class ParticipantButton(QPushButton):
         return super().event(event)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Press by Enter as by Space; go to a neighbor by arrows."""
+        """Let Enter press the button like Space; let arrow keys move to a neighbor."""
         if event.key() in focus.ARROWS:
             focus.move_focus(self, event.key())
         elif event.key() in _ENTER:
@@ -142,9 +143,9 @@ class ParticipantButton(QPushButton):
 
 
 class ActionButton(ParticipantButton):
-    """The usual button: the label, the hint below it if `hints`, the key at the right.
+    """Usual button: the label, the hint below it if `hints`, the key on the right.
 
-    A key that is not its own for a while leaves its space free, so that nothing moves.
+    If its key is absent for a while, its space stays free, so that nothing moves.
     """
 
     def __init__(
@@ -155,9 +156,9 @@ class ActionButton(ParticipantButton):
         self._weight = weight
         self._hints = self._breaks = hints
         self._kept: ButtonFace | None = None
-        # The last key of the act shown.
+        # Last key of the act shown.
         self._last_key = ""
-        # A label that breaks into lines needs more than the usual height.
+        # A label that wraps needs more than the usual height.
         policy = QSizePolicy(QSizePolicy.Policy.Minimum, QSizePolicy.Policy.Fixed)
         if hints:
             policy = QSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Preferred)
@@ -165,11 +166,11 @@ class ActionButton(ParticipantButton):
         self.setSizePolicy(policy)
 
     def show_action(self, action: Action, longest: Action | None = None) -> None:
-        """Show this; does nothing when it is shown already.
+        """Show this action; do nothing if it is already shown.
 
         Args:
-            action: shown from now on.
-            longest: another action whose space is kept, so that nothing moves when that is shown.
+            action: action to show.
+            longest: action that determines the size, so that nothing moves when it is shown.
         """
         if longest is not None:
             kept = ButtonFace(longest.label, longest.key, longest.enabled, longest.hint, longest.pending)
@@ -183,7 +184,7 @@ class ActionButton(ParticipantButton):
             self.bind(action, action.label)
 
     def show_hints(self, shown: bool) -> None:
-        """Show the hint below the label, or leave it to the tool tip."""
+        """Show the hint below the label, or only as a tool tip."""
         if shown != self._hints:
             self._hints = shown
             self.updateGeometry()
@@ -199,37 +200,37 @@ class ActionButton(ParticipantButton):
         self.update()
 
     def sizeHint(self) -> QSize:
-        """Return the size of the label on one line, and the hint below it."""
+        """Return the size of the label on one line, with the hint below it."""
         face = self.face
         if face is None:
             return QSize(0, 0)
-        wide = QFontMetricsF(self._font()).horizontalAdvance(face.label) + self._beside(face)
+        wide = QFontMetricsF(self._font()).horizontalAdvance(face.label) + self._width_next_to_label(face)
         if self._hints and face.hint:
             hint = min(px(260), QFontMetricsF(font("small")).horizontalAdvance(face.hint))
-            wide = max(wide, hint + self._beside(face, below=True))
+            wide = max(wide, hint + self._width_next_to_label(face, below=True))
         width = int(wide) + 2
         return QSize(width, self.heightForWidth(width))
 
     def minimumSizeHint(self) -> QSize:
-        """Return the least size: labels may break into lines where there are hints at times."""
+        """Return the smallest size: labels may wrap if the button can have hints."""
         hint = self.sizeHint()
         return QSize(min(hint.width(), px(96)), hint.height()) if self._breaks else hint
 
     def heightForWidth(self, width: int) -> int:
-        """Return the height that the broken lines need."""
+        """Return the height that the wrapped lines need."""
         high = max((self._words_high(face, width) for face in (self.face, self._kept) if face is not None), default=0.0)
         return int(max(high, key_size("X")[1]) + 2.0 * self._above()) + 1 if self.face is not None else 0
 
     def _words_high(self, face: ButtonFace, width: int) -> float:
-        """Return the height of the broken lines of a face."""
-        beside = self._beside(face) if self._has_room_for_key(face, width) else self._beside(face, below=True)
-        text = self._height(face.label, self._font(), width - beside)
+        """Return the height of the wrapped lines of a face."""
+        below = not self._has_room_for_key(face, width)
+        text = self._height(face.label, self._font(), width - self._width_next_to_label(face, below=below))
         if self._hints and face.hint:
-            text += self._height(face.hint, font("small"), width - self._beside(face, below=True)) + 2.0
+            text += self._height(face.hint, font("small"), width - self._width_next_to_label(face, below=True)) + 2.0
         return text
 
     def paintEvent(self, _event: QPaintEvent) -> None:
-        """Draw the face, the words, the key, and the ring of the focus."""
+        """Draw the face, the words, the key, and the focus ring."""
         face, palette = self.face, colours()
         if face is None:
             return
@@ -250,7 +251,7 @@ class ActionButton(ParticipantButton):
         text = rect.adjusted(1.5 * GAP, self._above(), -1.5 * GAP, -self._above())
         line = QFontMetricsF(self._font()).height()
         if key_wide:
-            # Beside the label: a hint below it has the whole width.
+            # Next to the label, since a hint below it uses the whole width.
             middle = text.top() + line / 2.0 if self._hints and face.hint else rect.center().y()
             cap = QRectF(text.right() - key_wide, middle - key_high / 2.0, key_wide, key_high)
             if face.key:
@@ -260,12 +261,12 @@ class ActionButton(ParticipantButton):
             busy = QRectF(text.left(), rect.center().y() - side / 2.0, side, side)
             sign(painter, busy.adjusted(2, 2, -2, -2), "busy", ink)
             text.setLeft(text.left() + side + GAP / 2.0)
-        beside = key_wide + GAP if key_wide else 0.0
-        self._words(painter, text, beside, face, ink, palette.on_accent if filled else palette.muted)
+        taken = key_wide + GAP if key_wide else 0.0
+        self._words(painter, text, taken, face, ink, palette.on_accent if filled else palette.muted)
 
-    def _words(self, painter: QPainter, area: QRectF, beside: float, face: ButtonFace, ink: str, faint: str) -> None:
-        """Draw label and hint in an area; `beside` is the width that the key takes at the right of the label."""
-        label = area.adjusted(0, 0, -beside, 0)
+    def _words(self, painter: QPainter, area: QRectF, taken: float, face: ButtonFace, ink: str, faint: str) -> None:
+        """Draw label and hint in an area; `taken` is the width of the key to the right of the label."""
+        label = area.adjusted(0, 0, -taken, 0)
         if not (self._hints and face.hint):
             centred = Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap
             write(painter, label, face.label, self._font(), ink, WRAPPED if self._last_key else centred)
@@ -283,13 +284,13 @@ class ActionButton(ParticipantButton):
         return {"main": GAP, "large": 1.5 * GAP, "plain": GAP, "quiet": 0.6 * GAP, "small": 1.5}[self._weight]
 
     def _has_room_for_key(self, face: ButtonFace, width: float) -> bool:
-        """Return True where each word of the label fits beside the key; else the key is left to the tool tip."""
+        """Return True if each word of the label fits next to the key; otherwise only the tool tip shows the key."""
         metrics = QFontMetricsF(self._font())
         longest = max(map(metrics.horizontalAdvance, face.label.split()), default=0.0)
-        return longest <= width - self._beside(face)
+        return longest <= width - self._width_next_to_label(face)
 
-    def _beside(self, face: ButtonFace, *, below: bool = False) -> float:
-        """Return the width of all that stands beside the label, or beside the hint below it."""
+    def _width_next_to_label(self, face: ButtonFace, *, below: bool = False) -> float:
+        """Return the width of everything next to the label, or next to the hint below it."""
         busy = key_size("X")[1] + GAP / 2.0 if face.busy else 0.0
         key = 0.0 if below else key_size(self._last_key)[0]
         return 3.0 * GAP + (key + GAP if key else 0.0) + busy
@@ -308,24 +309,24 @@ def _is_enter(event: QKeyEvent) -> bool:
 
 
 class ActionWidget(QWidget):
-    """A part of the window with buttons in it.
+    """Part of the window with buttons in it.
 
     Attributes:
-        requested: carries the `Act` of the pressed button.
+        requested: `Act` of the pressed button.
     """
 
     requested = Signal(object)
 
 
 class ActionRow:
-    """Buttons in a layout, one for each action, and all alike; they are reused when the actions change.
+    """Buttons in a layout, one for each action, all alike; they are reused when the actions change.
 
     Args:
-        texts: of the window's language.
-        layout: gets the buttons.
-        requested: passes on their acts.
-        weight: of each button.
-        hints: show the actions' hints.
+        texts: texts in the window's language.
+        layout: layout that gets the buttons.
+        requested: signal that passes on their acts.
+        weight: weight of each button.
+        hints: True to show the actions' hints.
     """
 
     def __init__(
@@ -345,7 +346,7 @@ class ActionRow:
         self.buttons: list[ActionButton] = []
 
     def show_actions(self, actions: tuple[Action, ...]) -> None:
-        """Show these, in order."""
+        """Show these actions, in order."""
         while len(self.buttons) < len(actions):
             made = ActionButton(self._texts, self._weight, hints=self._hints)
             made.requested.connect(self._requested)

@@ -1,6 +1,6 @@
-"""Focus by keyboard: arrows move it inside a region, F6 from region to region.
+"""Keyboard focus: arrow keys move it inside a region, F6 moves it from region to region.
 
-Tab is not free for that: in this game it means the next robot.
+Tab is not available for that, since in this game it selects the next robot.
 """
 
 from collections.abc import Sequence
@@ -20,7 +20,7 @@ ARROWS: dict[int, tuple[int, int]] = {
 
 
 def make_region(widget: QWidget, name: str) -> None:
-    """Make a widget a region of this name."""
+    """Make a widget a region with this name."""
     widget.setProperty(REGION, name)
     widget.setAccessibleName(name)
 
@@ -38,7 +38,7 @@ def reachable(inside: QWidget) -> list[QWidget]:
         ((QRect(widget.mapTo(inside, QPoint(0, 0)), widget.size()), widget) for widget in found),
         key=lambda each: (each[0].center().y(), each[0].x()),
     ):
-        # Widgets of different heights that stand beside each other are one row.
+        # Widgets of different heights next to each other form one row.
         if rows and place.top() <= rows[-1][0][0].bottom():
             rows[-1].append((place, widget))
         else:
@@ -47,8 +47,10 @@ def reachable(inside: QWidget) -> list[QWidget]:
 
 
 def move_focus(widget: QWidget, key: int) -> None:
-    """Give the focus to a neighbor inside the widget's region: left and right in reading order, so that nothing is
-    left out; up and down to the nearest one there, where a shift to the side counts three times.
+    """Give the focus to a neighbor inside the widget's region.
+
+    Left and right follow the reading order, so that no widget is left out. Up and down go to the nearest widget in that
+    direction; a distance sideways counts three times.
     """
     home: QWidget | None = widget
     while home is not None and home.property(REGION) is None:
@@ -74,7 +76,7 @@ def move_focus(widget: QWidget, key: int) -> None:
 
 
 def go_round(inside: QWidget, step: int) -> None:
-    """Give the focus to the next widget inside a widget (`step` 1) or the one before (-1), round and round."""
+    """Give the focus to the next widget inside a widget (`step` 1) or to the previous one (-1), in a cycle."""
     others = reachable(inside)
     if others:
         focused = QApplication.focusWidget()
@@ -83,7 +85,7 @@ def go_round(inside: QWidget, step: int) -> None:
 
 
 def next_region(regions: Sequence[QWidget], step: int) -> None:
-    """Give the focus to the first reachable widget of the next region (`step` 1) or the one before (-1)."""
+    """Give the focus to the first reachable widget of the next region (`step` 1) or of the previous one (-1)."""
     open_ones = [one for one in regions if one.isVisible() and (_takes(one) or reachable(one))]
     if not open_ones:
         return

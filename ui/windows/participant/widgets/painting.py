@@ -1,4 +1,4 @@
-"""Shapes that buttons, cards and tiles are painted with, so that a thing looks the same wherever it is shown."""
+"""Shapes for painting buttons, cards and tiles, so that a thing looks the same everywhere."""
 
 from collections.abc import Sequence
 from typing import Literal
@@ -10,13 +10,13 @@ from sim.common.robot_numbers import number_of
 from ui.windows.look import GAP, RADIUS, RING, colours, font, smooth_painter, text_colour_on
 
 Sign = Literal["open", "arrow", "dot", "tick", "cross", "trouble", "busy", "talk", "mast"]
-"""Not visited yet, a robot is on its way, visited, won, lost; something is wrong; asked for and not done yet; somebody
-speaks; somebody else commands."""
+"""Signs, in order: not visited yet; a robot is on its way; visited; won; lost; a problem; requested and not done yet; a
+person or robot speaks; another commander."""
 
 
 LEFT = Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter
 WRAPPED = LEFT | Qt.TextFlag.TextWordWrap
-"""Places of words in an area: at the left, half way down; on one line, or on as many as they need."""
+"""Place of words in an area: on the left, vertically centered; on one line, or on as many as they need."""
 
 
 def write(
@@ -38,7 +38,7 @@ def box(
     dashed: bool = False,
     radius: float = RADIUS - 2,
 ) -> None:
-    """Draw a filled box with round corners whose edge lies inside the rectangle."""
+    """Draw a filled box with round corners and its edge inside the rectangle."""
     pen = QPen(QColor(edge), width)
     if dashed:
         pen.setStyle(Qt.PenStyle.DashLine)
@@ -49,7 +49,7 @@ def box(
 
 
 def ring(painter: QPainter, rect: QRectF, colour: str) -> None:
-    """Draw the ring around the widget with the focus, a little inside its edge so that the two never merge."""
+    """Draw the focus ring, slightly inside the edge of the widget so that the two never merge."""
     inset = RING / 2.0 + 2.0
     painter.setPen(QPen(QColor(colour), RING))
     painter.setBrush(Qt.BrushStyle.NoBrush)
@@ -74,7 +74,7 @@ def chip(painter: QPainter, centre: QPointF, robot: int) -> None:
 
 
 def key_size(key: str) -> tuple[float, float]:
-    """Return width and height of a key as printed on a button; 0, 0 without one."""
+    """Return width and height of a key as printed on a button; 0, 0 without a key."""
     if not key:
         return 0.0, 0.0
     metrics = QFontMetricsF(font("small"))
@@ -130,7 +130,7 @@ def sign(painter: QPainter, rect: QRectF, kind: Sign, ink: str) -> None:
             painter.drawPolyline([at(0.5, 0.36), at(0.5, 0.95)])
             for reach in (0.22, 0.44):
                 around = QRectF(at(0.5 - reach, 0.36 - reach), at(0.5 + reach, 0.36 + reach))
-                # Sixteenths of a degree.
+                # Qt counts angles in sixteenths of a degree.
                 painter.drawArc(around, -45 * 16, 90 * 16)
                 painter.drawArc(around, 135 * 16, 90 * 16)
         case "talk":
@@ -159,11 +159,11 @@ _HATCHES: dict[tuple[str, str], QPixmap] = {}
 
 
 def fitting(texts: Sequence[str], width: float, metrics: QFontMetricsF) -> str:
-    """Return the first of these texts that fits, or as much of the last one as does."""
+    """Return the first of these texts that fits, or the fitting part of the last one."""
     whole = (text for text in texts if metrics.horizontalAdvance(text) <= width)
     return next(whole, None) or elided(texts[-1], width, metrics)
 
 
 def elided(text: str, width: float, metrics: QFontMetricsF) -> str:
-    """Return as much of a text as fits."""
+    """Return the part of a text that fits."""
     return metrics.elidedText(text, Qt.TextElideMode.ElideRight, max(0.0, width))

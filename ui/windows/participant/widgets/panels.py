@@ -1,4 +1,4 @@
-"""Parts of pop-ups, pages and sheets: a panel with a title, speech bubbles, and a dimming overlay behind."""
+"""Parts of pop-ups, pages and sheets: a panel with a title, speech bubbles, and a dimming overlay."""
 
 from typing import Literal
 
@@ -23,14 +23,14 @@ from ui.windows.participant.widgets.focus import go_round, make_region
 from ui.windows.participant.widgets.painting import WRAPPED, chip, chip_size, write
 
 PROMINENT = 2
-"""Newest sentences of a dialogue that are not dimmed: what was said last, and the reply."""
+"""Number of newest sentences of a dialogue that are not dimmed: the last one, and the reply."""
 
 OVERLAY_COLOUR = "#0b0f14"
 """Color of the overlay that dims the window, in light and dark."""
 
 
 class RobotChip(QWidget):
-    """A robot's color and number, beside a title."""
+    """Color and number of a robot, next to a title."""
 
     def __init__(self, texts: Texts, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -40,7 +40,7 @@ class RobotChip(QWidget):
         self.hide()
 
     def show_robot(self, robot: int | None) -> None:
-        """Show the chip of this robot; None hides it."""
+        """Show the chip of this robot. If None, hide it."""
         if robot == self._robot:
             return
         self._robot = robot
@@ -56,19 +56,19 @@ class RobotChip(QWidget):
 
 
 class TitledPanel(QFrame):
-    """A panel above everything else, with a title.
+    """Panel above everything else, with a title.
 
     Args:
-        texts: of the window's language.
-        name: for screen readers.
-        parent: as for any widget.
+        texts: texts in the window's language.
+        name: name for screen readers.
+        parent: parent widget.
 
     Attributes:
-        requested: carries the `Act` of the pressed button, or of the picked name.
-        top: the row of the title; what is added goes to its right.
-        rows: what is below it, which scrolls where there is too little space.
-        foot: what is below that and always in sight.
-        compact: there is less space than usual on the map.
+        requested: `Act` of the pressed button, or of the picked name.
+        top: row of the title; more widgets go to its right.
+        rows: content below the title; it scrolls if there is too little space.
+        foot: part below the content that is always visible.
+        compact: True if there is less space than usual on the map.
     """
 
     requested = Signal(object)
@@ -100,17 +100,17 @@ class TitledPanel(QFrame):
         self.setAccessibleName(title)
 
     def usual_size(self) -> QSize:
-        """Return its size as a pop-up on the map, logical pixels; it is higher only where its words need more."""
+        """Return the size as a pop-up on the map, logical pixels; the pop-up is higher only if its words need more."""
         return QSize(px(340), px(300))
 
     def arrange(self, space: QSize) -> None:
-        """Arrange what it holds for the space that there is on the map, logical pixels."""
+        """Arrange the content for the available space on the map, logical pixels."""
         usual = self.usual_size()
         self.compact = space.width() < usual.width() or space.height() < usual.height()
         self._title.setFont(font("body", bold=True))
 
     def room_beside(self, width: int, space: QSize) -> int:
-        """Return the width left beside a part of this width, logical pixels, even where what it holds scrolls."""
+        """Return the width left next to a part of this width, logical pixels, also if the content scrolls."""
         inside = min(self.usual_size().width(), space.width()) - self.edges().width()
         return inside - self._scrolling.verticalScrollBar().sizeHint().width() - width - self.rows.spacing()
 
@@ -119,13 +119,13 @@ class TitledPanel(QFrame):
         self._scrolling.ensureWidgetVisible(part, 0, GAP)
 
     def least(self, width: int) -> int:
-        """Return the height that it needs at least in a width, logical pixels; with less it scrolls."""
+        """Return the smallest height at a width, logical pixels; with less height the content scrolls."""
         around = self.edges()
         foot = least_height(self.foot, width - around.width()) if self.foot.count() else 0
         return least_height(self.rows, width - around.width()) + foot + around.height()
 
     def wanted(self, width: int, height: int) -> QSize:
-        """Return its size when there is at most so much space."""
+        """Return the preferred size for at most this space."""
         around = self.edges()
         wide = width - around.width()
         if self._inside.width() not in (wide, wide - self._scrolling.verticalScrollBar().sizeHint().width()):
@@ -135,12 +135,12 @@ class TitledPanel(QFrame):
         return QSize(width, min(max(needed, least_height(self.rows, wide)) + around.height(), height))
 
     def edges(self) -> QSize:
-        """Return the size of its frame and of the space inside it."""
+        """Return the size of the frame and of the space inside it."""
         return self.size() - self.contentsRect().size() + QSize(2 * GAP, 2 * GAP)
 
 
 class PanelScrollArea(QScrollArea):
-    """Scrolls what a panel holds, where there is less space than even its least size."""
+    """Scrolls the content of a panel if there is less space than its smallest size."""
 
     def __init__(self, inside: QWidget, rows: QVBoxLayout) -> None:
         super().__init__()
@@ -152,19 +152,19 @@ class PanelScrollArea(QScrollArea):
         QApplication.instance().focusChanged.connect(self._reveal)  # type: ignore[union-attr]  # there is one
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        """Fit what is inside."""
+        """Fit the content."""
         super().resizeEvent(event)
         self._fit()
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Fit what is inside anew when it needs another size, and report that to the layout."""
+        """Fit the content again when it needs another size, and report that to the layout."""
         if event.type() == QEvent.Type.LayoutRequest:
             self._fit()
             self.updateGeometry()
         return super().eventFilter(watched, event)
 
     def _fit(self) -> None:
-        # A bar takes width, for want of which lines may break, so that it is needed only because it is there.
+        # A scroll bar narrows the content, which may wrap and then need the bar only because of it.
         fits = least_height(self._rows, self.width()) <= self.height()
         policy = Qt.ScrollBarPolicy.ScrollBarAlwaysOff if fits else Qt.ScrollBarPolicy.ScrollBarAsNeeded
         self.setVerticalScrollBarPolicy(policy)
@@ -177,12 +177,12 @@ class PanelScrollArea(QScrollArea):
 
 
 def least_height(rows: QLayout, width: int) -> int:
-    """Return the height that a layout needs at least in a width, logical pixels."""
+    """Return the smallest height of a layout at a width, logical pixels."""
     return rows.minimumHeightForWidth(width) if rows.hasHeightForWidth() else rows.minimumSize().height()
 
 
 class OpaqueBackground(QWidget):
-    """An opaque background. Qt knows that nothing shines through: the map may move below it without a redraw."""
+    """Opaque background. Qt knows that nothing shines through, so a moving map below it needs no redraw here."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -194,7 +194,7 @@ class OpaqueBackground(QWidget):
 
 
 class SpeechBubble(QWidget):
-    """A sentence in a bubble: a robot's at the left with its color, the participant's at the right with the accent."""
+    """Sentence in a bubble: a robot's on the left in its color, the participant's on the right in the accent color."""
 
     def __init__(self, texts: Texts, speaker: Literal["robot", "you"], text: str, robot: int) -> None:
         super().__init__()
@@ -209,7 +209,7 @@ class SpeechBubble(QWidget):
         self.setSizePolicy(policy)
 
     def show_older(self, older: bool) -> None:
-        """Dim it once newer sentences are what matters."""
+        """Dim the sentence when newer ones exist."""
         if older != self._older:
             self._older = older
             self.update()
@@ -219,11 +219,11 @@ class SpeechBubble(QWidget):
         return QSize(px(320), self.heightForWidth(px(320)))
 
     def minimumSizeHint(self) -> QSize:
-        """Return the size on one line, should the width allow it."""
+        """Return the size on one line, in case the width allows it."""
         return QSize(px(120), self.heightForWidth(10000))
 
     def heightForWidth(self, width: int) -> int:
-        """Return the height of the broken lines."""
+        """Return the height of the wrapped lines."""
         return int(self._words(width).height() + 2.0 * GAP) + 1
 
     def paintEvent(self, _event: QPaintEvent) -> None:
@@ -244,13 +244,13 @@ class SpeechBubble(QWidget):
         write(painter, area, self._text, font(), palette.muted if self._older else palette.text, WRAPPED)
 
     def _words(self, width: int) -> QRectF:
-        """Return the space of the words; bubbles leave a share of the width free, so that the sides differ."""
+        """Return the space of the words. Bubbles leave a share of the width free, so that the sides differ."""
         frame = QRectF(0.0, 0.0, max(0.86 * width - 3.0 * GAP, 40.0), 10000.0)
         return QFontMetricsF(font()).boundingRect(frame, int(Qt.TextFlag.TextWordWrap), self._text)
 
 
 class Transcript(QScrollArea):
-    """The sentences of a dialogue so far, the newest at the bottom and in sight."""
+    """Sentences of a dialogue so far, the newest at the bottom and visible."""
 
     def __init__(self, texts: Texts, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -270,12 +270,12 @@ class Transcript(QScrollArea):
         self._robot: int | None = None
         self._room = 0
         self.verticalScrollBar().rangeChanged.connect(self._to_end)
-        # New bubbles have their place once all events so far are through.
+        # New bubbles get their place only after all pending events.
         self._settling = QTimer(self, singleShot=True, interval=0)
         self._settling.timeout.connect(self._to_end)
 
     def show_sentences(self, sentences: tuple[tuple[Literal["robot", "you"], str], ...], robot: int) -> None:
-        """Show these sentences; bubbles that are shown already are kept."""
+        """Show these sentences; keep bubbles that are already shown."""
         if (sentences, robot) == (self._sentences, self._robot):
             return
         shown = len(self._sentences)
@@ -294,7 +294,7 @@ class Transcript(QScrollArea):
         self.updateGeometry()
 
     def turn_page(self, pages: int) -> None:
-        """Scroll back (-1) or on (1) by what is in sight."""
+        """Scroll one page back (-1) or forward (1)."""
         bar = self.verticalScrollBar()
         bar.setValue(bar.value() + pages * bar.pageStep())
 
@@ -303,7 +303,7 @@ class Transcript(QScrollArea):
         return self._lines.heightForWidth(width) if self._sentences else 0
 
     def sizeHint(self) -> QSize:
-        """Return the size of all sentences in the width it has."""
+        """Return the size of all sentences at the current width."""
         return QSize(px(320), self.heightForWidth(self.width()))
 
     def minimumSizeHint(self) -> QSize:
@@ -312,13 +312,13 @@ class Transcript(QScrollArea):
         return QSize(px(120), min(self.sizeHint().height(), max(px(60), min(newest, self._room))))
 
     def keep_room(self, height: int) -> None:
-        """Show the newest sentence whole up to this height, logical pixels."""
+        """Show the newest sentence completely up to this height, logical pixels."""
         if height != self._room:
             self._room = height
             self.updateGeometry()
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        """Report another height for another width; where all fits, no bar takes width that would break lines."""
+        """Report the new height for a new width. If everything fits, hide the bar: its width would wrap lines."""
         super().resizeEvent(event)
         fits = self.height() >= self.heightForWidth(self.width())
         policy = Qt.ScrollBarPolicy.ScrollBarAlwaysOff if fits else Qt.ScrollBarPolicy.ScrollBarAsNeeded
@@ -328,21 +328,21 @@ class Transcript(QScrollArea):
         self._to_end()
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Report another size to the layout, since bubbles are shown a moment after they were added."""
+        """Report the new size to the layout, since bubbles appear a moment after they are added."""
         if event.type() == QEvent.Type.LayoutRequest:
             self.updateGeometry()
             self._settling.start()
         return super().eventFilter(watched, event)
 
     def _to_end(self) -> None:
-        """Show the newest sentence, from its beginning."""
+        """Show the newest sentence from its beginning."""
         self._lines.activate()
         bar = self.verticalScrollBar()
         bar.setValue(min([bar.maximum(), *(bubble.y() for bubble in self._bubbles[-1:])]))
 
 
 class ModalOverlay(QWidget):
-    """A modal overlay: dims the window, which cannot be used meanwhile, and shows one panel in the middle."""
+    """Modal overlay: dims the window, blocks it, and shows one panel in the middle."""
 
     def __init__(self, parent: QWidget) -> None:
         super().__init__(parent)
@@ -369,13 +369,13 @@ class ModalOverlay(QWidget):
         self.raise_()
 
     def keeps_tab(self, *, forward: bool) -> bool:
-        """Move the focus by Tab inside the panel; return False while it is hidden, and Tab is not its own."""
+        """Move the focus by Tab inside the panel. Return False while the panel is hidden: Tab is free."""
         if self.isVisible():
             go_round(self, 1 if forward else -1)
         return self.isVisible()
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
-        """Keep the press from what lies behind."""
+        """Keep the press away from the widgets behind."""
         event.accept()
 
     def resizeEvent(self, _event: QResizeEvent) -> None:
@@ -397,7 +397,7 @@ class ModalOverlay(QWidget):
 
 
 def page_column(page: QWidget, width: int) -> QVBoxLayout:
-    """Return a column in the middle of a page, at most so wide, `px`; it scrolls where the page is too low for it."""
+    """Return a column in the middle of a page, at most this wide, `px`; it scrolls if the page is too low."""
     inside, area = QWidget(), QScrollArea(widgetResizable=True)
     area.setFrameShape(QFrame.Shape.NoFrame)
     area.setFocusPolicy(Qt.FocusPolicy.NoFocus)
@@ -415,11 +415,11 @@ def page_column(page: QWidget, width: int) -> QVBoxLayout:
 
 
 def set_text(shown: QLabel, text: str) -> None:
-    """Set a label's text only when it differs, which saves a layout."""
+    """Set a label's text only if it differs, which saves a layout."""
     if shown.text() != text:
         shown.setText(text)
 
 
 def wrapped_height(shown: QLabel, text: str, width: int) -> int:
-    """Return the height of a text as a label would show it in a width, logical pixels."""
+    """Return the height of a text as a label would show it at a width, logical pixels."""
     return shown.fontMetrics().boundingRect(QRect(0, 0, width, 10000), Qt.TextFlag.TextWordWrap, text).height()

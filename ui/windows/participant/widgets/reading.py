@@ -1,4 +1,4 @@
-"""A text to read in a panel, no higher than it needs."""
+"""Text to read in a panel, no higher than it needs."""
 
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QTextBlockFormat, QTextCursor
@@ -8,16 +8,16 @@ from ui.windows import look
 from ui.windows.look import GAP
 
 _LINES = 130.0
-"""Height of lines, per cent."""
+"""Height of lines, percent."""
 
 
 class ReadingText(QTextBrowser):
-    """A text, plain or in Markdown, as high as its lines; it scrolls where there is less space.
+    """Text, plain or in Markdown, as high as its lines; it scrolls if there is less space.
 
     Args:
-        name: for screen readers.
-        parent: of the widget.
-        whole: it is never lower than its lines: what it stands in scrolls.
+        name: name for screen readers.
+        parent: parent widget.
+        whole: True to keep the full height, so that the surrounding area scrolls instead.
     """
 
     def __init__(self, name: str, parent: QWidget | None = None, *, whole: bool = False) -> None:
@@ -37,7 +37,7 @@ class ReadingText(QTextBrowser):
         self.document().documentLayout().documentSizeChanged.connect(self._fit)
 
     def show_text(self, text: str, *, markdown: bool = False) -> None:
-        """Show it, unless it is shown already."""
+        """Show the text; do nothing if it is already shown."""
         if self._shown == (text, markdown):
             return
         self._shown = text, markdown
@@ -52,7 +52,8 @@ class ReadingText(QTextBrowser):
         cursor.mergeBlockFormat(spacing)
 
     def _fit(self) -> None:
-        # Its size hint stays small: a page that scrolls would make room for all of it, and its buttons be out of sight.
+        # The size hint stays small: otherwise a page that scrolls would give the text all the room, and hide its
+        # buttons.
         high = int(self.document().size().height()) + 1 + self.height() - self.viewport().height()
         if self._whole:
             self.setMinimumHeight(high)
