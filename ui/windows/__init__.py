@@ -1,1 +1,1 @@
-"""The windows: Qt and pyqtgraph, imported only when a window opens."""
+"""Windows: Qt and pyqtgraph, imported only when a window opens."""

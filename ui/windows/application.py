@@ -1,4 +1,4 @@
-"""The Qt application of a window's program."""
+"""Qt application of a window's program."""
 
 import gc
 import signal
@@ -10,19 +10,20 @@ from PySide6.QtGui import QIcon
 from PySide6.QtWidgets import QApplication
 
 COLLECTING_PERIOD = 250
-"""Milliseconds between two looks at how much garbage there may be."""
+"""Milliseconds between two checks for garbage."""
 
 
 def application() -> QApplication:
-    """Return the application of this process, made by the first call: Ctrl-C ends it, garbage goes between events."""
+    """Return the application of this process. The first call makes it; Ctrl-C ends it, and garbage is collected between
+    events."""
     app = QApplication.instance()
     if not isinstance(app, QApplication):
         app = QApplication(sys.argv[:1])
-        gc.freeze()  # what is loaded by now stays for good: nobody need look through it again
+        gc.freeze()  # Everything loaded so far stays for good, so garbage collection can skip it.
         GarbageTimer(app)
-        app.setDesktopFileName("thbridge")  # by which a desktop knows which icon belongs to its windows
+        app.setDesktopFileName("thbridge")  # Desktops choose the icon of the windows by this name.
         app.setWindowIcon(QIcon(str(Path(__file__).with_name("thbridge.svg"))))
-    # Without this, Ctrl-C raises an exception in whatever slot runs just then, which Qt only prints.
+    # Without this, Ctrl-C raises an exception in the slot that is running, and Qt only prints it.
     signal.signal(signal.SIGINT, lambda _number, _frame: app.quit())
     return app
 
@@ -30,11 +31,11 @@ def application() -> QApplication:
 class GarbageTimer(QObject):
     """Collects reference cycles between two events of Qt's thread, and at no other time.
 
-    Python by itself collects in any thread and at any allocation. A forgotten window in a cycle would then be
-    destroyed by another thread, or while Qt goes through its list of widgets, and the program would crash.
+    Python itself collects in any thread and at any allocation. Another thread could then destroy a forgotten window in
+    a cycle, or it could be destroyed while Qt iterates over its widgets; both crash the program.
 
     Args:
-        app: it lives as long as this.
+        app: owner; the timer lives as long as this object.
     """
 
     def __init__(self, app: QApplication) -> None:
@@ -43,7 +44,7 @@ class GarbageTimer(QObject):
         self.startTimer(COLLECTING_PERIOD)
 
     def timerEvent(self, _event: QEvent) -> None:
-        """Collect the oldest generation whose turn it is, by Python's own thresholds."""
+        """Collect the oldest generation that is due according to Python's own thresholds."""
         due = [
             generation
             for generation, (count, threshold) in enumerate(zip(gc.get_count(), gc.get_threshold(), strict=True))

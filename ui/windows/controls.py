@@ -1,6 +1,6 @@
-"""Combo boxes whose arrow everybody can see; Qt's own is too faint on dark ground.
+"""Combo boxes with a clearly visible arrow; Qt's own arrow is too faint on dark backgrounds.
 
-The style sheet of `look` gives them their edges. Qt then leaves out the arrow inside, so it is painted here.
+The style sheet of `look` sets the edges of combo boxes. Qt then omits the arrow, so it is painted here.
 """
 
 from PySide6.QtCore import QPointF, Qt
@@ -11,7 +11,7 @@ from ui.windows.look import GAP, colours, px
 
 
 class ChoiceBox(QComboBox):
-    """A combo box with a visible arrow."""
+    """Combo box with a visible arrow."""
 
     def paintEvent(self, event: QPaintEvent) -> None:
         """Draw the box and its arrow."""

@@ -1,4 +1,4 @@
-"""The window of the first start: a bar, seconds and Cancel. It is there before the program is loaded."""
+"""Window of the first start, with a bar, seconds and Cancel; it opens before the program is loaded."""
 
 import sys
 import time
@@ -15,19 +15,19 @@ from ui.windows.preferences import preferences_of
 
 TITLE = "Starting thbridge"
 EXPLANATION = (
-    "Once on each computer, thbridge compiles its simulator. This can take some minutes, and longer if other "
-    "programs are busy. What is compiled is kept, even if you cancel."
+    "On its first start on a computer, thbridge compiles its simulator. This can take some minutes, or longer if other "
+    "programs are busy. If you cancel, the finished part is kept."
 )
 
 
 class FirstStartWindow(QWidget):
-    """Shows how many kernels are compiled, and for how many seconds; closing it cancels."""
+    """Shows the number of compiled kernels and the time in seconds; closing the window cancels."""
 
     cancelled = Signal()
     received = Signal(int, int)
-    """How many kernels are compiled, of how many."""
+    """Number of compiled kernels, and number of all kernels."""
     ended = Signal()
-    """The program needs the window no more."""
+    """The program no longer needs the window."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -69,14 +69,14 @@ class FirstStartWindow(QWidget):
         self._show_seconds()
 
     def show_progress(self, done: int, total: int) -> None:
-        """Show how many kernels are compiled."""
+        """Show the number of compiled kernels."""
         self.bar.setRange(0, total)
         self.bar.setValue(done)
         self._known = f"Compiled {done} of {total}, "
         self._show_seconds()
 
     def leave(self) -> None:
-        """Close without cancelling: the program goes on, or is gone."""
+        """Close without canceling: the program continues, or has ended."""
         self._leaving = True
         self.close()
 
@@ -93,7 +93,8 @@ class FirstStartWindow(QWidget):
 
 
 def show() -> None:
-    """Run the window as a program: lines `DONE TOTAL` on standard input; it prints `cancel` if people cancel."""
+    """Run the window as a program: it reads lines `DONE TOTAL` from standard input, and prints `cancel` if people
+    cancel."""
     app = application()
     preferences_of(app, "participant", sys.argv[1])  # type: ignore[arg-type]  # one of the choices of --look
     window = FirstStartWindow()

@@ -1,13 +1,13 @@
-"""Layout of widgets in rows, as words are set in lines."""
+"""Layout of widgets in rows, like words in lines."""
 
 from PySide6.QtCore import QPoint, QRect, QSize, Qt
 from PySide6.QtWidgets import QLayout, QLayoutItem
 
 
 class FlowLayout(QLayout):
-    """Rows of widgets, each as large as it wants to be; what does not fit into a row begins the next one.
+    """Rows of widgets, each with its preferred size; widgets that do not fit into a row start the next one.
 
-    A widget that expands takes all that is left of its row.
+    A widget that expands gets the rest of its row.
     """
 
     def __init__(self) -> None:
@@ -31,11 +31,11 @@ class FlowLayout(QLayout):
         return self._items.pop(index) if 0 <= index < len(self._items) else None
 
     def expandingDirections(self) -> Qt.Orientation:
-        """Return none: more room is of no use."""
+        """Return no direction: more room has no effect."""
         return Qt.Orientation(0)
 
     def hasHeightForWidth(self) -> bool:
-        """Return True: the narrower, the more rows."""
+        """Return True: a smaller width needs more rows."""
         return True
 
     def heightForWidth(self, width: int) -> int:
@@ -52,14 +52,14 @@ class FlowLayout(QLayout):
         return self.minimumSize()
 
     def minimumSize(self) -> QSize:
-        """Return the size of the largest item: each may have a row to itself."""
+        """Return the size of the largest item: each may have its own row."""
         size = QSize(0, 0)
         for item in self._items:
             size = size.expandedTo(item.sizeHint())
         return size
 
     def _set(self, rect: QRect, *, move: bool) -> int:
-        """Set the items in rows from the upper left corner on, in the middle of each; return the height of all rows."""
+        """Place the items in rows from the upper left corner, vertically centered; return the height."""
         y = rect.y()
         for row in self._rows(rect.width()):
             x, high = rect.x(), max(item.sizeHint().height() for item in row)

@@ -1,4 +1,4 @@
-"""The connection of a window, by standard input and output, to the program that hosts it."""
+"""Connection of a window to its host, the program that opened it, by standard input and output."""
 
 import sys
 import threading
@@ -11,23 +11,23 @@ from PySide6.QtCore import QEvent, QObject
 from ui.model.shared.window_protocol import FromHostT, FromWindowT, WindowProtocol
 
 PERIOD = 15
-"""Milliseconds between two looks at what has come."""
+"""Milliseconds between two checks for received messages."""
 
 Message_contra = TypeVar("Message_contra", contravariant=True)
 
 
 class HostedWindow(Protocol[Message_contra]):
-    """A window that a host opens."""
+    """Window that a host opens."""
 
     def receive(self, message: Message_contra) -> None:
-        """Act on a message of the host."""
+        """Act on a message from the host."""
 
     def leave(self) -> None:
-        """Close without asking: the host is gone, or wants it."""
+        """Close without asking: the host is gone, or requests it."""
 
 
 class HostPipe(QObject, Generic[FromHostT, FromWindowT]):
-    """The pipes to and from the host.
+    """Pipes to and from the host.
 
     Args:
         protocol: the messages.
@@ -46,7 +46,7 @@ class HostPipe(QObject, Generic[FromHostT, FromWindowT]):
         self.startTimer(PERIOD)
 
     def send(self, message: FromWindowT) -> None:
-        """Send a message; when the host is gone, nobody needs it any more."""
+        """Send a message. If the host is gone, drop it."""
         try:
             sys.stdout.buffer.write(self._protocol.encode(message))
             sys.stdout.buffer.flush()
@@ -54,7 +54,7 @@ class HostPipe(QObject, Generic[FromHostT, FromWindowT]):
             pass
 
     def timerEvent(self, _event: QEvent) -> None:
-        """Pass on what has come."""
+        """Pass on received messages."""
         while self._received and self._window is not None:
             message = self._received.popleft()
             if message is None:

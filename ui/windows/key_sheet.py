@@ -1,4 +1,4 @@
-"""The sheet that lists the keys of a window."""
+"""Sheet with the keyboard shortcuts of a window."""
 
 from collections.abc import Sequence
 
@@ -18,21 +18,21 @@ from ui.windows.look import FRAME, follow_text, font, spaced
 from ui.windows.words_of_others import PlainLabel
 
 KeyLines = tuple[tuple[str, str], ...]
-"""Keys, and what they do."""
+"""Keys and their actions."""
 
 
 class KeySheet(QDialog):
-    """All keys on one sheet.
+    """All keyboard shortcuts on one sheet.
 
     Args:
         parent: the window.
-        keys: its keys under titles.
+        keys: shortcuts under titles.
     """
 
     def __init__(self, parent: QWidget, keys: Sequence[tuple[str, KeyLines]]) -> None:
         super().__init__(parent)
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
-        self.setWindowTitle("Keys")
+        self.setWindowTitle("Keyboard shortcuts")
         columns = spaced(QHBoxLayout(), 40)
         for groups in (keys[::2], keys[1::2]):
             column = spaced(QVBoxLayout(), 20)
@@ -45,7 +45,7 @@ class KeySheet(QDialog):
         inside, area = QWidget(), QScrollArea(widgetResizable=True)
         inside.setLayout(columns)
         area.setWidget(inside)
-        area.setAccessibleName("Keys and what they do")
+        area.setAccessibleName("Keyboard shortcuts")
         layout = QVBoxLayout(self)
         layout.setContentsMargins(24, 24, 24, 24)
         layout.addWidget(area)

@@ -1,6 +1,6 @@
-"""The participant's program beside its window: a thread that talks to the server.
+"""Participant's program next to its window: a thread that talks to the server.
 
-At each frame the window takes the events received so far and sets its open requests; nothing else crosses between the
+In each frame the window takes the events received so far and sets its open requests; nothing else passes between the
 threads.
 """
 
@@ -23,16 +23,18 @@ from thbridge.text_protocol.sockets.client import TextClient
 from thbridge.text_protocol.wire.lines import TextMessage
 
 POLL_PERIOD = 0.005
-"""Seconds from one poll of the connection to the next. Robots are drawn later by half of it, and by the jitter that it
-adds to pose telemetry."""
+"""Seconds between two polls of the connection.
+
+On average, robots are drawn later by half of it, and by the jitter that it adds to pose telemetry.
+"""
 
 RECONNECT_BACKOFF = Backoff(initial=0.25, maximum=2.0)
-"""Backoff of reconnecting: a person is waiting, so a server that is back is found within two seconds."""
+"""Backoff of reconnecting: a person is waiting, so the link finds a returned server within two seconds."""
 
 
 @dataclass(frozen=True, slots=True)
 class ServerReached:
-    """The server is reached (again)."""
+    """Event: the server is reached, or reached again."""
 
 
 ServerEvent: TypeAlias = ParticipantUpdate | ServerReached | ConnectionLost
@@ -40,25 +42,26 @@ ServerEvent: TypeAlias = ParticipantUpdate | ServerReached | ConnectionLost
 
 @dataclass(frozen=True, slots=True)
 class ReceivedEvent:
-    """An event and the monotonic time of its arrival, seconds, however much later the window takes it."""
+    """Event with the monotonic time of its arrival, seconds; the window may take it later."""
 
     time: float
     event: ServerEvent
 
 
 _FIRST_NUMBERS = 1 << 31
-"""Numbers among which that of a window's first request is chosen."""
+"""Upper limit of the random number of a window's first request."""
 
 
 class ParticipantLink:
-    """Keeps a participant's program connected to a server, until it is stopped.
+    """Keeps a participant's program connected to a server until it is stopped.
 
     Args:
-        host: of the server.
-        port: of the server.
-        token: marks this run of the program, so that the server knows its own connection from before a fault.
-        consent: of a participant who has agreed to take part already; None: not yet, or nothing was asked.
-        key: that is shown to the server; None for none.
+        host: host of the server.
+        port: port of the server.
+        token: mark of this run of the program, by which the server recognizes its connection after a fault.
+        consent: consent of a participant who has already agreed. If None, the participant has not agreed, or was not
+            asked.
+        key: key to show to the server; None for none.
 
     Raises:
         ValueError: the token is not one word.
@@ -76,7 +79,8 @@ class ParticipantLink:
         self._token = token
         self._consent = consent
         self._declined = False
-        # Appending to a deque, taking from it and replacing a tuple are single steps of the interpreter.
+        # No lock is needed: appending to a deque, taking from it and replacing a tuple are single steps of the
+        # interpreter.
         self._events: deque[ReceivedEvent] = deque()
         self._requested: tuple[ParticipantRequest, ...] = ()
         self._stopped = threading.Event()
@@ -85,11 +89,11 @@ class ParticipantLink:
     # The window's side
 
     def start(self) -> None:
-        """Begin to connect."""
+        """Start connecting."""
         self._thread.start()
 
     def stop(self) -> None:
-        """Leave the server; returns when that is done."""
+        """Leave the server; return when that is done."""
         self._stopped.set()
         self._thread.join()
 
@@ -102,7 +106,7 @@ class ParticipantLink:
         self._requested = requests
 
     def decline(self) -> None:
-        """Tell the server, before anything else and even if the link is stopped, that the participant says no."""
+        """Report to the server, before anything else and even if the link is stopped, that the participant declines."""
         self._declined = True
 
     # The thread's side
@@ -112,7 +116,7 @@ class ParticipantLink:
 
     async def _converse(self) -> None:
         player = _WindowPlayer()
-        # A window that is opened again after a crash has the mark of the one before.
+        # A window that is opened again after a crash has the same token: random numbers keep their requests apart.
         role = TabUI(player, self, self._consent, 1 + secrets.randbelow(_FIRST_NUMBERS))
         role.run = self._token
         runner = _ClockedRole(role, self._report)
@@ -137,7 +141,7 @@ class ParticipantLink:
 
 
 class _WindowPlayer:
-    """A player whose requests are those of the window."""
+    """Player with the requests of the window."""
 
     def __init__(self) -> None:
         self.requested: tuple[ParticipantRequest, ...] = ()
@@ -165,6 +169,6 @@ class _ClockedRole:
         self._messages.append(message)
 
     def step(self) -> Sequence[TextMessage]:
-        """Return the role's messages in answer to all that came until this tick."""
+        """Return the role's replies to all messages up to this tick."""
         messages, self._messages = self._messages, []
         return self._role.step(int((time.monotonic() - self._begin) / TICK), messages)

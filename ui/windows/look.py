@@ -1,10 +1,10 @@
-"""Style of all windows: one typeface, one scale of sizes and spaces, light or dark as the system is or as asked.
+"""Style of all windows: one typeface, one scale of sizes and spaces, light or dark.
 
-`apply_palette` gives the whole application a palette, as `QApplication.setPalette` does; `colours()` returns it for
+`apply_palette` sets the palette of the whole application, as `QApplication.setPalette` does; `colours()` returns it for
 widgets that paint themselves. Everything else follows from Qt's own roles, so plain widgets need no styling.
 
-`apply_text_size` makes all text larger or smaller. Lengths that words need are `px` of what they are at the usual size;
-widgets keep to them by `follow_text`.
+`apply_text_size` makes all text larger or smaller. Lengths that depend on text are `px` of their length at the usual
+size; widgets follow changes by `follow_text`.
 """
 
 from collections.abc import Callable
@@ -46,13 +46,13 @@ Choice = Literal["light", "dark", "system"]
 Size = Literal["small", "body", "title", "hero"]
 
 GAP = 8
-"""The unit of spacing, logical pixels: all margins and distances are halves and multiples of it."""
+"""Unit of spacing, logical pixels: all margins and distances are halves and multiples of it."""
 
 RADIUS = 8
 """Radius of the corners of cards, panels and buttons, logical pixels."""
 
 RING = 2
-"""Width of the ring around the widget with the focus, logical pixels."""
+"""Width of the focus ring, logical pixels."""
 
 _SCALE: dict[Size, float] = {"small": 0.88, "body": 1.0, "title": 1.24, "hero": 1.9}
 _SMALLEST_BODY = 10.5
@@ -61,15 +61,16 @@ _TICKS = {
     palette.on_accent: Path(__file__).with_name(f"tick_{name}.svg").as_posix()
     for name, palette in (("light", LIGHT), ("dark", DARK))
 }
-"""Pictures of a tick, by their color."""
+"""Pictures of a tick, by color."""
 _SIGN = 48
-"""Side of the signs in boxes, logical pixels."""
+"""Side of the signs in message boxes, logical pixels."""
 FRAME = QSize(16, 48)
-"""Width and height that a window's frame and title bar take at most, logical pixels; they are not known before."""
+"""Upper limit of the width and height of a window's frame and title bar, logical pixels; the real size is not known
+before."""
 
 
 class _Current:
-    """The style in force; there is one application in a process."""
+    """Current style; a process has one application."""
 
     palette: Palette = LIGHT
     usual: float = _SMALLEST_BODY
@@ -78,7 +79,8 @@ class _Current:
 
 
 class WindowStyle(PlainTextStyle):
-    """The style of all widgets: flat signs in boxes. What Qt asks for thousands of times stands in the sheet."""
+    """Style of all widgets, with flat signs in message boxes. Values that Qt asks for thousands of times are in the
+    style sheet."""
 
     def standardIcon(
         self, icon: QStyle.StandardPixmap, option: QStyleOption | None = None, widget: QWidget | None = None
@@ -95,7 +97,7 @@ class WindowStyle(PlainTextStyle):
 
 
 def _sign_icon(letter: str, ground: str, ink: str) -> QIcon:
-    """A letter on a disc."""
+    """Return a letter on a disc."""
     pixmap = QPixmap(2 * _SIGN, 2 * _SIGN)
     pixmap.setDevicePixelRatio(2.0)
     pixmap.fill(Qt.GlobalColor.transparent)
@@ -113,19 +115,20 @@ def _sign_icon(letter: str, ground: str, ink: str) -> QIcon:
 
 
 def colours() -> Palette:
-    """The palette in force."""
+    """Return the current palette."""
     return _Current.palette
 
 
 def font(size: Size = "body", *, bold: bool = False) -> QFont:
-    """The typeface in one of its sizes, with figures of equal width so that numbers stand still while they change."""
-    # A copy, since callers change theirs; Qt copies only a font that is changed.
+    """Return the typeface in one of its sizes. Its digits have equal widths, so that numbers do not move when they
+    change."""
+    # Return a copy, since callers change theirs; Qt copies the data only at a change.
     return QFont(_made_font(_Current.body * _SCALE[size], bold))
 
 
 @cache
 def _made_font(points: float, bold: bool) -> QFont:
-    """Make a typeface once; painting and layout ask for it hundreds of times a frame."""
+    """Make a typeface once, since painting and layout ask for it hundreds of times in a frame."""
     made = QFont()
     made.setFamilies(["Inter", QFont().defaultFamily()])
     made.setPointSizeF(points)
@@ -135,16 +138,16 @@ def _made_font(points: float, bold: bool) -> QFont:
 
 
 def fixed_font() -> QFont:
-    """A typeface of the usual size with letters of equal width, so that lines stand below each other."""
+    """Return a typeface of the usual size with letters of equal width, so that columns align."""
     fixed = QFontDatabase.systemFont(QFontDatabase.SystemFont.FixedFont)
     fixed.setPointSizeF(_Current.body)
     return fixed
 
 
 def apply_palette(app: QApplication, palette: Palette) -> None:
-    """Give the whole application a palette, open windows included.
+    """Set the palette of the whole application, including open windows.
 
-    A larger typeface of the system is kept; a smaller one is raised to what reads well.
+    A larger typeface of the system is kept; a smaller one is raised to a readable size.
     """
     if not app.property("dressed"):
         _Current.usual = _Current.body = max(_SMALLEST_BODY, app.font().pointSizeF())
@@ -159,7 +162,7 @@ def apply_palette(app: QApplication, palette: Palette) -> None:
 
 
 def apply_text_size(app: QApplication, factor: float) -> None:
-    """Give all text another size, that of open windows included: a multiple of the usual one."""
+    """Set the size of all text, including that of open windows, as a multiple of the usual size."""
     _Current.body = _Current.usual * factor
     _set_fonts(app)
     app.setStyleSheet(_sheet(_Current.palette))
@@ -174,21 +177,21 @@ def apply_text_size(app: QApplication, factor: float) -> None:
 
 def _set_fonts(app: QApplication) -> None:
     app.setFont(font())
-    # Else titles of docks keep the desktop's. PySide takes a string here, whatever its stubs say.
+    # Otherwise titles of docks keep the desktop's font. PySide accepts a string here, in spite of its stubs.
     app.setFont(font("small"), "QDockWidgetTitle")  # type: ignore[arg-type]
 
 
 def px(length: float) -> int:
-    """A length for words: so many logical pixels with text of 10.5 points, and more or less as the text in force."""
+    """Return a length that depends on text: logical pixels at a text size of 10.5 points, scaled to the current one."""
     return round(length * _Current.body / _SMALLEST_BODY)
 
 
 def follow_text(widget: W, fit: Callable[[W], object]) -> W:
-    """Give a widget a font or lengths that depend on the size of text: now, and whenever that changes.
+    """Set a widget's font or lengths that depend on the size of text: now, and at each change of that size.
 
     Args:
-        widget: it is returned.
-        fit: a function of the widget that holds it by nothing else; otherwise the widget would be kept for ever.
+        widget: the widget, which is also returned.
+        fit: function of the widget that has no other reference to it; otherwise the widget would never be freed.
     """
     fit(widget)
     _Current.following.setdefault(widget, []).append(cast("Callable[[QWidget], object]", fit))
@@ -196,9 +199,9 @@ def follow_text(widget: W, fit: Callable[[W], object]) -> W:
 
 
 def usual_growth(screen: QSize) -> float:
-    """Factor by which text is larger than 10.5 points on a screen by itself, 1 to 1.5.
+    """Return the factor by which text is larger than 10.5 points on a screen by default, 1 to 1.5.
 
-    It grows by half of what the screen has beyond 1200 x 800 logical pixels, in width or height, whichever is less:
+    It grows by half of the screen's excess over 1200 x 800 logical pixels, in width or height, whichever is smaller: by
     nothing on a small screen, about 17 % on 1920 x 1080, 40 % on 2560 x 1440.
     """
     beyond = min(screen.width() / _USUAL_WINDOW.width(), screen.height() / _USUAL_WINDOW.height()) - 1.0
@@ -206,12 +209,12 @@ def usual_growth(screen: QSize) -> float:
 
 
 def open_within_screen(window: QWidget, wanted: QSize = _USUAL_WINDOW) -> None:
-    """Give a window the size it opens with: with its frame it lies within what the screen has free."""
+    """Set the first size of a window; with its frame it fits into the free part of the screen."""
     window.resize((wanted * _Current.body / _SMALLEST_BODY).boundedTo(window.screen().availableSize() - FRAME))
 
 
 def qt_palette(palette: Palette) -> QPalette:
-    """The same colors as Qt's palette."""
+    """Return the same colors as Qt's palette."""
     role = QPalette.ColorRole
     made = QPalette()
     for roles, colour in (
@@ -233,7 +236,7 @@ def qt_palette(palette: Palette) -> QPalette:
 
 
 def label(text: str = "", size: Size = "body", *, bold: bool = False, muted: bool = False) -> QLabel:
-    """A plain label that wraps."""
+    """Return a plain label that wraps."""
     made = follow_text(PlainLabel(text), lambda it: it.setFont(font(size, bold=bold)))
     made.setWordWrap(True)
     if muted:
@@ -251,17 +254,17 @@ def spaced(layout: L, spacing: int, *margins: int) -> L:
 
 
 class FoldingRow(QWidget):
-    """Two parts side by side, or the second one below the first where the width does not suffice for both.
+    """Two parts side by side, or the second one below the first if the width is too small for both.
 
     Args:
-        first: the left part; it takes what width is left.
-        second: the right part.
-        least: width that the first part wants at least, `px`; none for that of its widgets.
-        spacing: distance of the parts when they are side by side, logical pixels.
-        spare: width left free for words that get longer, `px`; with it, words alone never unfold the row.
+        first: left part; it gets the remaining width.
+        second: right part.
+        least: smallest width of the first part, `px`; 0 for the smallest width of its widgets.
+        spacing: distance between the parts when they are side by side, logical pixels.
+        spare: width left free for words that get longer, `px`. With it, a change of words alone never unfolds the row.
 
     Attributes:
-        parts: their layout.
+        parts: layout of the parts.
     """
 
     def __init__(
@@ -278,11 +281,11 @@ class FoldingRow(QWidget):
 
     @property
     def folded(self) -> bool:
-        """True when the second part is below the first."""
+        """True if the second part is below the first."""
         return self.parts.direction() == QBoxLayout.Direction.TopToBottom
 
     def minimumSizeHint(self) -> QSize:
-        """Return the width of the wider part: it can always fold."""
+        """Return the width of the wider part: the row can always fold."""
         parts = self._first.minimumSize(), self._second.minimumSize()
         margins = self.parts.contentsMargins()
         wide = max(part.width() for part in parts) + margins.left() + margins.right()
@@ -294,7 +297,7 @@ class FoldingRow(QWidget):
         self._fold()
 
     def event(self, event: QEvent) -> bool:
-        """Look anew when words have changed, or their size."""
+        """Decide again after a change of words or of their size."""
         if event.type() == QEvent.Type.LayoutRequest:
             self._fold()
         return super().event(event)
@@ -315,26 +318,26 @@ class FoldingRow(QWidget):
 
 
 def smooth_painter(device: QPaintDevice) -> QPainter:
-    """A painter with smooth edges."""
+    """Return a painter with smooth edges."""
     painter = QPainter(device)
     painter.setRenderHint(QPainter.RenderHint.Antialiasing)
     return painter
 
 
 def style_as_panel(widget: QWidget) -> None:
-    """Have a widget drawn as a panel: its own background, an edge, round corners."""
+    """Draw a widget as a panel: with its own background, an edge and round corners."""
     widget.setProperty("panel", True)
     widget.setAttribute(Qt.WidgetAttribute.WA_StyledBackground)
 
 
 def text_colour_on(colour: str) -> str:
-    """The palette's text color that is read best on a color."""
+    """Return the palette's text color with the best contrast on a color."""
     palette = colours()
     return max((palette.panel, palette.text, palette.on_accent), key=lambda text: contrast(text, colour))
 
 
 def _sheet(palette: Palette) -> str:
-    """The style sheet: all that Qt's palette cannot express."""
+    """Return the style sheet with everything that Qt's palette cannot express."""
     return f"""
     QToolTip {{
         color: {palette.text}; background: {palette.panel}; border: 1px solid {palette.line}; padding: {GAP // 2}px;

@@ -1,4 +1,4 @@
-"""The participant's window as a program: at a server, or hosted by the program that runs the games.
+"""Participant's window as a program: at a server, or hosted by the program that runs the games.
 
 It connects the window (`ParticipantWindow`), its model (`Participant`) and the thread that talks to the server
 (`ParticipantLink`).
@@ -63,26 +63,27 @@ FRAME = 15
 
 
 class GamePage(QWidget):
-    """A game at a server: the participant's window, its model and link, and in practice a strip with advice.
+    """Game at a server: the participant's window, its model and link, and in practice a strip with advice.
 
-    Its language is the game's, once the server has told it.
+    Its language is that of the game, once the server has sent it.
 
     Args:
-        link: to the server, not started yet.
-        texts: until then.
-        preferences: of the participant.
-        practice: it is the practice game, whose strip says what to do next.
-        back: goes back to the start page from practice, or from the end of the game; None where there is none.
-        clock: monotonic seconds.
-        way_back: label of that button; its language does not change.
-        once: True where one game is played and something else follows: its end is shown as it was when it came.
-        cancel: leaves before the game is reached; None: that is not offered.
+        link: link to the server, not started yet.
+        texts: texts to use until then.
+        preferences: preferences of the participant.
+        practice: True for the practice game; its strip says what to do next.
+        back: function that goes back to the start page from practice, or from the end of the game. If None, there is no
+            way back.
+        clock: monotonic clock, seconds.
+        way_back: label of the button back; its language does not change.
+        once: True if one game is played and something else follows: its end stays as it was when it appeared.
+        cancel: function that leaves before the game is reached. If None, canceling is not offered.
 
     Attributes:
         seen_over: the end of the game is shown.
         declined: the participant does not take part in the study.
-        went_on: the participant goes on with what comes after the game.
-        help_shown: the sheet of rules and keys was opened, or closed.
+        went_on: the participant continues after the game.
+        help_shown: the sheet of rules and keys was opened or closed.
     """
 
     seen_over = Signal()
@@ -154,19 +155,19 @@ class GamePage(QWidget):
         self.setFocusProxy(window)
 
     def _follow_language(self) -> None:
-        """Open the game's window again where the server has told another language than the window has."""
+        """Open the game's window again if the server sent another language than that of the window."""
         if self._model.texts is self._texts:
             return
         before, self._texts = self._texts, self._model.texts
         if self._texts == before:
             return
         gone = self.window_of_game
-        # Without a focus yet, it is kept for when the window becomes active.
+        # If no widget has the focus yet, set it for the time when the window becomes active.
         focus = QApplication.focusWidget()
         had_focus = focus is None or focus is gone or gone.isAncestorOf(focus)
         self._open_window()
         self.window_of_game.help.instructions = gone.help.instructions
-        self.window_of_game.show()  # Else the layout shows it later, and it cannot take the focus now.
+        self.window_of_game.show()  # Otherwise the layout shows it later, and it cannot accept the focus now.
         gone.close()
         self._rows.removeWidget(gone)
         gone.deleteLater()
@@ -183,7 +184,7 @@ class GamePage(QWidget):
         title.setWordWrap(False)
         row.addWidget(title)
         row.addSpacing(2 * GAP)
-        # Advice of one line and of two take the same height, so that the map below stays where it is.
+        # Advice of one line and of two lines has the same height, so that the map below does not move.
         look.follow_text(self._advice, lambda it: it.setMinimumHeight(2 * it.fontMetrics().lineSpacing()))
         said = spaced(QVBoxLayout(), 0, 0)
         said.addWidget(self._advice)
@@ -206,7 +207,7 @@ class GamePage(QWidget):
             self._back()
 
     def require(self, to_do: tuple[str, ...]) -> None:
-        """Offer the way back only after all of this is done, each in words."""
+        """Offer the way back only after all these tasks, in words, are done."""
         if self._way_back is None or to_do == self._must_do:
             return
         self._must_do = to_do
@@ -221,25 +222,25 @@ class GamePage(QWidget):
 
     @property
     def texts(self) -> Texts:
-        """All that is read in the game, in its language."""
+        """Texts of the game, in its language."""
         return self._texts
 
     @property
     def in_progress(self) -> bool:
-        """True when something would be lost if the participant left now."""
+        """True if the participant would lose a game by leaving now."""
         return not self._practice and self._model.screen(self._clock()).phase is Phase.PLAYING
 
     @property
     def leaving(self) -> bool:
-        """True once the participant has agreed to leave."""
+        """True once the participant has confirmed leaving."""
         return self._model.leaving
 
     def ask_to_leave(self, ends: bool) -> None:
-        """Ask the participant whether to leave; `ends` where that ends the game."""
+        """Ask the participant whether to leave; `ends` is True if that ends the game."""
         self.window_of_game.do(CloseWindow(ends))
 
     def pump(self) -> None:
-        """Take the events from the server, and set the open requests."""
+        """Handle the events from the server, and set the open requests."""
         if self._once and self._is_over:
             return  # Its server may stop now.
         now = self._clock()
@@ -269,24 +270,24 @@ class GamePage(QWidget):
         return self._is_over
 
     def disconnect_from_game(self) -> None:
-        """Leave the server, and go on showing the end of the game."""
+        """Leave the server, but keep showing the end of the game."""
         self._link.stop()
 
     def _choose_sound(self, on: bool) -> None:
-        """Take a choice of the settings."""
+        """Apply a choice of the settings."""
         if on != self._model.sound_on:
             self.window_of_game.do(SwitchSound())
             self._keep_sound(on)
 
     def _keep_sound(self, on: bool) -> None:
-        """Keep the participant's choice for other games; be silent at once where it is that."""
+        """Store the participant's choice for other games; if it is silence, stop sounds at once."""
         self._sound_on = on
         self._preferences.choose_sound(on)
         if not on:
             self._sounds.stop()
 
     def decline(self) -> None:
-        """Tell the server, when this leaves it, that the participant does not take part."""
+        """Report to the server, on leaving, that the participant does not take part."""
         self._link.decline()
 
     def leave(self) -> None:
@@ -298,13 +299,13 @@ class GamePage(QWidget):
 
 
 class ParticipantMainWindow(QMainWindow):
-    """The participant's main window, which shows one page at a time.
+    """Participant's main window, which shows one page at a time.
 
     Args:
-        preferences: of the participant.
-        send: sends to the host; None where there is none.
-        clock: monotonic seconds.
-        texts: of the window's language; None: the first message of the host tells them.
+        preferences: preferences of the participant.
+        send: function that sends a message to the host; None if there is no host.
+        clock: monotonic clock, seconds.
+        texts: texts in the window's language. If None, the first message of the host brings them.
     """
 
     _texts: Texts
@@ -322,10 +323,10 @@ class ParticipantMainWindow(QMainWindow):
         self._send_to_host = send
         self._leaving = self._going_back = False
         self.declined = False
-        """True once the participant has said that they do not take part."""
+        """True once the participant has declined to take part."""
         self.game: GamePage | None = None
         if texts is not None:
-            self._learn(texts)
+            self._use_texts(texts)
         self.setMinimumSize(800, 480)
         look.open_within_screen(self)
         self._pages = QStackedWidget()
@@ -338,11 +339,11 @@ class ParticipantMainWindow(QMainWindow):
         preferences.language_chosen.connect(self._choose_language)
 
     def receive(self, message: FromHost) -> None:
-        """Act on a message of the host."""
+        """Act on a message from the host."""
         match message:
             case Offer():
                 self._going_back = False
-                self._learn(message.texts)
+                self._use_texts(message.texts)
                 self._preferences.languages = message.languages
                 wanted = self._preferences.language
                 if wanted in message.languages and wanted != message.texts.language:
@@ -361,20 +362,20 @@ class ParticipantMainWindow(QMainWindow):
                 consent = GiveConsent(agreed_at) if agreed_at else None
                 self.join(ParticipantLink(host, port, token, consent), practice)
             case Thanks(texts) if not isinstance(self._pages.currentWidget(), ThanksPage):
-                self._learn(texts)
+                self._use_texts(texts)
                 self._show_thanks()
 
-    def _learn(self, texts: Texts) -> None:
+    def _use_texts(self, texts: Texts) -> None:
         """Use the texts of a language from now on."""
         self._texts = self._preferences.texts = texts
         self.setWindowTitle(texts.text("window.title"))
 
     def join(self, link: ParticipantLink, practice: bool = False, once: bool = False) -> None:
-        """Show a game; `once` where no other follows."""
+        """Show a game; `once` is True if no other game follows."""
         back = None if self._send_to_host is None else lambda: self._send(Back())
         way_back = self._texts.text("pages.back_to_start")
         cancel = back or self.leave
-        self._preferences.languages = {}  # A game goes on in its language.
+        self._preferences.languages = {}  # A game keeps its language.
         game = GamePage(link, self._texts, self._preferences, practice, back, self._clock, way_back, once, cancel)
         game.declined.connect(self._decline)
         game.windowTitleChanged.connect(self.setWindowTitle)
@@ -385,7 +386,7 @@ class ParticipantMainWindow(QMainWindow):
         self._send(ChooseLanguage(language))
 
     def _cancel(self, page: ConnectingPage) -> None:
-        """Ask the host to go back to the start page: it does when the game's program has stopped."""
+        """Ask the host to go back to the start page, which it does after the game's program has stopped."""
         self._going_back = True
         page.cancel.setEnabled(False)
         page.show_waiting(self._texts.text("pages.going_back"))
@@ -424,7 +425,7 @@ class ParticipantMainWindow(QMainWindow):
         self._show(consent_page(self._texts, text, answer, self._texts.text("game.decline_hint")))
 
     def _decline(self) -> None:
-        """Thank the participant, who does not take part; nothing more is asked of them."""
+        """Thank the participant, who does not take part, and ask nothing more."""
         self.declined = True
         if self.game is not None:
             self.game.decline()
@@ -470,7 +471,7 @@ class ParticipantMainWindow(QMainWindow):
 
 
 def why_lost(texts: Texts, lost: ConnectionLost) -> str:
-    """Return a sentence for the player about a lost connection; empty where there is nothing to add."""
+    """Return a sentence for the player about a lost connection; empty if there is nothing to add."""
     match lost.reason:
         case LossReason.REFUSED if lost.detail:
             return texts.text("window.server_says", words=lost.detail)
@@ -485,10 +486,10 @@ def why_lost(texts: Texts, lost: ConnectionLost) -> str:
 
 
 def play_at(host: str, port: int, token: str, choice: look.Choice, key: ClientKey | None = None) -> int:
-    """Open the window at a server, with a key, if any; return the exit code when it is closed."""
+    """Open the window at a server, with a key if there is one. Return the exit code when the window is closed."""
     app = application()
     table = _table(app, choice, None, shipped_texts())
-    # A participant's key is good for one game: the window offers no other.
+    # A participant's key is valid for one game, so the window offers no other.
     table.join(ParticipantLink(host, port, token, key=key), once=key is not None)
     table.show()
     code = app.exec()
@@ -496,7 +497,7 @@ def play_at(host: str, port: int, token: str, choice: look.Choice, key: ClientKe
 
 
 def play_hosted(choice: look.Choice) -> int:
-    """Open the window for the host at standard input and output; returns when it is closed."""
+    """Open the window for the host at standard input and output; return when it is closed."""
     app = application()
     pipe = HostPipe(LOBBY)
     table = _table(app, choice, pipe.send)
@@ -508,7 +509,7 @@ def play_hosted(choice: look.Choice) -> int:
 def _table(
     app: QApplication, choice: look.Choice, send: Callable[[FromWindow], None] | None, texts: Texts | None = None
 ) -> ParticipantMainWindow:
-    """Return the main window in the style and the size of text that the user wants."""
+    """Return the main window in the style and the size of text that the user chose."""
     preferences = preferences_of(app, "participant", choice, has_sound=True)
     table = ParticipantMainWindow(preferences, send, texts=texts)
     preferences.add_keys(table)

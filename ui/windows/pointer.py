@@ -1,7 +1,7 @@
-"""The pointer: what it was moved onto, as opposed to what has come up below it while it rested.
+"""Pointer: distinguishes what the pointer was moved onto from what appeared below it while it rested.
 
-Qt tells widgets of both alike. So a window notes where the pointer rests before it shows something else, and a pointer
-that is still there points at nothing.
+Qt reports both in the same way. So a window stores the resting place of the pointer before it shows something else,
+and a pointer that is still there points at nothing.
 """
 
 from PySide6.QtCore import QPointF
@@ -9,15 +9,15 @@ from PySide6.QtGui import QCursor
 from PySide6.QtWidgets import QWidget
 
 RESTS_AT = "restsAt"
-"""Name of the property of a window that keeps where the pointer rests."""
+"""Name of a window's property with the resting place of the pointer."""
 
 
 def note_rest(widget: QWidget) -> None:
-    """Note where the pointer rests, before something else is shown in the window of this widget."""
+    """Store the resting place of the pointer, before something else is shown in the window of this widget."""
     widget.window().setProperty(RESTS_AT, QCursor.pos())
 
 
 def has_moved(widget: QWidget, position: QPointF) -> bool:
-    """Return True when a position of the pointer, in pixels of this widget, is another than where it rested."""
+    """Return True if a position of the pointer, in pixels of this widget, differs from its resting place."""
     rests_at = widget.window().property(RESTS_AT)
     return rests_at is None or (widget.mapToGlobal(position) - QPointF(rests_at)).manhattanLength() >= 1.0

@@ -1,7 +1,7 @@
-"""Preferences of a window's user: light or dark, size of text, sound, and where the window is on the screen.
+"""Preferences of a window's user: light or dark, size of text, sound, and the window's place on the screen.
 
-Each kind of window keeps its own, in a file of the user's folder for settings, and no running window follows another:
-a participant's choice changes nothing at the researcher's desk.
+Each kind of window has its own preferences, in a file of the user's folder for settings. Running windows do not follow
+each other: a participant's choice changes nothing at the researcher's desk.
 """
 
 from collections.abc import Callable, Mapping
@@ -30,18 +30,18 @@ from ui.windows.controls import ChoiceBox
 from ui.windows.look import GAP, Choice, spaced
 
 TEXT_SIZES = (80, 90, 100, 110, 125, 150, 175, 200)
-"""Sizes of text that may be chosen, percent of the usual one."""
+"""Possible sizes of text, percent of the usual size."""
 
 WindowKind = Literal["participant", "kiosk", "watch", "desk", "study", "templates", "arena"]
 """Kind of a window, and name of the file of its settings."""
 
 _LOOK, _TEXT, _SOUND, _GEOMETRY, _LANGUAGE = "look", "text/percent", "sound", "geometry", "language"
 _KEYS_OF = "keysOf"
-"""Property of windows that have the keys: the identity of their preferences."""
+"""Property of windows with shortcuts: the identity of their preferences."""
 
 
 def user_settings(name: str) -> QSettings:
-    """Return the user's settings of this name, which are a file in their folder for settings."""
+    """Return the user's settings of this name: a file in their folder for settings."""
     return QSettings(QSettings.Format.IniFormat, QSettings.Scope.UserScope, "thbridge", name)
 
 
@@ -52,30 +52,30 @@ def preferences_of(
 
     Args:
         app: the application.
-        kind: of the window.
-        choice: light or dark for this run; "system": as kept, or else as the desktop is.
-        has_sound: True where windows of this kind sound.
+        kind: kind of the window.
+        choice: light or dark for this run; "system": the stored choice, or the desktop's setting.
+        has_sound: True if windows of this kind play sounds.
     """
     return Preferences(app, user_settings(kind), choice, has_sound=has_sound)
 
 
 class Preferences(QObject):
-    """Preferences for one kind of window, in force for all windows of this process and kept for the next one.
+    """Preferences for one kind of window; they apply to all windows of this process and are stored for the next one.
 
     Args:
         app: the application.
-        settings: where they are kept.
-        choice: light or dark for this run; "system": as kept, or else as the desktop is.
-        has_sound: True where windows of this kind sound.
+        settings: storage of the preferences.
+        choice: light or dark for this run; "system": the stored choice, or the desktop's setting.
+        has_sound: True if windows of this kind play sounds.
 
     Attributes:
         changed: the new palette, for widgets that paint themselves.
-        sound_chosen: True when the user wants sounds, False when they do not.
-        language_chosen: the language that the user wants.
-        percent: the size of text, of the usual one; see `look.usual_growth` for what is usual.
-        texts: of the page of settings; None: English.
-        languages: that may be chosen just now, by their names.
-        why_silent: returns why there can be no sound just now, as a sentence; empty when there can be.
+        sound_chosen: True if the user wants sounds, False if not.
+        language_chosen: language that the user wants.
+        percent: size of text, percent of the usual size; see `look.usual_growth`.
+        texts: texts of the page of settings. If None, English ones.
+        languages: languages to choose from at the moment, with their names for people.
+        why_silent: function that returns why sound is not possible at the moment, as a sentence; empty if it is.
     """
 
     changed = Signal(object)
@@ -109,7 +109,7 @@ class Preferences(QObject):
 
     @property
     def look(self) -> Choice:
-        """Light, dark, or as the desktop is."""
+        """Light, dark, or the desktop's setting."""
         kept = self._value(_LOOK, "system")
         chosen: Choice = "light" if kept == "light" else "dark" if kept == "dark" else "system"
         return self._given or chosen
@@ -121,7 +121,7 @@ class Preferences(QObject):
         self._apply_look()
 
     def choose_text_size(self, percent: int) -> None:
-        """Give all text another size, one of `TEXT_SIZES`."""
+        """Set the size of all text, one of `TEXT_SIZES`."""
         self._keep(_TEXT, percent)
         self._apply_text_size()
 
@@ -132,7 +132,7 @@ class Preferences(QObject):
 
     @property
     def sound_on(self) -> bool:
-        """True while the user wants sounds."""
+        """True if the user wants sounds."""
         return self._value(_SOUND, "true") != "false"
 
     def choose_sound(self, on: bool) -> None:
@@ -142,16 +142,16 @@ class Preferences(QObject):
 
     @property
     def language(self) -> str:
-        """Name of the language that the user wants; empty: none in particular."""
+        """Name of the language that the user wants; empty for no preference."""
         return self._value(_LANGUAGE, "")
 
     def choose_language(self, language: str) -> None:
-        """Keep the language, and report it."""
+        """Store the language, and report it."""
         self._keep(_LANGUAGE, language)
         self.language_chosen.emit(language)
 
     def forget(self) -> None:
-        """Let the next person begin with what is usual."""
+        """Let the next person start with the defaults."""
         self._settings.clear()
         self._settings.sync()
         self._apply_look()
@@ -160,7 +160,7 @@ class Preferences(QObject):
     # Windows
 
     def keep_place(self, window: QWidget) -> None:
-        """Give a window the size and place that the last closed one of its kind had, and keep its own."""
+        """Restore the size and place of the last closed window of this kind, and store those of this window."""
         kept = self._settings.value(_GEOMETRY)
         if isinstance(kept, QByteArray) and not any(each.isVisible() for each in self._placed):
             window.restoreGeometry(kept)
@@ -168,13 +168,13 @@ class Preferences(QObject):
         window.installEventFilter(self)
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Keep the place of a window that is closed."""
+        """Store the place of a window that closes."""
         if event.type() == QEvent.Type.Close and isinstance(watched, QWidget):
             self._keep(_GEOMETRY, watched.saveGeometry())
         return False
 
     def add_keys(self, window: QWidget) -> None:
-        """Let a window's keys choose the size of text and open the settings, also in boxes that open over it."""
+        """Add a window's shortcuts for the size of text and the settings, also in dialogs that open over it."""
         window.setProperty(_KEYS_OF, id(self))
         for keys, step in ((("Ctrl++", "Ctrl+="), 1), (("Ctrl+-",), -1), (("Ctrl+0",), 0)):
             shortcut = QShortcut(window)
@@ -190,7 +190,7 @@ class Preferences(QObject):
         return dialog
 
     def _add_keys_to_box(self) -> None:
-        """Give the keys to a box that has become active: it may shut out its window with all its keys."""
+        """Add the shortcuts to a dialog that became active, since it may block the shortcuts of its window."""
         box = self._app.activeWindow()
         opener = None if box is None else box.parentWidget()
         if box is None or opener is None or box.property(_KEYS_OF) == id(self):
@@ -222,17 +222,17 @@ class Preferences(QObject):
 
 
 class SettingsDialog(QDialog):
-    """The page of settings. What is chosen counts at once.
+    """Page of settings. Each choice takes effect at once.
 
     Args:
-        preferences: to be changed.
+        preferences: preferences to change.
         parent: the window.
     """
 
     def __init__(self, preferences: Preferences, parent: QWidget) -> None:
         super().__init__(parent)
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
-        look.style_as_panel(self)  # At the kiosk, nobody else draws an edge around it.
+        look.style_as_panel(self)  # Without a window manager, as at a kiosk, it would have no edge.
         say = (preferences.texts or shipped_texts()).text
         self.setWindowTitle(say("settings.title"))
         self.look, self.text_size, self.sound = ChoiceBox(), ChoiceBox(), QCheckBox(say("settings.sound_on"))
@@ -271,6 +271,6 @@ class SettingsDialog(QDialog):
         rows.addWidget(done)
 
     def _speak(self, preferences: Preferences) -> None:
-        """Choose the language. The page closes: it would be in the other one."""
+        """Choose the language. The page closes, since its own texts are in the old language."""
         self.accept()
         preferences.choose_language(self.language.currentData())

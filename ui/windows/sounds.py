@@ -1,6 +1,6 @@
 """Sounds of the participant's window: five short figures of pure tones, played by a program of the system.
 
-A program of its own needs no library in this one, and where there is no sound it fails without holding anything up.
+A separate program needs no library here, and without sound hardware it fails without blocking the window.
 """
 
 import io
@@ -18,11 +18,11 @@ from thbridge.files.errors import BadFile
 from ui.model.playing.screen import GameSound
 
 RATE = 44_100
-"""Samples a second."""
+"""Samples per second."""
 LOUDNESS = 0.25
-"""Largest amplitude, of 1."""
+"""Largest amplitude, as a share of full scale."""
 ATTACK = 0.008
-"""Seconds in which a tone rises; without it, it would click."""
+"""Rise time of a tone, seconds; without it, the tone would click."""
 TONES: Mapping[GameSound, tuple[tuple[float, float, float], ...]] = {
     GameSound.ARRIVAL: ((587.3, 0.0, 0.22),),
     GameSound.FIND: ((784.0, 0.0, 0.16), (1046.5, 0.1, 0.3)),
@@ -30,18 +30,18 @@ TONES: Mapping[GameSound, tuple[tuple[float, float, float], ...]] = {
     GameSound.WON: ((523.3, 0.0, 0.16), (659.3, 0.08, 0.18), (784.0, 0.16, 0.2), (1046.5, 0.24, 0.26)),
     GameSound.LOST: ((392.0, 0.0, 0.22), (311.1, 0.17, 0.33)),
 }
-"""Tones of each sound: frequency in hertz, beginning and length in seconds.
+"""Tones of each sound: frequency in hertz, start and length in seconds.
 
-Won rises, lost falls, a question ends upward.
+A win rises, a loss falls, a question ends upward.
 """
 KILL_TIMEOUT = 1000
-"""Milliseconds that a program may take to end once it is killed."""
+"""Milliseconds that a killed program has to end."""
 PLAYERS = (("pw-play",), ("paplay",), ("aplay", "-q"), ("afplay",))
-"""Programs that play a file, of Linux and of macOS; the first that is there is taken."""
+"""Programs of Linux and macOS that play a file; the first installed one is used."""
 
 
 def samples_of(sound: GameSound) -> NDArray[np.int16]:
-    """Return a sound as 16-bit samples, `RATE` a second."""
+    """Return a sound as 16-bit samples, `RATE` per second."""
     tones = TONES[sound]
     total = np.zeros(round(max(begin + length for _, begin, length in tones) * RATE))
     for frequency, begin, length in tones:
@@ -71,11 +71,11 @@ def system_player() -> tuple[str, ...] | None:
 
 
 class SoundPlayer(QObject):
-    """Plays sounds one at a time; of those that come while one is heard, only the most important one comes after it.
+    """Plays sounds one at a time. Of the sounds requested during one, only the most important follows it.
 
     Args:
-        parent: owner; what is heard ends with it.
-        command: plays a file whose path is added to it; None: nothing is ever heard.
+        parent: owner; its end also ends the sound.
+        command: command that plays the file with the path appended to it. If None, no sound is played.
     """
 
     def __init__(self, parent: QObject, command: tuple[str, ...] | None) -> None:
@@ -90,11 +90,11 @@ class SoundPlayer(QObject):
 
     @property
     def is_playing(self) -> bool:
-        """True while a sound is heard."""
+        """True while a sound is playing."""
         return self._process.state() is not QProcess.ProcessState.NotRunning
 
     def play(self, sound: GameSound) -> None:
-        """Play a sound now or next; does nothing where that is not possible."""
+        """Play a sound now or next; do nothing if that is not possible."""
         if self._command is None or not self._folder.isValid():
             return
         if self.is_playing:
@@ -110,7 +110,7 @@ class SoundPlayer(QObject):
         self._process.start(program, [*arguments, str(file)])
 
     def stop(self) -> None:
-        """Be silent at once."""
+        """Stop sounds at once."""
         self._next = None
         self._process.kill()
         self._process.waitForFinished(KILL_TIMEOUT)

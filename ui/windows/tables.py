@@ -16,11 +16,11 @@ RIGHT = int(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
 
 
 class TableModel(QAbstractTableModel):
-    """Rows under titles; a subclass keeps the rows in `_shown`, and tells of their cells.
+    """Rows under titles; a subclass keeps the rows in `_shown` and returns the data of their cells.
 
     Args:
-        titles: of the columns.
-        hints: tool tips of the titles; none for none.
+        titles: titles of the columns.
+        hints: tool tips of the titles; empty for none.
     """
 
     _shown: Sequence[object] = ()
@@ -47,12 +47,12 @@ class TableModel(QAbstractTableModel):
         return headers[section] if orientation == Qt.Orientation.Horizontal and headers else None
 
     def _changed(self, first: int, last: int) -> None:
-        """Have all cells of these rows drawn anew."""
+        """Request a repaint of all cells in these rows."""
         self.dataChanged.emit(self.index(first, 0), self.index(last, self._columns - 1))
 
 
 class TextModel(TableModel):
-    """Rows of texts, of which all may change at once."""
+    """Rows of texts that may all change at once."""
 
     _shown: Sequence[tuple[str, ...]] = ()
 
@@ -61,7 +61,7 @@ class TextModel(TableModel):
         self._has_time = has_time
 
     def show_rows(self, texts: Sequence[tuple[str, ...]]) -> bool:
-        """Show these rows; return False where they are shown already."""
+        """Show these rows; return False if they are already shown."""
         if tuple(texts) == self._shown:
             return False
         self.beginResetModel()
@@ -70,7 +70,7 @@ class TextModel(TableModel):
         return True
 
     def data(self, index: ModelIndex, role: int = 0) -> object:
-        """Return a cell's text, place, color or tool tip."""
+        """Return a cell's text, alignment, color or tool tip."""
         is_time = self._has_time and index.column() == 0
         if role in (Qt.ItemDataRole.DisplayRole, Qt.ItemDataRole.ToolTipRole):
             return shown(self._shown[index.row()][index.column()])
@@ -82,10 +82,10 @@ class TextModel(TableModel):
 
 
 class GrowingModel(TextModel):
-    """Rows of texts that come one by one, and of which some change: what is selected stays so."""
+    """Growing rows of texts; some of them may change. The selection stays."""
 
     def show_rows(self, texts: Sequence[tuple[str, ...]]) -> bool:
-        """Show these rows; return False where they are shown already."""
+        """Show these rows; return False if they are already shown."""
         before, now = self._shown, tuple(texts)
         if len(now) < len(before):
             return super().show_rows(now)
@@ -103,14 +103,14 @@ class GrowingModel(TextModel):
 def row_table(
     name: str, model: TableModel, mode: QTableView.SelectionMode, lines: int, characters: Sequence[int]
 ) -> QTableView:
-    """A table of which whole rows are selected.
+    """Return a table that selects whole rows.
 
     Args:
-        name: for people.
-        model: its rows.
-        mode: how many rows may be selected.
-        lines: of words in a row.
-        characters: width of each column; 0 for one that is set elsewhere.
+        name: name for people.
+        model: model of the rows.
+        mode: number of rows that can be selected.
+        lines: lines of text in a row.
+        characters: width of each column; 0 if it is set elsewhere.
     """
     table = QTableView(showGrid=False, wordWrap=False)
     table.setAccessibleName(name)

@@ -1,8 +1,9 @@
-"""Words that come from outside, shown as they are: names of files, rooms, treasures, topics, people; lines of programs.
+"""Untrusted text, shown literally: names of files, rooms, treasures, topics, people; lines of programs.
 
-Qt takes what looks like HTML in a label, a tool tip or a message box for HTML, and would open the pictures and links in
-it; in buttons and menus & stands for a key, in titles of windows [*] for a sign. Other characters turn the direction of
-writing round. `PlainTextStyle` forbids HTML wherever Qt makes a label, its own ones included; the rest are functions.
+In labels, tool tips and message boxes, Qt treats text that looks like HTML as HTML, and would open its pictures and
+links. In buttons and menus, & marks a key; in window titles, [*] stands for the sign of changes. Other characters
+reverse the direction of writing. `PlainTextStyle` forbids HTML in all labels, including those that Qt makes itself; the
+functions handle the rest.
 """
 
 from PySide6.QtCore import Qt
@@ -12,26 +13,27 @@ from PySide6.QtWidgets import QApplication, QLabel, QProxyStyle, QWidget
 from thbridge.files.errors import visible
 
 LONGEST, LONGEST_TITLE = 20_000, 160
-"""Characters that are shown of a text, and of a title: names of others may have half a million."""
+"""Largest numbers of characters shown of a text and of a title: untrusted names may have half a million."""
 
 
 def shown(text: str, longest: int = LONGEST) -> str:
-    """A text of others as it can be shown: control characters as escapes, but for ends of lines and tabs; cut."""
+    """Return an untrusted text as it can be shown: cut, and with escapes for control characters other than line ends
+    and tabs."""
     return visible(text if len(text) <= longest else f"{text[: longest - 1]}…", keep="\n\t")
 
 
 def button_text(text: str) -> str:
-    """A text of others for a button, a menu or a tab, where a single & would be a key."""
+    """Return an untrusted text for a button, a menu or a tab, where a single & would mark a key."""
     return shown(text).replace("&", "&&")
 
 
 def title_text(text: str) -> str:
-    """A text of others for the title of a window, where a single [*] would be the sign of changes."""
+    """Return an untrusted text for the title of a window, where a single [*] would be the sign of changes."""
     return visible(shown(text, LONGEST_TITLE)).replace("[*]", "[*][*]")
 
 
 class PlainLabel(QLabel):
-    """A label that shows text as it is."""
+    """Label that shows text literally."""
 
     def __init__(self, text: str = "", parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -44,13 +46,13 @@ class PlainLabel(QLabel):
 
 
 class PlainTextStyle(QProxyStyle):
-    """Qt's style "Fusion" in which every label takes its text as it is: those of tool tips and message boxes, too."""
+    """Qt's style "Fusion", but all labels show their text literally, including those of tool tips and message boxes."""
 
     def __init__(self) -> None:
         super().__init__("Fusion")
 
     def polish(self, dressed: QWidget | QApplication | QPalette | Qt.GlobalColor | QColor, /) -> None:
-        """Dress a widget that is shown for the first time."""
+        """Prepare a widget before it is shown for the first time."""
         if isinstance(dressed, QLabel):
             dressed.setTextFormat(Qt.TextFormat.PlainText)
         super().polish(dressed)

@@ -1,4 +1,4 @@
-"""The map of all windows, on pyqtgraph."""
+"""Map of all windows, on pyqtgraph."""
 
 from ui.windows.map.view import MapView
 

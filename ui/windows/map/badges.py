@@ -1,4 +1,4 @@
-"""Robots' labels: pictures that are made once, and positions where they cover no robot, no words and no other label."""
+"""Labels of robots: pictures that are made once, and positions that cover no robot, no words and no other label."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -18,23 +18,23 @@ TEXT_HEIGHT = 12
 """Height of a label's letters, pixels."""
 
 GAP = 4.0
-"""Pixels between a robot and its label."""
+"""Distance between a robot and its label, pixels."""
 
 SIGN_WIDTH = 19.0
 """Width of a sign in a label, pixels."""
 
 _SIDES = np.array([(0, -1), (0, 1), (1, 0), (-1, 0), (1, -1), (-1, -1), (1, 1), (-1, 1)], dtype=np.float64)
 _REACHES = (1.0, 1.9, 2.8)
-"""Directions in which labels may lie from their robot, best first; and distances, in heights of a label."""
+"""Directions of labels from their robot, best first; and distances, in heights of a label."""
 
 OVERLAP_WEIGHT, ROBOT_WEIGHT, WORDS_WEIGHT, RANK_WEIGHT, MOVE_WEIGHT = 4.0, 1.0, 2.0, 6.0, 30.0
-"""Weights in the cost of a position: square pixels over another label, over a robot, over words; each rank by which the
-position is less good; leaving the position that the label has."""
+"""Weights in the cost of a position: per square pixel over another label, over a robot, over words; per rank of the
+position; for a change of the position."""
 
 
 @dataclass(frozen=True, slots=True)
 class Anchor:
-    """A robot to be labelled: its middle and radius on the screen, and its label's size, pixels."""
+    """Robot to label: its middle and radius on the screen, and the size of its label, pixels."""
 
     x: float
     y: float
@@ -44,14 +44,14 @@ class Anchor:
 
 
 def place_labels(anchors: Sequence[Anchor], before: Sequence[int], words: FloatArray) -> tuple[FloatArray, list[int]]:
-    """Choose positions for labels, first come first served.
+    """Choose positions for labels, one label after another.
 
-    Greedy: each label takes the cheapest of 24 positions around its robot, given the labels before it. Nothing is
-    searched while all labels keep clear where they are.
+    Greedy: each label takes the cheapest of 24 positions around its robot, given the labels before it. While no label
+    overlaps anything at its old position, nothing is searched.
 
     Args:
         anchors: the robots, in order of precedence.
-        before: for each, the number of the position it had, so that labels do not hop about; -1 for none.
+        before: number of the previous position of each label, so that labels do not jump around; -1 for none.
         words: (m, 4) boxes that should stay readable: left, top, right, bottom.
 
     Returns:
@@ -80,7 +80,7 @@ def place_labels(anchors: Sequence[Anchor], before: Sequence[int], words: FloatA
 
 
 def _places(about: FloatArray) -> FloatArray:
-    """(n, k, 4) boxes in which labels may lie, about (n, 5) middles, radii and sizes."""
+    """Return (n, k, 4) possible boxes of labels, given (n, 5) middles, radii and sizes."""
     half = about[:, None, 3:5] / 2.0
     rings = np.repeat(np.array(_REACHES) - 1.0, len(_SIDES))[None, :, None]
     reach = about[:, None, 2:3] + GAP + half + rings * about[:, None, 4:5]
@@ -90,13 +90,13 @@ def _places(about: FloatArray) -> FloatArray:
 
 
 def _crowded(boxes: FloatArray, others: FloatArray) -> bool:
-    """Return True when a label lies over another one or over one of the other boxes."""
+    """Return True if a label overlaps another one or one of the other boxes."""
     own = np.sum((boxes[:, 2] - boxes[:, 0]) * (boxes[:, 3] - boxes[:, 1]))
     return bool(np.sum(_overlap(boxes, np.concatenate((boxes, others)))) > own + 1e-6)
 
 
 def _overlap(boxes: FloatArray, others: FloatArray) -> FloatArray:
-    """(k,) area that each of (k, 4) boxes shares with (m, 4) others."""
+    """Return the (k,) area that each of (k, 4) boxes shares with (m, 4) others."""
     across = np.minimum(boxes[:, None, 2], others[None, :, 2]) - np.maximum(boxes[:, None, 0], others[None, :, 0])
     down = np.minimum(boxes[:, None, 3], others[None, :, 3]) - np.maximum(boxes[:, None, 1], others[None, :, 1])
     area: FloatArray = np.sum(np.clip(across, 0.0, None) * np.clip(down, 0.0, None), axis=1)
@@ -108,11 +108,11 @@ class BadgeText:
     """Text and state on a robot's label.
 
     Attributes:
-        label: the robot's name.
-        color: the robot's.
-        selected: the robot is selected; the label is filled then.
-        trouble: something is wrong with the robot; the label has a warning sign then.
-        commander: somebody else who commands the robot, in words; the label has a mast before them then.
+        label: name of the robot.
+        color: color of the robot.
+        selected: True if the robot is selected; the label is then filled.
+        trouble: True if the robot has a problem; the label then has a warning sign.
+        commander: another commander of the robot, in words after the sign of a mast; empty if there is none.
     """
 
     label: str
@@ -124,7 +124,7 @@ class BadgeText:
 
 @dataclass(frozen=True, slots=True)
 class Badge:
-    """A label's picture and its size in logical pixels."""
+    """Picture of a label and its size in logical pixels."""
 
     picture: QPixmap
     width: float
@@ -138,11 +138,11 @@ class Badges:
         self._made: dict[tuple[BadgeText, float, str, float], Badge] = {}
 
     def clear(self) -> None:
-        """Forget all pictures, for another palette or font."""
+        """Forget all pictures before a change of palette or font."""
         self._made.clear()
 
     def of(self, badge_text: BadgeText, palette: Palette, font: QFont, ratio: float) -> Badge:
-        """The picture of a label."""
+        """Return the picture of a label."""
         key = (badge_text, ratio, palette.panel, text_scale(font))
         badge = self._made.get(key)
         if badge is None:
@@ -187,20 +187,20 @@ def _made(badge_text: BadgeText, palette: Palette, font: QFont, ratio: float) ->
 
 
 def _paint_mast(painter: QPainter, left: float, ink: QColor) -> None:
-    """Paint a mast that sends to both sides: somebody elsewhere commands this robot."""
+    """Paint a mast that sends to both sides, the sign of another commander."""
     painter.setPen(QPen(ink, 1.4))
     painter.setBrush(Qt.BrushStyle.NoBrush)
     middle = left + SIGN_WIDTH / 2.0 - 2.0
     painter.drawLine(QPointF(middle, 8.0), QPointF(middle, 15.0))
     for reach in (3.0, 6.0):
         around = QRectF(middle - reach, 8.0 - reach, 2.0 * reach, 2.0 * reach)
-        # Sixteenths of a degree.
+        # Qt counts angles in sixteenths of a degree.
         painter.drawArc(around, -45 * 16, 90 * 16)
         painter.drawArc(around, 135 * 16, 90 * 16)
 
 
 def _paint_warning(painter: QPainter, palette: Palette, font: QFont, *, on_colour: bool) -> None:
-    """Paint a triangle with an exclamation mark at the left of a label; red would not show on a robot's color."""
+    """Paint a triangle with an exclamation mark on the left of a label; red would not show on a robot's color."""
     painter.setPen(Qt.PenStyle.NoPen)
     painter.setBrush(QColor(palette.panel if on_colour else palette.bad))
     painter.drawPolygon(QPolygonF([QPointF(13.0, 2.5), QPointF(20.5, 16.0), QPointF(5.5, 16.0)]))

@@ -1,4 +1,4 @@
-"""The view on the map: pyqtgraph's ViewBox, which shows the whole map until somebody zooms or drags it."""
+"""View of the map: pyqtgraph's ViewBox, which shows the whole map until a person zooms or drags it."""
 
 import math
 
@@ -14,16 +14,16 @@ MAX_SCALE = 400.0
 """Largest scale, pixels per meter."""
 
 FIT_MARGIN = 30.0
-"""Pixels around the floor plan when all of it is shown."""
+"""Margin around the floor plan when all of it is shown, pixels."""
 
 LEAST_FIT = 0.5
-"""Least scale, as a share of the one at which the whole map is shown."""
+"""Smallest scale, as a share of the scale of the whole map."""
 
 
 class MapBox(pg.ViewBox):  # type: ignore[misc]  # pyqtgraph has no types
     """View straight down with north (+y) up, in meters of the map frame.
 
-    The middle of the view never leaves the map, so that the map cannot be lost.
+    The middle of the view never leaves the map, so that people cannot lose the map.
 
     Args:
         palette: the colors.
@@ -31,11 +31,11 @@ class MapBox(pg.ViewBox):  # type: ignore[misc]  # pyqtgraph has no types
         menu: True for a menu of the right button, to which pyqtgraph adds its export.
 
     Attributes:
-        colors: the palette that items are drawn in.
-        letters: the font that items are drawn in.
-        fitted: True while the whole map is shown, since nobody has moved it.
+        colors: palette for drawing items.
+        letters: font for drawing items.
+        fitted: True while the whole map is shown, since no person has moved it.
         bounds: box around the map, meters.
-        exposed: the part to be painted, logical pixels of this box; None while all of it is exported to a file.
+        exposed: part to paint, logical pixels of this box. If None, all of it is being exported to a file.
     """
 
     def __init__(self, palette: Palette, letters: QFont, *, menu: bool) -> None:
@@ -71,7 +71,7 @@ class MapBox(pg.ViewBox):  # type: ignore[misc]  # pyqtgraph has no types
         return middle.x(), middle.y()
 
     def zoom(self, factor: float, x: float, y: float) -> None:
-        """Show the map at a larger scale, by a factor; a map point stays where it is."""
+        """Enlarge the map by a factor; a map point stays at its place."""
         self.fitted = False
         self.scaleBy((1.0 / factor, 1.0 / factor), (x, y))
 
@@ -81,11 +81,11 @@ class MapBox(pg.ViewBox):  # type: ignore[misc]  # pyqtgraph has no types
         return to_pixels
 
     def repaint_part(self, part: QRegion) -> None:
-        """Have a part of this box painted again, logical pixels; an item's `update` has all of it painted."""
+        """Request a repaint of a part of this box, logical pixels; an item's `update` would repaint everything."""
         self.getViewWidget().viewport().update(part.translated(self.scenePos().toPoint()))
 
     def updateMatrix(self, changed: object = None) -> None:
-        """Put the map's origin on a whole device pixel, so that cached pictures shift without blur."""
+        """Put the map's origin on a whole device pixel, so that cached pictures move without blur."""
         if self._matrixNeedsUpdate:
             super().updateMatrix(changed)
             exact, ratio = self.childGroup.transform(), self.getViewWidget().devicePixelRatioF()
@@ -102,7 +102,7 @@ class MapBox(pg.ViewBox):  # type: ignore[misc]  # pyqtgraph has no types
             self._show_scale(scale, *middle)
 
     def menuEnabled(self) -> bool:
-        """Return True where the right button opens a menu."""
+        """Return True if the right button opens a menu."""
         return self._menu is not None
 
     def getMenu(self, _event: object) -> QMenu | None:
@@ -114,7 +114,7 @@ class MapBox(pg.ViewBox):  # type: ignore[misc]  # pyqtgraph has no types
         self._limit(self.viewRect())
 
     def _show_scale(self, scale: float, x: float, y: float) -> None:
-        """Show a map point in the middle of the box."""
+        """Show a map point in the middle of the box at a scale."""
         wide, high = max(self.rect().width(), 1.0) / scale, max(self.rect().height(), 1.0) / scale
         view = QRectF(x - wide / 2.0, y - high / 2.0, wide, high)
         self._limit(view)

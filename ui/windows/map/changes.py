@@ -1,4 +1,4 @@
-"""Tests for visible changes of the map: most of the time nothing moves, and nothing need be painted."""
+"""Tests for visible changes of the map: most of the time nothing moves, and nothing needs painting."""
 
 from collections.abc import Sequence
 
@@ -8,14 +8,14 @@ from sim.common.geometry import Pose2
 from ui.model.shared.scene import RobotMark, RoomMark
 
 VISIBLE_SHIFT = 0.1
-"""Least shift that shows, pixels."""
+"""Smallest visible shift, pixels."""
 
 VISIBLE_TURN = 0.005
-"""Least turn that shows, radians."""
+"""Smallest visible turn, radians."""
 
 
 def same_rooms(some: Sequence[RoomMark], others: Sequence[RoomMark]) -> bool:
-    """Return True when two sequences of rooms look the same."""
+    """Return True if two sequences of rooms look the same."""
     return len(some) == len(others) and all(map(_same_room, some, others))
 
 
@@ -29,7 +29,8 @@ def _same_room(one: RoomMark, other: RoomMark) -> bool:
 
 
 def settled(shown: Sequence[RobotMark], robots: Sequence[RobotMark], scale: float) -> tuple[RobotMark, ...]:
-    """Return the robots now, but the mark that is shown of each that looks the same at so many pixels a meter."""
+    """Return the current robots, but keep the old mark of each robot that looks the same at this scale, pixels per
+    meter."""
     before = {mark.robot: mark for mark in shown}
     return tuple(_settled(before.get(mark.robot), mark, scale) for mark in robots)
 

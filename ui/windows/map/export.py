@@ -1,6 +1,6 @@
 """Repair of pyqtgraph's export to SVG, which fails at the closed paths that Qt 6.11 writes.
 
-Source: issue 3495 of pyqtgraph, which is repaired after its version 0.14.0.
+Source: issue 3495 of pyqtgraph, which is fixed after its version 0.14.0.
 """
 
 import importlib
@@ -16,7 +16,7 @@ def repair_export() -> None:
 
 
 def _correct_open(node: Element, *rest: object) -> None:
-    """Leave out the commands that close paths; each path ends at its first point anyway."""
+    """Remove the commands that close paths; each path ends at its first point anyway."""
     for path in node.getElementsByTagName("path"):
         path.setAttribute("d", path.getAttribute("d").replace("Z", "").strip().replace("  ", " "))
     _correct_coordinates(node, *rest)

@@ -17,20 +17,20 @@ from thbridge.roles.shared.notices import FloorPlan
 FREE, WALL, UNKNOWN = 0, 1, 2
 
 Box = tuple[float, float, float, float]
-"""Least x, least y, most x, most y; meters."""
+"""Smallest x, smallest y, greatest x, greatest y; meters."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MapGeometry:
-    """A floor plan, unpacked.
+    """Unpacked floor plan.
 
     Attributes:
-        origin: of the cells, map frame.
-        resolution: meters a cell.
+        origin: origin of the cells, map frame.
+        resolution: meters per cell.
         cells: (rows, cols) FREE, WALL, UNKNOWN or another value without a meaning; row 0 lies at the origin.
-        bounds: box around all that is known, map frame.
+        bounds: box around the known cells and the rooms, map frame.
         walls_below: (rows + 1, cols + 1) number of wall cells below and left of each corner of cells: a summed-area
-            table (Crow 1984), by which the walls in any box are counted with four look-ups.
+            table (Crow 1984), which counts the walls in any box with four look-ups.
     """
 
     origin: Pose2
@@ -40,7 +40,7 @@ class MapGeometry:
     walls_below: NDArray[np.int64]
 
     def is_clear(self, corners: FloatArray) -> NDArray[np.bool_]:
-        """Return (n,) True for boxes of (n, 4, 2) corners in the map frame that hold no wall."""
+        """Return (n,) True for boxes of (n, 4, 2) corners in the map frame that contain no wall."""
         cells = self.origin.inverse().transform(corners.reshape(-1, 2)).reshape(-1, 4, 2) / self.resolution
         rows, cols = self.walls_below.shape
         low = np.clip(np.floor(cells.min(axis=1)), 0, (cols - 1, rows - 1)).astype(np.int64)
@@ -52,7 +52,7 @@ class MapGeometry:
 
 
 def unpack(floor_plan: FloorPlan) -> MapGeometry:
-    """Unpack a floor plan; one whose cells cannot be read has rooms and no walls."""
+    """Unpack a floor plan. If its cells cannot be read, it has rooms but no walls."""
     cells = _cells(floor_plan)
     origin = Pose2(*floor_plan.origin)
     rows, cols = np.nonzero(cells != UNKNOWN)
@@ -77,7 +77,7 @@ def _cells(floor_plan: FloorPlan) -> NDArray[np.uint8]:
     rows, cols = floor_plan.height, floor_plan.width
     size = rows * cols
     if rows < 1 or cols < 1 or size > MOST_PIXELS:
-        return np.full((1, 1), UNKNOWN, dtype=np.uint8)  # whoever says so is no keeper of ours
+        return np.full((1, 1), UNKNOWN, dtype=np.uint8)  # Our keeper never sends such sizes.
     try:
         packed = base64.b64decode(floor_plan.cells, validate=True)
         cells = np.frombuffer(zlib.decompressobj().decompress(packed, size), dtype=np.uint8)

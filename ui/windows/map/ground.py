@@ -1,4 +1,4 @@
-"""Ground of the map: floor, walls and rooms, painted once into a picture that is shifted with the view."""
+"""Ground of the map: floor, walls and rooms, painted once into a picture that moves with the view."""
 
 import math
 from collections.abc import Sequence
@@ -17,12 +17,12 @@ from ui.windows.map.item import Z_GROUND, CellImage, MapItem
 from ui.windows.map.rooms import paint_floors, paint_signs
 
 MARGIN = 0.25
-"""Share of the view by which the picture of a moving view reaches beyond it on each side."""
+"""Share of the view that the picture of a moving view adds on each side."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Picture:
-    """A painted piece of the map.
+    """Painted piece of the map.
 
     Attributes:
         pixmap: the picture.
@@ -35,12 +35,12 @@ class _Picture:
     words: FloatArray
 
     def corner(self, to_pixels: QTransform) -> QPointF:
-        """Return where its upper left corner lies in a view."""
+        """Return the position of the upper left corner in a view."""
         return QPointF(to_pixels.dx() - self.to_pixels.dx(), to_pixels.dy() - self.to_pixels.dy())
 
 
 class Ground(MapItem):
-    """The part of the map that stands still. It is painted again only if it changes or the view leaves the picture."""
+    """Static part of the map. It is painted again only if it changes or the view leaves the picture."""
 
     def __init__(self, box: MapBox) -> None:
         super().__init__(box, Z_GROUND)
@@ -55,12 +55,12 @@ class Ground(MapItem):
         self.change_colors()
 
     def show_rooms(self, rooms: Sequence[RoomMark]) -> None:
-        """Show the rooms as they are now."""
+        """Show the current rooms."""
         self._rooms = tuple(rooms)
         self.invalidate()
 
     def change_colors(self) -> None:
-        """Take the colors of the box."""
+        """Use the colors of the box."""
         geometry = self._geometry
         if geometry is not None:
             colors = self.box.colors
@@ -77,7 +77,7 @@ class Ground(MapItem):
 
     @property
     def picture(self) -> object:
-        """The last picture; another object once the ground is painted again, None until then."""
+        """Last picture. It is replaced whenever the ground is painted again, and None until then."""
         return self._picture
 
     def words(self, to_pixels: QTransform) -> FloatArray:
@@ -89,19 +89,19 @@ class Ground(MapItem):
         return moved
 
     def draw(self, painter: QPainter, to_pixels: QTransform) -> None:
-        """Draw the picture; into a file, what it is made of."""
+        """Draw the picture; for a file, draw its parts."""
         if self._exportOpts:
             self._paint_all(painter, to_pixels, self.box.rect())
             return
         picture, ratio = self._picture, self.box.getViewWidget().devicePixelRatioF()
-        # The scale of a view that is only moved differs in its last digits.
+        # The scale of a view that only moved differs in its last digits.
         moving = picture is not None and math.isclose(picture.to_pixels.m11(), to_pixels.m11(), rel_tol=1e-9)
         if not moving or picture is None or not self._covered(picture, to_pixels, ratio):
             picture = self._picture = self._painted(to_pixels, ratio, MARGIN if moving else 0.0)
         painter.drawPixmap(picture.corner(to_pixels), picture.pixmap)
 
     def _covered(self, picture: _Picture, to_pixels: QTransform, ratio: float) -> bool:
-        """Return True if a picture holds all of the view."""
+        """Return True if a picture covers the whole view."""
         place = QRectF(picture.corner(to_pixels), picture.pixmap.deviceIndependentSize())
         slack = 0.5 / ratio
         return picture.pixmap.devicePixelRatio() == ratio and place.adjusted(-slack, -slack, slack, slack).contains(
@@ -110,12 +110,13 @@ class Ground(MapItem):
 
     def _painted(self, to_pixels: QTransform, ratio: float, margin: float) -> _Picture:
         view = self.box.rect()
-        # A multiple of four pixels is whole in device pixels at every scaling by quarters.
+        # A multiple of four pixels is a whole number of device pixels at every scaling in steps of a quarter.
         x, y = (4 * math.ceil(side * margin / 4.0) for side in (view.width(), view.height()))
         width, height = view.width() + 2 * x, view.height() + 2 * y
         pixmap = QPixmap(math.ceil(width * ratio), math.ceil(height * ratio))
         pixmap.setDevicePixelRatio(ratio)
-        # All of it: a box beside an axis is not whole pixels wide, and the rest of its last ones would keep noise.
+        # Fill it completely: next to an axis, the box is not a whole number of pixels wide, and its last pixels would
+        # keep noise.
         place = QRectF(QPointF(), pixmap.deviceIndependentSize())
         moved = to_pixels * QTransform.fromTranslate(x, y)
         painter = QPainter(pixmap)
@@ -124,7 +125,7 @@ class Ground(MapItem):
         return _Picture(pixmap, moved, words)
 
     def _paint_all(self, painter: QPainter, to_pixels: QTransform, place: QRectF) -> FloatArray:
-        """Paint floor, rooms, walls and signs, and return the boxes of text."""
+        """Paint floor, rooms, walls and signs; return the boxes of text."""
         painter.setRenderHint(QPainter.RenderHint.Antialiasing, False)
         painter.fillRect(place, QColor(self.box.colors.unknown))
         self._paint_cells(painter, to_pixels, self._floor)

@@ -17,10 +17,10 @@ Z_GROUND, Z_FLAT, Z_ROBOTS, Z_ABOVE, Z_SCALE_BAR = -1, 10, 20, 30, 40
 
 
 class MapItem(pg.GraphicsObject):  # type: ignore[misc]  # pyqtgraph has no types
-    """An item on the whole map. It paints in logical pixels of the box, so that lines and letters keep their size.
+    """Item on the whole map. It paints in logical pixels of the box, so that lines and letters keep their size.
 
     Args:
-        box: the view on the map.
+        box: view of the map.
         z: order of painting.
     """
 
@@ -36,16 +36,16 @@ class MapItem(pg.GraphicsObject):  # type: ignore[misc]  # pyqtgraph has no type
         return whole
 
     def paint(self, painter: QPainter, _option: QStyleOptionGraphicsItem, _widget: QWidget | None = None) -> None:
-        """Draw, with smooth edges and in the map's font."""
+        """Draw with smooth edges and in the map's font."""
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         painter.setFont(self.box.letters)
         try:
             self.draw(painter, self.box.to_pixels())
-        except Exception:  # else Qt's bindings end the process
+        except Exception:  # Otherwise Qt's bindings would end the process.
             sys.excepthook(*sys.exc_info())
 
     def draw(self, painter: QPainter, to_pixels: QTransform) -> None:
-        """Draw in logical pixels of the box, to which a transform leads from map meters."""
+        """Draw in logical pixels of the box; the transform leads from map meters to these."""
         raise NotImplementedError
 
 

@@ -3,7 +3,7 @@
 from PySide6.QtGui import QFont
 
 USUAL = 10.5
-"""Size of text at which lengths on the map are as they are written down, points."""
+"""Size of text at which lengths on the map have their nominal values, points."""
 
 
 LEAST = 400
@@ -11,19 +11,19 @@ LEAST = 400
 
 
 def fitting_font(font: QFont, width: int, height: int) -> QFont:
-    """The font of a map of this size: on a small map large letters would cover what they are about."""
+    """Return the font of a map of this size; on a small map, large letters would cover the things that they label."""
     made = QFont(font)
     made.setPointSizeF(min(font.pointSizeF(), USUAL * max(1.0, min(width, height) / LEAST)))
     return made
 
 
 def text_scale(font: QFont) -> float:
-    """Factor by which letters, signs and labels are larger than they are written down."""
+    """Return the factor from the nominal size of letters, signs and labels to the current size."""
     return font.pointSizeF() / USUAL if font.pointSizeF() > 0.0 else 1.0
 
 
 def sized(font: QFont, pixels: float, weight: QFont.Weight) -> QFont:
-    """A font with letters of this height, in this weight."""
+    """Return a font with letters of this height, in this weight."""
     made = QFont(font)
     made.setPixelSize(max(1, round(pixels)))
     made.setWeight(weight)

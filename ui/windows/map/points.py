@@ -12,7 +12,7 @@ from sim.numerics.float_array import FloatArray
 
 
 def mapped(transform: QTransform, points: FloatArray) -> FloatArray:
-    """Return (n, 2) points mapped by a transform that scales and shifts only; further columns are left out."""
+    """Return (n, 2) points mapped by a transform that only scales and shifts; further columns are ignored."""
     moved: FloatArray = points[:, :2] * (transform.m11(), transform.m22()) + (transform.dx(), transform.dy())
     return moved
 

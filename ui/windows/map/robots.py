@@ -20,25 +20,25 @@ from ui.windows.map.item import Z_ROBOTS, MapItem
 from ui.windows.map.points import draw_lines, mapped, pixel, polygon, steps
 
 MIN_RADIUS = 8.0
-"""Least radius with which a robot is drawn, pixels, however small the scale is."""
+"""Smallest radius of a drawn robot, pixels, at any scale."""
 
 RING = 5.0
-"""Pixels between the selected robot and its ring."""
+"""Distance between the selected robot and its ring, pixels."""
 
 TRAIL_STEPS = 4
-"""Steps in which a trail fades."""
+"""Number of steps in which a trail fades."""
 
 TRAIL_ALPHA = 0.5
 """Opacity of a trail at its newest end."""
 
 LABEL_MARGIN = 40.0
-"""Pixels outside the view at which a robot may still show its label in it."""
+"""Distance outside the view at which a robot may still show its label inside, pixels."""
 
 JUMP = 1.0
-"""Distance between two frames that no robot drives, meters."""
+"""Distance between two frames that is too large for driving, meters."""
 
 FLAG = 20.0
-"""Pixels around a path within which the flag at its end lies."""
+"""Distance around a path that includes the flag at its end, pixels."""
 
 DASH, SPACE = 7.0, 5.0
 """Lengths of a dash and of the gap after it along a path, pixels."""
@@ -46,21 +46,21 @@ DASH, SPACE = 7.0, 5.0
 
 _ROUND = np.linspace(0.0, 2.0 * np.pi, 49)[:-1]
 _CIRCLE = polygon(np.stack((np.cos(_ROUND), np.sin(_ROUND)), axis=1))
-"""A circle of radius 1."""
+"""Circle of radius 1."""
 
 _NOSE = np.array([[0.72, 0.0], [0.12, 0.42], [0.26, 0.0], [0.12, -0.42]])
-"""An arrowhead on a robot that points ahead, in units of the body's reach."""
+"""Arrowhead on a robot that points ahead, in units of the body's reach."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Body:
-    """A footprint as it is drawn, in the robot's own frame, meters.
+    """Footprint as it is drawn, in the robot's own frame, meters.
 
     Attributes:
-        outline: its corners.
-        nose: the arrowhead that shows its front.
-        reach: from its middle to its farthest corner.
-        inside: from its middle to its nearest edge.
+        outline: corners of the footprint.
+        nose: arrowhead that shows the front.
+        reach: distance from the middle to the farthest corner.
+        inside: distance from the middle to the nearest edge.
     """
 
     outline: QPolygonF
@@ -74,11 +74,11 @@ class _Body:
         return cls(polygon(footprint), polygon(_NOSE * reach), reach, inside)
 
     def scale(self, to_pixels: QTransform) -> float:
-        """Scale at which it is drawn, pixels a meter: never too small to be seen."""
+        """Return the drawing scale, pixels per meter; the robot never gets too small to see."""
         return max(to_pixels.m11(), MIN_RADIUS / self.reach)
 
     def transform(self, to_pixels: QTransform, pose: Pose2) -> QTransform:
-        """Transform from its own frame to pixels."""
+        """Return the transform from the robot's own frame to pixels."""
         scale = self.scale(to_pixels)
         c, s = scale * math.cos(pose.theta), scale * math.sin(pose.theta)
         at = pixel(to_pixels, pose.x, pose.y)
@@ -87,14 +87,14 @@ class _Body:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Place:
-    """The place of a robot on the screen; boxes in logical pixels of the map's box.
+    """Place of a robot on the screen; boxes in logical pixels of the map's box.
 
     Attributes:
         mark: the robot.
-        near: box around its body, ring, ellipse and truth, and the last line of its trail.
-        trail: box around its trail.
-        path: box around its path and the flag at its end.
-        badge: its label; None while the robot is not in the view.
+        near: box around body, ring, ellipse and truth, and the last line of the trail.
+        trail: box around the trail.
+        path: box around the path and the flag at its end.
+        badge: label; None while the robot is outside the view.
         corner: upper left corner of the label.
     """
 
@@ -107,20 +107,20 @@ class _Place:
 
     @property
     def label(self) -> QRect:
-        """Box around its label."""
+        """Box around the label."""
         if self.badge is None:
             return QRect()
         return QRectF(self.corner, QSizeF(self.badge.width, self.badge.height)).adjusted(-1, -1, 1, 1).toAlignedRect()
 
 
 class Robots(MapItem):
-    """All robots. What lies flat on the floor is drawn first, labels last.
+    """All robots. Items flat on the floor are drawn first, labels last.
 
-    Where robots stand, and nothing passes them, nothing is painted: `show_robots` repaints only what has changed.
+    While robots stand still, nothing is painted: `show_robots` repaints only the parts that changed.
 
     Args:
-        box: the view on the map.
-        ground: labels leave its words free.
+        box: view of the map.
+        ground: ground with words that labels must not cover.
     """
 
     def __init__(self, box: MapBox, ground: Ground) -> None:
@@ -133,11 +133,11 @@ class Robots(MapItem):
         self._trails: dict[int, tuple[FloatArray, FloatArray]] = {}
         self._pens: dict[str, list[QPen]] = {}
         self._laid: dict[int, _Place] = {}
-        # View and ground for which the places are.
+        # View and ground of the current places.
         self._laid_in: tuple[QTransform, float, object] | None = None
 
     def show_robots(self, robots: Sequence[RobotMark]) -> None:
-        """Show the robots as they are now. After a jump labels are placed as if they were new."""
+        """Show the current robots. After a jump, labels are placed as if they were new."""
         before = {mark.robot: mark.pose for mark in self.marks}
         if any(mark.pose.distance(before.get(mark.robot, mark.pose)) > JUMP for mark in robots):
             self._places.clear()
@@ -162,7 +162,7 @@ class Robots(MapItem):
         self.update()
 
     def draw(self, painter: QPainter, to_pixels: QTransform) -> None:
-        """Draw all robots of which something is to be painted."""
+        """Draw all robots with a part that needs painting."""
         # A file may have more pixels than the screen.
         ratio = self.box.getViewWidget().devicePixelRatioF() * painter.worldTransform().m11()
         if self._laid_in != (to_pixels, ratio, self._ground.picture):
@@ -186,7 +186,7 @@ class Robots(MapItem):
                 painter.drawPixmap(place.corner, place.badge.picture)
 
     def _lay_out(self, to_pixels: QTransform, ratio: float, picture: object) -> None:
-        """Find the places of all robots in a view; those of robots that stand are kept."""
+        """Find the places of all robots in a view; keep those of robots that stand still."""
         before, self._laid = self._laid, {}
         for mark in self.marks:
             place = before.get(mark.robot)
@@ -242,7 +242,7 @@ class Robots(MapItem):
             return
         known, lines = self._trails.get(mark.robot, (None, None))
         if lines is None or known is not mark.trail:
-            # Its last line leads to the robot, and is another in each frame.
+            # Its last line leads to the robot, and changes in each frame.
             lines = steps(np.concatenate((mark.trail, mark.trail[-1:])))
             self._trails[mark.robot] = mark.trail, lines
         lines[-1, 2:] = mark.pose.x, mark.pose.y
@@ -278,7 +278,7 @@ class Robots(MapItem):
     def _paint_ellipse(self, painter: QPainter, to_pixels: QTransform, mark: RobotMark, ellipse: Ellipse) -> None:
         body = self._body(mark.footprint)
         if ellipse.major * to_pixels.m11() < body.inside * body.scale(to_pixels):
-            return  # the body will cover it
+            return  # The body will cover it.
         c, s = to_pixels.m11() * math.cos(ellipse.angle), to_pixels.m11() * math.sin(ellipse.angle)
         centre = pixel(to_pixels, mark.pose.x, mark.pose.y)
         transform = QTransform(
@@ -287,7 +287,7 @@ class Robots(MapItem):
         outline = transform.map(_CIRCLE)
         colour = QColor(self._colour(mark))
         colour.setAlpha(40)
-        # A filling without smooth edges under a smooth outline looks the same and takes a quarter of the time.
+        # A fill without smooth edges under a smooth outline looks the same and takes a quarter of the time.
         painter.setRenderHint(QPainter.RenderHint.Antialiasing, False)
         painter.setPen(Qt.PenStyle.NoPen)
         painter.setBrush(colour)
@@ -342,7 +342,7 @@ def _around(to_pixels: QTransform, points: FloatArray, margin: float) -> QRect:
 
 
 def _changed(to_pixels: QTransform, before: _Place, now: _Place) -> Iterator[QRect]:
-    """Yield boxes around all that looks different at two places of a robot."""
+    """Yield boxes around everything that differs between two places of a robot."""
     if before is now:
         return
     if before.label != now.label or before.badge is not now.badge:
@@ -353,14 +353,15 @@ def _changed(to_pixels: QTransform, before: _Place, now: _Place) -> Iterator[QRe
         return
     yield before.near
     yield now.near
-    if old.selected != new.selected:  # In front of the others now, or not any more.
+    if old.selected != new.selected:  # It moved in front of the others, or back.
         yield from (before.trail, now.trail, before.path, now.path)
         return
     if old.trail is not new.trail:
         yield from (before.trail, now.trail)
     rest = len(new.path) - 1
     if 0 < rest < len(old.path) and np.array_equal(old.path[-rest:], new.path[1:]):
-        # Dashes are counted from the far end: only the near end changes, and a dash around the first point that stays.
+        # Dashes are counted from the far end, so that only the near end changes, and a dash around the first kept
+        # point.
         used = np.concatenate((old.path[: len(old.path) - rest + 1], new.path[:1]))
         yield _around(to_pixels, used, DASH + 3.0)
     else:
@@ -380,8 +381,8 @@ def _fading(colour: str) -> list[QPen]:
 def _dashes(pixels: FloatArray) -> FloatArray:
     """Return (n, 4) dashes along a line.
 
-    Dashes are counted from the far end, so that they lie still while the near end is used up. Single lines are painted
-    five times faster than Qt's dashed polylines.
+    Dashes are counted from the far end, so that they keep their places while the robot uses up the near end. Single
+    lines paint five times faster than Qt's dashed polylines.
     """
     line = np.ascontiguousarray(pixels[::-1]).view(np.complex128)[:, 0]
     along = np.concatenate(([0.0], np.cumsum(np.abs(np.diff(line)))))

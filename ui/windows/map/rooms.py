@@ -26,28 +26,28 @@ from ui.windows.map.lettering import sized, text_scale
 from ui.windows.map.points import mapped, polygon
 
 HATCH_SPACING = 11.0
-"""Pixels between two stripes of the pattern of a reserved room."""
+"""Distance between two stripes of the pattern of a reserved room, pixels."""
 
 DOT_SPACING = 16.0
-"""Pixels between two dots of the pattern of a visited room."""
+"""Distance between two dots of the pattern of a visited room, pixels."""
 
 SIGN_RADIUS = 11.0
 """Radius of a room's sign, pixels at the usual size of text."""
 
 PATTERN_ALPHA = 46
-"""Opacity of a pattern, 0 to 255: visible, and yet robots are seen well on it."""
+"""Opacity of a pattern, 0 to 255: visible, but faint enough to see robots on it."""
 
 NUMBER_MIN, NUMBER_MAX = 15.0, 40.0
-"""Least and greatest height of a room's number, pixels at the usual size of text."""
+"""Smallest and greatest height of a room's number, pixels at the usual size of text."""
 
 POSITIONS = 14
-"""Number of places along each axis of a room at which words and signs are tried."""
+"""Number of places to try for words and signs along each axis of a room."""
 
 FRAME_INSET = 4.0
 """Distance between a wall and the frame of a room that can be chosen, pixels."""
 
 HALF_WALL = 0.06
-"""Half of a wall's usual thickness, meters."""
+"""Half the usual thickness of a wall, meters."""
 
 NAME_HEIGHT = 13.0
 """Height of a room's name, pixels at the usual size of text."""
@@ -97,7 +97,7 @@ def paint_signs(
 
 
 def _paint_edge(painter: QPainter, to_pixels: QTransform, mark: RoomMark, palette: Palette) -> None:
-    """Paint a frame inside the walls of a room that can be chosen, a stronger one while it is considered."""
+    """Paint a frame inside the walls of a room that can be chosen; it is stronger while the room is considered."""
     if not mark.choosable and not mark.considered:
         return
     path = QPainterPath()
@@ -125,10 +125,10 @@ _FROM_CORNER = _from_corner()
 
 
 class _Space:
-    """The free space in a room for words and signs, pixels: they go where no wall and nothing else lies.
+    """Free space in a room for words and signs, pixels; they avoid walls and each other.
 
     Attributes:
-        taken: boxes in which something lies already.
+        taken: boxes that are already used.
     """
 
     def __init__(self, to_pixels: QTransform, region: FloatArray, geometry: MapGeometry | None) -> None:
@@ -144,13 +144,13 @@ class _Space:
         self.taken: list[QRectF] = []
 
     def put(self, width: float, height: float, right: bool, low: bool) -> QRectF | None:
-        """Take a box of this size as near as possible to a corner of the room; return None where none fits."""
+        """Reserve a box of this size as near as possible to a corner of the room; return None if none fits."""
         slack = np.array([self.width - width, self.height - height]) - 2.0 * self.inset
         if slack.min() < 0.0:
             return None
         shares = np.abs((float(right), float(low)) - _FROM_CORNER)
         places = shares * slack + (self._left + self.inset, self._top + self.inset)
-        # Mostly the very corner is free, and the other places need not be tested.
+        # Usually the corner itself is free, and the other places need no test.
         for some in (places[:1], places[1:]):
             for x, y in some[self._is_free(some, width, height)].tolist():
                 box = QRectF(x, y, width, height)
@@ -170,13 +170,13 @@ class _Space:
 
 
 def _paint_words(painter: QPainter, space: _Space, mark: RoomMark, palette: Palette, font: QFont) -> None:
-    # In a room that is too small for large letters they are as small as usual: state and number matter most.
+    # If a room is too small for large letters, use the usual size: state and number matter most.
     for scale in sorted({text_scale(font), min(text_scale(font), 1.0)}, reverse=True):
         sign = space.put(2.0 * SIGN_RADIUS * scale, 2.0 * SIGN_RADIUS * scale, right=True, low=False)
         if sign is not None:
             _paint_sign(painter, sign.center(), mark, palette, scale)
             break
-    # Where there is no room for both, the answer is what is new.
+    # If there is no room for both, show the answer, which is new.
     texts = (mark.answer, *mark.answer_shorter), (mark.found, *mark.found_shorter)
     pills = [_Pill(space, words, font, shorter) for words, *shorter in texts if words]
     for scale in sorted({text_scale(font), min(text_scale(font), 1.0)}, reverse=True):
@@ -195,8 +195,9 @@ def _paint_title(
     scale: float,
     before_name: "Sequence[_Pill]",
 ) -> bool:
-    """Paint a room's number, and its name where there is space beside these words; return False where even the
-    number has none.
+    """Paint a room's number, and its name if there is space next to these words.
+
+    Return False if there is not even space for the number.
     """
     number = min(max(min(space.width, space.height) * 0.2, NUMBER_MIN * scale), NUMBER_MAX * scale)
     large, small = sized(font, number, QFont.Weight.DemiBold), sized(font, NAME_HEIGHT * scale, QFont.Weight.Normal)
@@ -224,25 +225,25 @@ def _paint_title(
 
 
 class _Pill:
-    """Words in a frame, in a low corner of a room; fewer ones where there is no room for all."""
+    """Words in a frame, in a lower corner of a room; shortened if there is no room for all."""
 
     def __init__(self, space: _Space, text: str, font: QFont, shorter: Sequence[str] = ()) -> None:
         self.font = sized(font, NAME_HEIGHT * text_scale(font), QFont.Weight.Medium)
         metrics = QFontMetricsF(self.font)
         width = space.width - 2.0 * space.inset - 16.0
         texts = text, *shorter, *_first_words((text, *shorter)[-1])
-        # Where not even a word fits there is nothing.
+        # If not even one word fits, nothing is shown.
         self.words = next((each for each in texts if metrics.horizontalAdvance(each) <= width), "")
         self._size = metrics.horizontalAdvance(self.words) + 16.0, metrics.height() + 6.0
         self._space = space
 
     def put(self) -> QRectF | None:
-        """Take the place; return None where there is none, or no words."""
+        """Reserve the place; return None if there is none, or no words."""
         return self._space.put(*self._size, right=False, low=True) if self.words else None
 
 
 def _have_space(space: _Space, pills: Sequence[_Pill]) -> bool:
-    """Return True where all of them have a place, without taking it."""
+    """Return True if all of them have a place; do not reserve it."""
     boxes = [pill.put() for pill in pills if pill.words]
     for box in boxes:
         if box is not None:
@@ -251,7 +252,7 @@ def _have_space(space: _Space, pills: Sequence[_Pill]) -> bool:
 
 
 def _first_words(text: str) -> tuple[str, ...]:
-    """Return fewer and fewer of the first words of a text, each time with a sign that it goes on."""
+    """Return fewer and fewer of the first words of a text, each time with an ellipsis."""
     words = text.split(" ")
     return tuple(f"{' '.join(words[:count])} …" for count in range(len(words) - 1, 0, -1))
 
@@ -273,12 +274,14 @@ _STROKES: dict[RoomState, list[list[tuple[float, float]]]] = {
     "won": [[(-5.0, 0.5), (-1.5, 4.0), (5.0, -3.5)]],
     "lost": [[(-4.0, -4.0), (4.0, 4.0)], [(-4.0, 4.0), (4.0, -4.0)]],
 }
-"""Lines on the disc of a room that was visited, pixels from its middle at the usual size of text."""
+"""Lines on the disc of a visited room, pixels from its middle at the usual size of text."""
 
 
 def _paint_sign(painter: QPainter, centre: QPointF, mark: RoomMark, palette: Palette, scale: float) -> None:
-    """Paint the state: an open circle: not visited; arrows: a robot is coming; on a disc a dot: visited, tick: won,
-    cross: lost. Arrows and discs have the robot's color.
+    """Paint the state of a room.
+
+    Open circle: not visited. Arrows: a robot is coming. On a disc, dot: visited; tick: won; cross: lost. Arrows and
+    discs have the robot's color.
     """
     painter.save()
     painter.translate(centre)
@@ -324,7 +327,7 @@ def _pattern(state: str, palette: Palette, ratio: float) -> QBrush:
     painter.setRenderHint(QPainter.RenderHint.Antialiasing)
     if state == "reserved":
         painter.setPen(QPen(_faint(palette.text), 1.4 * ratio))
-        # Beside the stripe itself the corners that its neighbors reach into the tile.
+        # In addition to the stripe itself, draw the corners of its neighbors that reach into the tile.
         for shift in (-size, 0.0, size):
             painter.drawLine(QLineF(shift - size, 2.0 * size, shift + 2.0 * size, -size))
     else:

@@ -7,20 +7,20 @@ from ui.windows.map.item import MapItem
 from ui.windows.map.lettering import sized, text_scale
 
 LENGTHS = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0)
-"""Lengths that a bar may have, meters."""
+"""Possible lengths of a bar, meters."""
 
 SHORTEST = 60.0
-"""Least length of a bar, pixels at the usual size of text."""
+"""Smallest length of a bar, pixels at the usual size of text."""
 
 LONGEST = 2.5 * SHORTEST
-"""Greatest length of a bar: no length is more than 2.5 times the one before."""
+"""Greatest length of a bar: each possible length is at most 2.5 times the previous one."""
 
 
 class ScaleBar(MapItem):
-    """Bar of a round number of meters in the lower right corner. pyqtgraph's own bar has one length at all scales."""
+    """Bar of a round number of meters in the lower right corner. pyqtgraph's own bar has a fixed length."""
 
     def boundingRect(self) -> QRectF:
-        """Return the lower right corner, in which the longest bar has room."""
+        """Return the lower right corner, with room for the longest bar."""
         scale, whole = text_scale(self.box.letters), self.box.rect()
         wide, high = LONGEST * scale + 30.0, 12.0 + 11.0 * scale + 6.0
         return QRectF(whole.width() - wide, whole.height() - high, wide, high)
@@ -29,8 +29,8 @@ class ScaleBar(MapItem):
         """Draw the bar."""
         font, palette = self.box.letters, self.box.colors
         scale = text_scale(font)
-        metres = next((length for length in LENGTHS if length * to_pixels.m11() >= SHORTEST * scale), LENGTHS[-1])
-        length = metres * to_pixels.m11()
+        meters = next((length for length in LENGTHS if length * to_pixels.m11() >= SHORTEST * scale), LENGTHS[-1])
+        length = meters * to_pixels.m11()
         right, bottom = self.box.rect().width() - 14.0, self.box.rect().height() - 8.0
         left = right - length
         backing = QColor(palette.panel)
@@ -43,7 +43,7 @@ class ScaleBar(MapItem):
         ends = [QLineF(x, bottom - 4.0, x, bottom) for x in (left, right)]
         painter.drawLines([QLineF(left, bottom, right, bottom), *ends])
         lettering = sized(font, 11.0 * scale, font.weight())
-        words = f"{metres:g} m"
+        words = f"{meters:g} m"
         width = QFontMetricsF(lettering).horizontalAdvance(words)
         painter.setFont(lettering)
         painter.drawText(QPointF((left + right - width) / 2.0, bottom - 5.0), words)

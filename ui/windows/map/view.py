@@ -1,4 +1,4 @@
-"""The map of all windows: floor plan, rooms and robots seen from above, with zoom, drag and clicks."""
+"""Map of all windows: floor plan, rooms and robots seen from above, with zoom, drag and clicks."""
 
 import math
 from collections.abc import Sequence
@@ -28,50 +28,50 @@ from ui.windows.map.scale_bar import ScaleBar
 from ui.windows.map.words import describe
 
 HIT_RADIUS = 24.0
-"""Pixels from its middle within which a robot is hit."""
+"""Distance from a robot's middle within which a click hits it, pixels."""
 
 DRAG_THRESHOLD = 4.0
-"""Pixels by which a press has to move to be a drag and no click."""
+"""Distance from which a press counts as a drag, not as a click, pixels."""
 
 FOLLOW_SCALE = 60.0
-"""Least scale at which following a robot begins, pixels per meter."""
+"""Smallest scale when following a robot starts, pixels per meter."""
 
 FOLLOW_SHARE = 0.15
 """Share of the distance to the followed robot that the view moves in one frame."""
 
 FOLLOW_TOLERANCE = 1.0
-"""Pixels from the middle within which the followed robot counts as in the middle."""
+"""Distance within which the followed robot counts as being in the middle, pixels."""
 
 AXIS_GAP = 8.0
-"""Pixels between an axis and its numbers, with its ticks."""
+"""Distance between an axis and its numbers, including ticks, pixels."""
 
 DESCRIPTION_PERIOD = 1000
 """Milliseconds between two updates of the description in words."""
 
-pg.setConfigOption("mouseRateLimit", 0)  # Each move of the pointer counts.
+pg.setConfigOption("mouseRateLimit", 0)  # Handle each move of the pointer.
 
 
 class MapView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no types
-    """A map that can be zoomed and dragged, and can follow a robot; it reports clicks and hovering by signals.
+    """Map that people can zoom and drag, and that can follow a robot; it reports clicks and hovering by signals.
 
-    Other items are added by giving them its `box`.
+    To add other items, give them its `box`.
 
     Args:
         palette: the colors.
-        parent: the widget that it lies on.
-        texts: for its description; None: English.
+        parent: parent widget.
+        texts: texts of the description. If None, English ones.
         axes: True for axes in meters, and for a menu of the right button that exports the map.
 
     Attributes:
-        box: the view on the map, to which items belong.
+        box: view of the map, to which items belong.
         followed: index of the robot that is kept in the middle, or None.
-        sight: the part in whose middle it is kept, logical pixels; None: the whole widget.
+        sight: part with the followed robot in its middle, logical pixels. If None, the whole widget.
         hovered: number of the room that the pointer was moved onto, or None.
 
     Signals:
         room_clicked: number of the room, counted from 1.
         robot_clicked: index of the robot.
-        room_hovered: `hovered`, when it is another.
+        room_hovered: new value of `hovered`.
         follow_ended: the robot is no longer followed, since the map was dragged, or all of it is shown.
         point_pressed, point_dragged, point_released: x, y in map meters, while a tool has the left button.
     """
@@ -103,7 +103,7 @@ class MapView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no types
         self._last = QPointF()
         self.scene().sigMouseClicked.connect(self._click)
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
-        self.viewport().setFocusPolicy(Qt.FocusPolicy.NoFocus)  # and of this widget, its proxy
+        self.viewport().setFocusPolicy(Qt.FocusPolicy.NoFocus)  # This includes its focus proxy, this widget.
         self._texts = texts or shipped_texts()
         self.setAccessibleName(self._texts.text("map.name"))
         self._describing = QTimer(self)
@@ -111,7 +111,7 @@ class MapView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no types
         self._describing.start(DESCRIPTION_PERIOD)
 
     def _lay_out(self) -> None:
-        """Fill the view with the map, and set it up for few items that are all painted with each frame."""
+        """Fill the view with the map, and configure it for few items that are all painted in each frame."""
         layout = pg.GraphicsLayout()
         self.setCentralItem(layout)
         layout.setContentsMargins(0, 0, 0, 0)
@@ -131,7 +131,7 @@ class MapView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no types
     # Contents ---------------------------------------------------------------------------------------------------------
 
     def show_floor_plan(self, floor_plan: FloorPlan) -> None:
-        """Show another floor plan, all of it."""
+        """Show another floor plan completely."""
         geometry = unpack(floor_plan)
         self._ground.show_geometry(geometry)
         left, bottom, right, top = geometry.bounds
@@ -139,13 +139,13 @@ class MapView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no types
         self.fit()
 
     def show_rooms(self, rooms: Sequence[RoomMark]) -> None:
-        """Show the rooms as they are now; does nothing when they look as before."""
+        """Show the current rooms; do nothing if they look the same as before."""
         if not same_rooms(self._rooms, rooms):
             self._rooms = tuple(rooms)
             self._ground.show_rooms(self._rooms)
 
     def show_robots(self, robots: Sequence[RobotMark]) -> None:
-        """Show the robots as they are in this frame; only what looks different is painted."""
+        """Show the robots of this frame; paint only visible changes."""
         marks = settled(self._robots.marks, robots, 1.0 / self.metres(1.0))
         if marks != self._robots.marks:
             self._robots.show_robots(marks)
@@ -166,7 +166,7 @@ class MapView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no types
             axis.setPen(palette.line)
             axis.setTextPen(palette.muted)
             axis.setTickFont(self.box.letters)
-            # Fixed: an axis that grows with its numbers would move the map.
+            # Use a fixed size: an axis that grows with its numbers would move the map.
             if side == "left":
                 axis.setWidth(metrics.horizontalAdvance("-10.5") + AXIS_GAP)
             else:
@@ -175,26 +175,26 @@ class MapView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no types
     # View -------------------------------------------------------------------------------------------------------------
 
     def fit(self) -> None:
-        """Show the whole floor plan, also after changes of size; no robot is followed any more."""
+        """Show the whole floor plan, also after changes of size, and stop following a robot."""
         self._end_follow()
         self.box.fit()
 
     @property
     def fitted(self) -> bool:
-        """True while the whole floor plan is shown, since nobody has moved it."""
+        """True while the whole floor plan is shown, since no person has moved it."""
         return self.box.fitted
 
     def follow(self, robot: int | None) -> None:
-        """Keep this robot in the middle; None: stop following."""
+        """Keep this robot in the middle. If None, stop following."""
         self.followed = robot
         if robot is not None:
             self.box.zoom(max(FOLLOW_SCALE * self.metres(1.0), 1.0), *self.box.middle)
             self._follow()
 
     def set_tool(self, cursor: Qt.CursorShape | None) -> None:
-        """Give the left button to a tool, which receives `point_pressed` and its like; None takes it back.
+        """Give the left button to a tool, which then receives `point_pressed` and similar signals. If None, end that.
 
-        While a tool has it, the map is dragged by the middle button, and clicks choose nothing.
+        While a tool has it, the middle button drags the map, and clicks select nothing.
         """
         self._tool = cursor
         self._point_at(self._last)
@@ -223,7 +223,7 @@ class MapView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no types
         return QRectF(self.pixel(left, top), self.pixel(right, bottom))
 
     def opposite_corner(self, robot: int) -> tuple[bool, bool] | None:
-        """Return the corner of the map that is farthest from a robot, if it is shown: at the right, at the bottom."""
+        """Return the corner of the map farthest from a robot, if it is shown: True for right, True for bottom."""
         pose = next((mark.pose for mark in self._robots.marks if mark.robot == robot), None)
         middle = self.box.bounds.center()
         return None if pose is None else (pose.x < middle.x(), pose.y > middle.y())
@@ -249,7 +249,7 @@ class MapView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no types
         return QSize(800, 600)
 
     def minimumSizeHint(self) -> QSize:
-        """Return no least size: the window decides."""
+        """Return no minimum size: the window decides."""
         return QSize()
 
     def _end_follow(self) -> None:
@@ -268,25 +268,25 @@ class MapView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no types
     # Events -----------------------------------------------------------------------------------------------------------
 
     def paintEvent(self, event: QPaintEvent) -> None:
-        """Paint, and let items know the part that is to be painted."""
+        """Paint, and inform items about the part to be painted."""
         self.box.exposed = event.region().translated(-self.box.scenePos().toPoint())
         super().paintEvent(event)
         self.box.exposed = None
 
     def resizeEvent(self, event: QResizeEvent | None) -> None:
-        """Take over another size; on a small map letters are smaller."""
+        """Adapt to another size; on a small map letters are smaller."""
         super().resizeEvent(event)
         if event is not None:
             self._fit_letters()
 
     def changeEvent(self, event: QEvent) -> None:
-        """Take over another font."""
+        """Adapt to another font."""
         if event.type() == QEvent.Type.FontChange:
             self._fit_letters()
         super().changeEvent(event)
 
     def close(self) -> bool:
-        """Hide the widget as any other; pyqtgraph would remove the scene, and the next event would end the process."""
+        """Hide the widget. pyqtgraph would remove the scene, and the next event would end the process."""
         return QWidget.close(self)
 
     def _fit_letters(self) -> None:
@@ -298,14 +298,14 @@ class MapView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no types
             self._color_axes()
 
     def viewportEvent(self, event: QEvent) -> bool:
-        """Zoom by two fingers; Qt and pyqtgraph handle all other events."""
+        """Zoom with two fingers; Qt and pyqtgraph handle all other events."""
         if isinstance(event, QNativeGestureEvent) and event.gestureType() == Qt.NativeGestureType.ZoomNativeGesture:
             self.box.zoom(1.0 + event.value(), *self.point(event.position()))
             return True
         return bool(super().viewportEvent(event))
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
-        """Begin a tool's stroke; pyqtgraph tells clicks from drags."""
+        """Start a tool's stroke; pyqtgraph distinguishes clicks from drags."""
         self._stroking = self._tool is not None and event.button() == Qt.MouseButton.LeftButton
         if self._stroking:
             self.point_pressed.emit(*self.point(event.position()))
@@ -313,14 +313,14 @@ class MapView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no types
             super().mousePressEvent(event)
 
     def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
-        """Begin a tool's stroke by a second press, too."""
+        """Start a tool's stroke also at a second press."""
         if self._tool is not None:
             self.mousePressEvent(event)
         else:
             super().mouseDoubleClickEvent(event)
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
-        """Go on with the tool's stroke, drag the map, or update what is hovered."""
+        """Continue the tool's stroke, drag the map, or update the hovered room."""
         self._last = event.position()
         if self._stroking:
             self.point_dragged.emit(*self.point(event.position()))
@@ -346,12 +346,12 @@ class MapView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no types
         event.ignore()
 
     def leaveEvent(self, event: QEvent) -> None:
-        """Report that no room is hovered any more."""
+        """Report that no room is hovered."""
         super().leaveEvent(event)
         self.hover(None)
 
     def _click(self, event: MouseClickEvent) -> None:
-        """Report what was clicked; show the whole floor plan where there is nothing to choose twice."""
+        """Report a click; on a double click outside robots and rooms, show the whole floor plan."""
         if event.button() != Qt.MouseButton.LeftButton:
             return
         position = QPointF(event.scenePos())
@@ -365,7 +365,7 @@ class MapView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no types
             self.room_clicked.emit(room)
 
     def _point_at(self, position: QPointF) -> None:
-        """Show what can be clicked at a pixel, and hover its room if the pointer was moved there."""
+        """Show whether a click at a pixel has an effect, and hover its room if the pointer was moved there."""
         robot, room = self.robot_at(position), self.room_at(position)
         choosable = any(mark.room == room and mark.choosable for mark in self._rooms)
         shape = Qt.CursorShape.PointingHandCursor if robot is not None or choosable else Qt.CursorShape.ArrowCursor
@@ -374,7 +374,7 @@ class MapView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no types
             self.hover(room if robot is None else None)
 
     def hover(self, room: int | None) -> None:
-        """Take a room for hovered, or none."""
+        """Set the hovered room, or none."""
         if room != self.hovered:
             self.hovered = room
             self.room_hovered.emit(room)

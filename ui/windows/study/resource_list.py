@@ -29,17 +29,17 @@ class ResourceList(QWidget):
     Args:
         key: key of the field.
         resources: resources that the field may name.
-        beside: folder of the study, to which paths are relative.
+        study_folder: folder of the study, to which paths are relative.
         parent: editor of the field.
     """
 
     chosen = Signal(str)
 
-    def __init__(self, key: str, resources: tuple[NamedResource, ...], beside: Path, parent: QWidget) -> None:
+    def __init__(self, key: str, resources: tuple[NamedResource, ...], study_folder: Path, parent: QWidget) -> None:
         super().__init__(parent, Qt.WindowType.Popup)
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         style_as_panel(self)
-        self._key, self._beside = key, beside
+        self._key, self._study_folder = key, study_folder
         self.list = QListWidget()
         self.list.setAccessibleName("Choices for the field")
         self.list.setIconSize(QSize(px(_LOOK.width()), px(_LOOK.height())))
@@ -86,21 +86,21 @@ class ResourceList(QWidget):
         self.chosen.emit(value)
 
     def _browse(self) -> None:
-        here, start = self.parentWidget(), str(self._beside)
+        here, start = self.parentWidget(), str(self._study_folder)
         self.hide()
         if self._key in _FOLDERS:
             picked = QFileDialog.getExistingDirectory(here, "Choose a folder", start)
         else:
             picked, _ = QFileDialog.getOpenFileName(here, "Choose a file", start)
         if picked:
-            written = _as_written(Path(picked), self._beside, folder=self._key in _FOLDERS)
+            written = _as_written(Path(picked), self._study_folder, folder=self._key in _FOLDERS)
             self.chosen.emit(f"[{written}]" if self._key in _LISTS else written)
         self.close()
 
 
-def _as_written(path: Path, beside: Path, *, folder: bool) -> str:
+def _as_written(path: Path, study_folder: Path, *, folder: bool) -> str:
     """Return a path as a study writes it: relative if it is in the study's folder; a folder starts with "./"."""
-    if not path.resolve().is_relative_to(beside.resolve()):
+    if not path.resolve().is_relative_to(study_folder.resolve()):
         return str(path)
-    inside = path.resolve().relative_to(beside.resolve())
+    inside = path.resolve().relative_to(study_folder.resolve())
     return f"./{inside}" if folder else str(inside)

@@ -68,7 +68,7 @@ class FieldRow(FoldingRow):
 
     Args:
         field: field shown.
-        beside: folder of the study.
+        study_folder: folder of the study.
         named: function that returns the resources that the field may name at the moment.
         narrow: True if drawings are next to the row.
 
@@ -90,7 +90,7 @@ class FieldRow(FoldingRow):
     def __init__(
         self,
         field: FormField,
-        beside: Path,
+        study_folder: Path,
         named: Callable[[], tuple[NamedResource, ...]],
         *,
         narrow: bool = False,
@@ -98,7 +98,7 @@ class FieldRow(FoldingRow):
         words, values = spaced(QVBoxLayout(), GAP // 4), spaced(QHBoxLayout(), GAP)
         super().__init__(words, values, _NEVER_BESIDE if narrow else _WORDS, 2 * GAP)
         self.field = field
-        self._beside = beside
+        self._study_folder = study_folder
         self._named = named
         self.setObjectName(field.key)
         self._name = label(field.label, bold=True)
@@ -201,7 +201,7 @@ class FieldRow(FoldingRow):
 
     def open_list(self) -> None:
         """Open the list of resources that the field may name."""
-        shown = ResourceList(self.field.key, self._named(), self._beside, self.editor)
+        shown = ResourceList(self.field.key, self._named(), self._study_folder, self.editor)
         shown.chosen.connect(self._chosen)
         shown.open_below(self.editor)
 
