@@ -1,8 +1,8 @@
 """Draw how robots meet: swapping through one door, ten through one door, a dead robot in a doorway.
 
 Run it from the project's folder: `.venv/bin/python scripts/draw/encounters.py`. Each picture shows the hall with the
-trails of all robots, and beside it how far along the hall each robot was at what time: a robot that waits draws an
-upright line, and the door is passed one by one. The same code gives the same trails.
+trails of all robots, and next to it the position of each robot along the hall against time. A waiting robot draws a
+vertical line; robots pass the door one by one. The same code gives the same trails.
 """
 
 import argparse
@@ -29,18 +29,18 @@ RESOLUTION = 0.05
 LENGTH, WIDTH, WALL_AT = 12.0, 6.0, 6.0
 DOOR = 1.1
 LIMIT = 300.0
-"""Simulated seconds after which an encounter is over, whatever has happened."""
+"""Simulated seconds after which an encounter ends in any case."""
 
 
 @dataclass(frozen=True, slots=True)
 class Encounter:
-    """A hall with one wall across, and robots that want to pass it.
+    """Hall with one wall across, and robots that want to pass it.
 
     Attributes:
-        title: of the picture.
+        title: title of the picture.
         doors: positions of the doors along the wall, meters.
-        starts: poses of the robots.
-        goals: poses of the robots; None for one that is dead from the beginning.
+        starts: start poses of the robots.
+        goals: goal poses of the robots; None for a robot that is dead from the beginning.
     """
 
     title: str
@@ -55,7 +55,7 @@ class EncounterRun:
 
     Attributes:
         poses: (ticks, robots, 3) true poses.
-        ends: the end of each robot's goal, and the seconds until then; None for the dead.
+        ends: end of each robot's goal, and the seconds until then; None for dead robots.
         collisions: number of collisions.
     """
 
@@ -65,28 +65,30 @@ class EncounterRun:
 
 
 def swapping() -> Encounter:
-    """Two robots on either side of a door, each where the other wants to be."""
+    """Return two robots on opposite sides of a door; each wants to be where the other is."""
     west, east = Pose2(3.0, 3.0, 0.0), Pose2(9.0, 3.0, 0.0)
     return Encounter("Two robots swap through one door", (3.0,), (west, east), (east, west))
 
 
 def crowd() -> Encounter:
-    """Ten robots on one side of a door, all bound for the other."""
+    """Return ten robots on one side of a door; all want to reach the other side."""
     starts = tuple(Pose2(1.0 + row, 1.0 + 4.0 * side, 0.0) for side in range(2) for row in range(5))
     goals = tuple(Pose2(start.x + 6.0, start.y, 0.0) for start in starts)
     return Encounter("Ten robots through one door", (3.0,), starts, goals)
 
 
 def dead_in_one_of_two() -> Encounter:
-    """A dead robot in the nearer of two doors."""
+    """Return a dead robot in the nearer of two doors."""
     starts = (Pose2(WALL_AT, 1.5, 0.0), Pose2(2.0, 1.5, 0.0), Pose2(10.0, 1.5, 0.0))
-    return Encounter("A dead robot in one of two doors: go round", (1.5, 4.5), starts, (None, starts[2], starts[1]))
+    return Encounter(
+        "A dead robot in one of two doors: take the other", (1.5, 4.5), starts, (None, starts[2], starts[1])
+    )
 
 
 def dead_in_the_only_one() -> Encounter:
-    """A dead robot in the only door."""
+    """Return a dead robot in the only door."""
     starts = (Pose2(WALL_AT, 3.0, 0.0), Pose2(2.0, 3.0, 0.0), Pose2(10.0, 3.0, 0.0))
-    return Encounter("A dead robot in the only door: told as no path", (3.0,), starts, (None, starts[2], starts[1]))
+    return Encounter("A dead robot in the only door: no path is reported", (3.0,), starts, (None, starts[2], starts[1]))
 
 
 ENCOUNTERS = {
@@ -98,7 +100,7 @@ ENCOUNTERS = {
 
 
 def hall(doors: tuple[float, ...]) -> OccupancyGrid:
-    """The hall: walls around, and one across with doors in it."""
+    """Return the hall: walls around it, and one across it with doors."""
     cells = np.full((round(WIDTH / RESOLUTION), round(LENGTH / RESOLUTION)), OCCUPIED, dtype=np.int8)
     cells[2:-2, 2:-2] = FREE
     wall = round(WALL_AT / RESOLUTION)
@@ -155,12 +157,12 @@ def draw(encounter: Encounter, run: EncounterRun, file: Path) -> None:
         plan.fill(*Pose2(*trail[-1]).transform(footprint).T, color=colour)
         diagram.plot(times, trail[:, 0], color=colour, linewidth=1.2)
     diagram.axhline(WALL_AT, color="grey", linestyle=":", linewidth=1.0)
-    plan.set(xlabel="x, metres", ylabel="y, metres", title=encounter.title)
+    plan.set(xlabel="x, meters", ylabel="y, meters", title=encounter.title)
     last = max((end[1] for end in run.ends if end is not None), default=0.0)
     results = sorted({end[0].replace("_", " ") for end in run.ends if end is not None})
     diagram.set(
         xlabel="simulated seconds",
-        ylabel="x, metres",
+        ylabel="x, meters",
         title=f"{', '.join(results)}; last after {last:.0f} s; collisions: {run.collisions}",
     )
     diagram.title.set_fontsize(9)
@@ -169,9 +171,11 @@ def draw(encounter: Encounter, run: EncounterRun, file: Path) -> None:
 
 
 def main() -> None:
-    """Draw all."""
+    """Draw all encounters."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--into", type=Path, default=Path("docs/pictures"), help="the folder (default docs/pictures)")
+    parser.add_argument(
+        "--into", type=Path, default=Path("docs/pictures"), help="output folder (default docs/pictures)"
+    )
     into: Path = parser.parse_args().into
     into.mkdir(parents=True, exist_ok=True)
     for name, encounter in ENCOUNTERS.items():

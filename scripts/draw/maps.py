@@ -1,16 +1,18 @@
 """Draw the maps that come with the project: `maps/arena8`, `maps/warehouse12`, `maps/office` and `maps/practice`.
 
 Run it from the project's folder: `.venv/bin/python scripts/draw/maps.py`. The same drawing gives the same bytes, so
-`git diff` shows what a change of a wall does. `--resolution` draws finer or coarser cells, `--into` elsewhere.
+`git diff` shows the effect of a changed wall. `--resolution` draws finer or coarser cells, `--into` sets the output
+folder.
 
-Travel costs of a map that has none measured are estimated, in seconds, as
+If a map has no measured travel costs, they are estimated, in seconds, as
 
     length / SPEED + turned / TURN_RATE
 
-over the shortest path between two goals that keeps a robot's clearance: `length` in meters, `turned` the angles in
-radians by which a robot turns at its start, at every corner and at its goal, since every goal is left and reached at
-the goal's own heading. The constants are rounded from the least-squares fit of this formula to the matrix measured in
-2016 on arena8 (1.01 m/s and 0.78 rad/s); rounded, they miss it by 2.4 s root mean square, 5.2 s at most.
+over the shortest path between two goals that keeps a robot's clearance. `length` is in meters. `turned` is the sum of
+the angles, radians, by which a robot turns at its start, at every corner and at its goal; it leaves and reaches every
+goal at the goal's own heading. The constants are rounded from the least-squares fit of this formula to the matrix
+measured in 2016 on arena8 (1.01 m/s and 0.78 rad/s). With the rounded ones, the error is 2.4 s root mean square, and at
+most 5.2 s.
 """
 
 import argparse
@@ -38,16 +40,16 @@ Segment = tuple[float, float, float, float]
 WALL = 0.12
 """Thickness of a wall, meters."""
 CLEARANCE = 0.4
-"""Least distance of a robot's center from walls on a path, meters: the footprint's corners and a little more."""
+"""Smallest distance of a robot's center from walls on a path, meters: the footprint's corners and a little more."""
 SPEED = 1.0
-"""Meters per second."""
+"""Speed in meters per second."""
 TURN_RATE = 0.8
-"""Radians per second."""
+"""Turn rate in radians per second."""
 
 
 @dataclass(frozen=True)
 class RoomPlan:
-    """A room: its corners (two: of a box) and the robots' goal in it, all in the map frame, meters."""
+    """Room: its corners (two: of a box) and the robots' goal in it, all in the map frame, meters."""
 
     name: str
     region: tuple[Point, ...]
@@ -56,18 +58,18 @@ class RoomPlan:
 
 @dataclass(frozen=True)
 class MapPlan:
-    """A map to be drawn.
+    """Map to draw.
 
     Attributes:
-        name: of its folder.
+        name: name of its folder.
         origin: lower left corner, meters.
         size: width and height, meters.
-        walls: the center lines of the walls inside, (x0, y0, x1, y1); the outer box is added.
-        cabinets: boxes that stand about, two opposite corners each, (x0, y0, x1, y1).
-        rooms: room 1 first.
-        poses: starts of the first robots.
-        rows: lines along which further robots start, a meter from each other.
-        estimate_costs: write a `mapTimes` of estimated travel costs.
+        walls: center lines of the inner walls, (x0, y0, x1, y1); the outer box is added.
+        cabinets: boxes of furniture, two opposite corners each, (x0, y0, x1, y1).
+        rooms: rooms, starting with room 1.
+        poses: start poses of the first robots.
+        rows: lines along which more robots start, one meter apart.
+        estimate_costs: True to write a `mapTimes` of estimated travel costs.
     """
 
     name: str
@@ -82,12 +84,12 @@ class MapPlan:
 
 
 def vertical(x: float, y0: float, y1: float) -> Segment:
-    """A wall along y."""
+    """Return a wall along y."""
     return (x, y0, x, y1)
 
 
 def horizontal(y: float, x0: float, x1: float) -> Segment:
-    """A wall along x."""
+    """Return a wall along x."""
     return (x0, y, x1, y)
 
 
@@ -137,7 +139,7 @@ WAREHOUSE12 = MapPlan(
     origin=(-3.4, -7.15),
     size=(22.0, 14.0),
     walls=(
-        # South of the aisle that runs from west to east; gaps are doors.
+        # South of the aisle from west to east; gaps are doors.
         horizontal(-1.15, -3.4, 0.8),
         horizontal(-1.15, 3.0, 4.5),
         horizontal(-1.15, 6.1, 9.2),
@@ -154,7 +156,7 @@ WAREHOUSE12 = MapPlan(
         vertical(13.9, -4.85, -3.25),
         vertical(13.9, -1.95, -1.15),
         horizontal(-3.85, 13.9, 18.6),
-        # North of it.
+        # North of the aisle.
         horizontal(1.15, -3.4, -1.9),
         horizontal(1.15, 0.1, 3.2),
         horizontal(1.15, 4.6, 6.2),
@@ -233,7 +235,7 @@ OFFICE = MapPlan(
     origin=(-2.0, -7.0),
     size=(26.0, 14.0),
     walls=(
-        # A wall reaches half its thickness past its ends: these gaps of 1.22 m are doors of 1.1 m.
+        # A wall extends half its thickness beyond its ends: these gaps of 1.22 m are doors of 1.1 m.
         horizontal(1, -2, 0.39),
         horizontal(1, 1.61, 7.89),
         horizontal(1, 9.11, 11.89),
@@ -295,7 +297,7 @@ OFFICE = MapPlan(
 
 
 def draw(plan: MapPlan, resolution: float) -> OccupancyGrid:
-    """Draw the grid of a plan: a cell is a wall when its center lies in one."""
+    """Draw the grid of a plan: a cell is a wall if its center lies in one."""
     cols, rows = (round(side / resolution) for side in plan.size)
     x = plan.origin[0] + (np.arange(cols) + 0.5) * resolution
     y = (plan.origin[1] + (np.arange(rows) + 0.5) * resolution)[:, np.newaxis]
@@ -312,7 +314,7 @@ def draw(plan: MapPlan, resolution: float) -> OccupancyGrid:
         length = math.hypot(x1 - x0, y1 - y0)
         along = ((x - x0) * (x1 - x0) + (y - y0) * (y1 - y0)) / length
         across = ((y - y0) * (x1 - x0) - (x - x0) * (y1 - y0)) / length
-        # A wall reaches half its thickness past its ends, so that corners are closed.
+        # A wall extends half its thickness beyond its ends, so that corners are closed.
         wall = (np.abs(across) <= WALL / 2) & (along >= -WALL / 2) & (along <= length + WALL / 2)
         cells[wall] = OCCUPIED
     for x0, y0, x1, y1 in plan.cabinets:
@@ -327,8 +329,8 @@ def rooms_yaml(plan: MapPlan) -> str:
         return ", ".join(f"[{', '.join(f'{float(number)!r}' for number in corner)}]" for corner in corners)
 
     lines = [
-        "# Metres and radians in the map frame. region: two opposite corners of a box, or all corners in turn.",
-        "# goal and poses: x, y, yaw. Robots that the poses are too few for start along the rows, one every `spacing`.",
+        "# Meters and radians in the map frame. region: two opposite corners of a box, or all corners in order.",
+        "# goal and poses: x, y, yaw. Robots beyond the number of poses start along the rows, one every `spacing`.",
         "language: en",
         "rooms:",
     ]
@@ -347,7 +349,7 @@ def rooms_yaml(plan: MapPlan) -> str:
 
 @dataclass(frozen=True)
 class PathLength:
-    """Length of a path from one pose to another: meters driven and radians turned on it."""
+    """Length of a path between two poses: meters driven and radians turned."""
 
     length: float
     turned: float
@@ -356,7 +358,8 @@ class PathLength:
 def path_lengths(grid: OccupancyGrid, places: list[Pose2]) -> dict[tuple[int, int], PathLength]:
     """Measure the shortest paths between all places, over the eight neighbors of each cell, then pulled taut.
 
-    A path over a grid turns by multiples of 45 degrees only and is up to 8 % too long, hence the pulling."""
+    A path over a grid turns only by multiples of 45 degrees and is up to 8 % too long, so it is pulled taut.
+    """
     walls = np.pad(grid.cells != OCCUPIED, 1, constant_values=False)
     clearance = np.asarray(distance_transform_edt(walls))[1:-1, 1:-1] * grid.resolution
     passable = clearance > CLEARANCE
@@ -386,7 +389,7 @@ def path_lengths(grid: OccupancyGrid, places: list[Pose2]) -> dict[tuple[int, in
 
 
 def taut(grid: OccupancyGrid, passable: NDArray[np.bool_], path: list[Point]) -> list[Point]:
-    """Return a path without the corners that a straight line can leave out."""
+    """Return a path without the corners that a straight line can skip."""
 
     def straight(a: Point, b: Point) -> bool:
         steps = max(2, math.ceil(math.dist(a, b) / grid.resolution * 2))
@@ -419,7 +422,7 @@ def map_times(grid: OccupancyGrid, places: list[Pose2]) -> str:
         row = []
         for goal in range(len(places)):
             path = found.get((start, goal))
-            # No robot is sent to the corridor, for which the format has 99, so no cost may be 99.
+            # No robot is sent to the corridor, for which the format uses 99; so no cost may be 99.
             moves = path is not None and goal != 0
             row.append(str(min(98, round(path.length / SPEED + path.turned / TURN_RATE))) if moves and path else "99")
         lines.append(" ".join(row))
@@ -441,7 +444,7 @@ def write(plan: MapPlan, folder: Path, resolution: float) -> None:
 def main() -> None:
     """Draw all maps."""
     parser = argparse.ArgumentParser(description="Draw the maps that come with the project.")
-    parser.add_argument("--resolution", type=float, default=0.05, help="side of a cell, metres")
+    parser.add_argument("--resolution", type=float, default=0.05, help="side of a cell, meters")
     parser.add_argument("--into", type=Path, default=Path("maps"), help="folder of the map folders")
     arguments = parser.parse_args()
     for plan in (ARENA8, WAREHOUSE12, OFFICE, PRACTICE):

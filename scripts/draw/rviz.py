@@ -1,8 +1,9 @@
-"""Take a picture of rviz beside a running hunt: `docs/pictures/rviz.png`.
+"""Take a picture of rviz next to a running hunt: `docs/pictures/rviz.png`.
 
-Run it from the project's folder: `.venv/bin/python scripts/draw/rviz.py`. It plays a hunt on a ROS graph of its own,
-starts rviz with the configuration that `thbridge ros rviz` writes, on a screen that nobody sees (Xvfb), waits a moment
-and takes the picture. Needs Debian's rviz, xvfb and imagemagick.
+Run it from the project's folder: `.venv/bin/python scripts/draw/rviz.py`. It plays a hunt on a separate ROS graph,
+starts rviz on an invisible screen (Xvfb) with the configuration that `thbridge ros rviz` writes, waits a moment and
+takes
+the picture. It needs Debian's rviz, xvfb and imagemagick.
 """
 
 import argparse
@@ -47,14 +48,14 @@ def running(command: list[str], environment: dict[str, str], log: Path) -> Itera
 
 
 def wait_for_port(port: int, timeout: float) -> None:
-    """Return when a server listens on the port. Raises TimeoutError."""
+    """Return when a server listens on the port. Raise TimeoutError if none does in time."""
     end = time.monotonic() + timeout
     while time.monotonic() < end:
         with socket.socket() as probe:
             if probe.connect_ex(("127.0.0.1", port)) == 0:
                 return
         time.sleep(0.2)
-    raise TimeoutError(f"nobody listens on port {port}")
+    raise TimeoutError(f"no server listens on port {port}")
 
 
 def draw(picture: Path, robots: int, seconds: float, folder: Path) -> None:
@@ -63,7 +64,7 @@ def draw(picture: Path, robots: int, seconds: float, folder: Path) -> None:
     uri = f"http://127.0.0.1:{port}"
     display = f":{90 + os.getpid() % 900}"
     ours = {**os.environ, "ROS_MASTER_URI": uri, "PYTHONPATH": str(ROOT)}
-    # Debian's programs must not see this environment's packages.
+    # Debian's programs must not find this environment's packages.
     theirs = {name: value for name, value in ours.items() if name not in ("PYTHONPATH", "VIRTUAL_ENV", "PYTHONHOME")}
     theirs |= {"DISPLAY": display, "ROS_IP": "127.0.0.1", "LIBGL_ALWAYS_SOFTWARE": "1", "HOME": str(folder)}
     theirs |= {"XDG_RUNTIME_DIR": str(folder)}
@@ -83,16 +84,16 @@ def draw(picture: Path, robots: int, seconds: float, folder: Path) -> None:
 
 def main() -> None:
     """Read the command line and draw."""
-    parser = argparse.ArgumentParser(description="Take a picture of rviz beside a running hunt.")
+    parser = argparse.ArgumentParser(description="Take a picture of rviz next to a running hunt.")
     parser.add_argument("--robots", type=int, default=2)
-    parser.add_argument("--seconds", type=float, default=25.0, help="to wait before the picture is taken")
+    parser.add_argument("--seconds", type=float, default=25.0, help="seconds to wait before the picture (default 25)")
     parser.add_argument("--to", type=Path, default=ROOT / "docs" / "pictures" / "rviz.png")
-    parser.add_argument("--logs", type=Path, help="where the programs' logs go; by default a new folder")
+    parser.add_argument("--logs", type=Path, help="folder of the programs' logs (default: a new folder)")
     options = parser.parse_args()
     missing = [program for program in NEEDED if shutil.which(program) is None]
     if missing:
         sys.exit(f"not installed: {', '.join(missing)}. apt-get install rviz xvfb imagemagick")
-    # A name that everybody knows could be another account's already.
+    # A fixed name could already belong to another account.
     logs = options.logs or Path(mkdtemp(prefix="draw_rviz-"))
     logs.mkdir(parents=True, exist_ok=True)
     print(f"logs: {logs}")

@@ -1,7 +1,7 @@
-"""Draws the pictures of the treasures in `templates/*/pictures`, the same every time.
+"""Draw the pictures of the treasures in `templates/*/pictures`; they are the same in every run.
 
-Each treasure is a signed distance field with a color for every point, seen by sphere tracing: lit from the upper left,
-standing on a floor that it shadows.
+Each treasure is a signed distance field with a color for every point, drawn by sphere tracing: lit from the upper left,
+on a floor with its shadow.
 
     python scripts/draw/treasures.py [FOLDER]
 """
@@ -29,7 +29,7 @@ WALL = np.array([0.62, 0.66, 0.71])
 
 @dataclass(frozen=True)
 class Solid:
-    """A treasure: distance (n,) of points (n, 3) to its surface, colors (n, 3) of points on it, and how it shines."""
+    """Treasure: distance (n,) of points (n, 3) to its surface, colors (n, 3) of points on it, and its shine."""
 
     distance: Callable[[Floats], Floats]
     colour: Callable[[Floats], Floats]
@@ -43,7 +43,7 @@ def rgb(code: int) -> Floats:
 
 
 def turned(points: Floats, angle: float) -> Floats:
-    """Return the points in a frame that is turned about the vertical."""
+    """Return the points in a frame turned about the vertical."""
     cos, sin = np.cos(angle), np.sin(angle)
     return np.stack(
         [cos * points[:, 0] - sin * points[:, 2], points[:, 1], sin * points[:, 0] + cos * points[:, 2]], axis=1
@@ -70,7 +70,7 @@ def lathe(profile: Sequence[tuple[float, float]]) -> Callable[[Floats], Floats]:
 
 
 def smooth(profile: Sequence[tuple[float, float]], rounds: int = 3) -> list[tuple[float, float]]:
-    """Return the profile with its corners cut, again and again (Chaikin 1974)."""
+    """Return the profile with its corners cut repeatedly (Chaikin 1974)."""
     line = np.array(profile)
     for _ in range(rounds):
         near, far = 0.75 * line[:-1] + 0.25 * line[1:], 0.25 * line[:-1] + 0.75 * line[1:]
@@ -79,7 +79,7 @@ def smooth(profile: Sequence[tuple[float, float]], rounds: int = 3) -> list[tupl
 
 
 def box(half: Sequence[float], centre: Sequence[float], rounding: float) -> Callable[[Floats], Floats]:
-    """A box with rounded edges."""
+    """Return a box with rounded edges."""
 
     def distance(points: Floats) -> Floats:
         beyond = np.abs(points - np.array(centre)) - (np.array(half) - rounding)
@@ -89,12 +89,12 @@ def box(half: Sequence[float], centre: Sequence[float], rounding: float) -> Call
 
 
 def painted(points: Floats, ground: Floats) -> Floats:
-    """One color everywhere, to be painted over."""
+    """Return one color for all points, as a base coat."""
     return np.broadcast_to(ground, points.shape).copy()
 
 
 def soft_drink_bottle(body: int, liquid: int) -> Solid:
-    """A curved bottle with a white label and a cap."""
+    """Return a curved bottle with a white label and a cap."""
     profile = smooth(
         [(0.42, 0.0), (0.50, 0.06), (0.50, 0.50), (0.42, 0.72), (0.50, 0.98), (0.49, 1.25), (0.20, 1.66), (0.17, 1.80)]
     )
@@ -119,13 +119,13 @@ def soft_drink_bottle(body: int, liquid: int) -> Solid:
 
 
 def beer_bottle() -> Solid:
-    """A long-necked bottle of green glass with a crown cap, and a mug of beer on its label."""
+    """Return a long-necked bottle of green glass with a crown cap, and a mug of beer on its label."""
     profile = smooth([(0.34, 0.0), (0.40, 0.05), (0.40, 0.45), (0.40, 1.02), (0.37, 1.22), (0.15, 1.50), (0.13, 2.02)])
     shape = lathe([*profile, (0.17, 2.03), (0.17, 2.10), (0.15, 2.12), (0.21, 2.13), (0.20, 2.19), (0.13, 2.24)])
 
     def colour(points: Floats) -> Floats:
         height = points[:, 1]
-        # The label faces the camera, which stands a little to the right.
+        # The label faces the camera, which is slightly to the right.
         angle = np.arctan2(points[:, 0], points[:, 2]) - 0.16
         across = angle * 0.40
         paint = painted(points, rgb(0x12692A))
@@ -154,7 +154,7 @@ def beer_bottle() -> Solid:
 
 
 def can(body: int, accent: int) -> Solid:
-    """A drinks can: drawn in at both ends, a silver lid with its ring pull."""
+    """Return a drinks can: narrower at both ends, with a silver lid and its ring pull."""
     wall = lathe(
         [(0.36, 0.0), (0.36, 0.03), (0.46, 0.14), (0.46, 1.28), (0.38, 1.42), (0.38, 1.46), (0.34, 1.46), (0.33, 1.40)]
     )
@@ -185,7 +185,7 @@ def can(body: int, accent: int) -> Solid:
 
 
 def basketball() -> Solid:
-    """An orange ball with black seams and a pebbled skin."""
+    """Return an orange ball with black seams and a pebbled skin."""
     radius, centre = 0.95, np.array([0.0, 0.95, 0.0])
 
     def tilted(points: Floats) -> Floats:
@@ -195,7 +195,7 @@ def basketball() -> Solid:
 
     def seam(points: Floats) -> Floats:
         unit = tilted(points) / radius
-        # Two great circles, and one curve on either side that bulges towards the poles.
+        # Two great circles, and one curve on each side that bulges towards the poles.
         bulge = np.abs(np.abs(unit[:, 0]) - 0.48 - 0.24 * unit[:, 1] ** 2)
         return np.minimum(np.minimum(np.abs(unit[:, 0]), np.abs(unit[:, 1])), bulge)
 
@@ -214,7 +214,7 @@ def basketball() -> Solid:
 
 
 def fuzzy_die() -> Solid:
-    """A plush pink die with white pips, furry all over."""
+    """Return a plush pink die with white pips, furry all over."""
     half, angle = 0.72, 0.55
     cube = box((half, half, half), (0.0, half, 0.0), 0.17)
     pips = {
@@ -249,7 +249,7 @@ def fuzzy_die() -> Solid:
 
 
 def candy_box() -> Solid:
-    """An open green box heaped with sweets, a wrapped one painted on its front."""
+    """Return an open green box full of sweets, with a wrapped one painted on its front."""
     angle = 0.42
     outer = box((0.95, 0.55, 0.70), (0.0, 0.55, 0.0), 0.04)
     inner = box((0.88, 0.55, 0.63), (0.0, 0.70, 0.0), 0.03)
@@ -301,7 +301,7 @@ def candy_box() -> Solid:
 
 
 def wooden(shape: Callable[[Floats], Floats], body: int, board: float) -> Solid:
-    """A thing of painted boards, as wide as told, with the grain of the wood in the paint."""
+    """Return a thing of painted boards of this width, with the grain of the wood in the paint."""
 
     def colour(points: Floats) -> Floats:
         grain = np.sin(9.0 * points[:, 1] + 40.0 * np.sin(1.7 * points[:, 0] + 0.6 * points[:, 2]))
@@ -315,7 +315,7 @@ def wooden(shape: Callable[[Floats], Floats], body: int, board: float) -> Solid:
 
 
 def metallic(shape: Callable[[Floats], Floats], body: int, rims: Sequence[float]) -> Solid:
-    """A thing of painted sheet metal, bare at rims of these heights."""
+    """Return a thing of painted sheet metal, bare at rims of these heights."""
 
     def colour(points: Floats) -> Floats:
         paint = painted(points, rgb(body))
@@ -327,7 +327,7 @@ def metallic(shape: Callable[[Floats], Floats], body: int, rims: Sequence[float]
 
 
 def ceramic(shape: Callable[[Floats], Floats], glaze: int, foot: float) -> Solid:
-    """A thing of fired clay, glazed above its foot."""
+    """Return a thing of fired clay, glazed above its foot."""
 
     def colour(points: Floats) -> Floats:
         paint = painted(points, rgb(glaze))
@@ -339,12 +339,12 @@ def ceramic(shape: Callable[[Floats], Floats], glaze: int, foot: float) -> Solid
 
 
 def joined(*shapes: Callable[[Floats], Floats]) -> Callable[[Floats], Floats]:
-    """The union of shapes."""
+    """Return the union of shapes."""
     return lambda points: np.minimum.reduce([shape(points) for shape in shapes])
 
 
 def ring(centre: Sequence[float], radius: float, thickness: float) -> Callable[[Floats], Floats]:
-    """An upright ring, such as the handle of a jug."""
+    """Return an upright ring, such as the handle of a jug."""
 
     def distance(points: Floats) -> Floats:
         offset = points - np.array(centre)
@@ -361,11 +361,11 @@ _HANDLE = ring((0.0, 1.25, 0.0), 0.32, 0.06)
 
 
 def march(solid: Solid, start: Floats, direction: Floats, far: float) -> tuple[Floats, Floats]:
-    """Follow rays (n, 3) to the solid by sphere tracing (Hart 1996): each step is as long as the solid is away.
+    """Follow rays (n, 3) to the solid by sphere tracing (Hart 1996): each step is as long as the distance to the solid.
 
     Returns:
-        (n,) distances along the ray, infinite for a miss, and (n,) how narrowly a ray missed: the least ratio of the
-        gap to the distance gone, which is the softness of a shadow.
+        (n,) distances along the ray, infinite for a miss, and (n,) closeness of each miss: the smallest ratio of the
+        gap to the distance traveled, which is the softness of a shadow.
     """
     gone = np.full(len(start), 0.02)
     narrow = np.full(len(start), np.inf)
@@ -375,7 +375,7 @@ def march(solid: Solid, start: Floats, direction: Floats, far: float) -> tuple[F
         gap = solid.distance(start[active] + gone[active, None] * direction[active])
         narrow[active] = np.minimum(narrow[active], np.maximum(gap, 0.0) / gone[active])
         hit[active[gap < 0.0015]] = True
-        # Patterns pressed into a surface bend the field a little; short steps keep the ray from jumping through.
+        # Patterns in a surface bend the field slightly; short steps keep the ray from jumping through.
         gone[active] += np.maximum(0.7 * gap, 0.001)
         active = active[(gap >= 0.0015) & (gone[active] < far)]
         if not active.size:
@@ -384,7 +384,7 @@ def march(solid: Solid, start: Floats, direction: Floats, far: float) -> tuple[F
 
 
 def normals(solid: Solid, points: Floats) -> Floats:
-    """Return (n, 3) unit normals of the surface, outwards."""
+    """Return (n, 3) unit normals of the surface, outward."""
     step = 0.002
     slope = np.stack(
         [solid.distance(points + step * axis) - solid.distance(points - step * axis) for axis in np.eye(3)], axis=1
@@ -406,7 +406,7 @@ def draw(solid: Solid) -> Image.Image:
     eye = np.broadcast_to(EYE, direction.shape)
 
     light = background(solid, eye, direction)
-    # Only rays that pass near the treasure need to be followed.
+    # Follow only rays that pass near the treasure.
     nearest = -((EYE - LOOK_AT) * direction).sum(axis=1)
     passing = np.flatnonzero(np.linalg.norm(EYE + nearest[:, None] * direction - LOOK_AT, axis=1) < 1.6)
     reach, _ = march(solid, eye[passing], direction[passing], 12.0)
@@ -420,7 +420,7 @@ def draw(solid: Solid) -> Image.Image:
 
 
 def background(solid: Solid, eye: Floats, direction: Floats) -> Floats:
-    """Return the (n, 3) light of the floor with the treasure's shadow, going over into the wall."""
+    """Return the (n, 3) light of the floor with the treasure's shadow, fading into the wall."""
     below = direction[:, 1] < -0.02
     reach = np.where(below, -eye[:, 1] / np.where(below, direction[:, 1], -1.0), 40.0)
     points = eye + reach[:, None] * direction
@@ -489,7 +489,12 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     shipped = Path(__file__).parents[2] / "templates"
     parser.add_argument(
-        "templates", nargs="?", type=Path, metavar="FOLDER", default=shipped, help="by default templates"
+        "templates",
+        nargs="?",
+        type=Path,
+        metavar="FOLDER",
+        default=shipped,
+        help="folder of the template sets (default templates)",
     )
     templates: Path = parser.parse_args().templates
     for name, solid in PICTURES.items():

@@ -1,10 +1,10 @@
-"""Draw every window and dialogue, and the page that shows them, `docs/reference/windows-gallery.md`.
+"""Draw every window and dialog, and the page that shows them, `docs/reference/windows-gallery.md`.
 
-The pictures are `docs/pictures/windows/<name>-<light|dark>.png`; those of `SIZED` are drawn at four sizes with three
-sizes of text besides, as `<name>-<width>x<height>-<text>.png`. Run it from the project's folder:
-`.venv/bin/python scripts/draw/windows.py`. What is shown are real games and a real recording, made on the spot in
-simulated time; nothing appears on a screen. The same code, fonts and Qt give the same pictures. The typeface is Inter,
-as everywhere (Debian: fonts-inter).
+The pictures are `docs/pictures/windows/<name>-<light|dark>.png`. Those of `SIZED` are also drawn at four sizes with
+three sizes of text, as `<name>-<width>x<height>-<text>.png`. Run it from the project's folder:
+`.venv/bin/python scripts/draw/windows.py`. The pictures show real games and a real recording, made during the run in
+simulated time; no window appears on the screen. The same code, fonts and Qt give the same pictures. The typeface is
+Inter, as in the windows (Debian: fonts-inter).
 """
 
 import argparse
@@ -35,24 +35,24 @@ GALLERY = ROOT / "docs" / "reference" / "windows-gallery.md"
 SIZES = ((800, 500), (1024, 600), (1366, 768), (1920, 1080))
 """Widths and heights of windows, logical pixels."""
 TEXTS = (100, 125, 150)
-"""Sizes of text, per cent of what is usual on a screen of the window's size."""
+"""Sizes of text, percent of the usual size on a screen as large as the window."""
 SIZED = (
     *("start", "consent", "practice", "begin", "talk", "treasure", "picture", "verdict-wrong", "playing", "queue"),
     *("help", "over", "six-robots", "recording", "live-wizard", "study-section", "study-noise"),
     *("properties", "argue-questions", "argue-found", "argue-adviser", "arena", "templates-treasures", "desk"),
     *("kiosk-form", "kiosk-consent"),
 )
-"""The pictures that are drawn at all sizes."""
+"""Pictures that are drawn at all sizes."""
 ABOUT = (
     "Each window light and dark, and the most important ones at four sizes with text of 100, 125 and 150 %.",
-    "`make pictures` draws them from real games and a real recording, and writes this page. What is seen in them is",
+    "`make pictures` draws them from real games and a real recording, and writes this page. The windows are",
     "explained in [windows.md](windows.md), [watching.md](../how-to/watching.md),",
     "[study-edit.md](../how-to/study-edit.md) and the pages *Your own ...*.",
 )
 SCREEN = (1920, 1080)
-"""Width and height of the screen, logical pixels; windows keep within it. That of `offscreen` is 800 x 800."""
+"""Width and height of the screen, logical pixels; windows stay within it. The default of `offscreen` is 800 x 800."""
 SETTLE_TIMEOUT = 120.0
-"""Seconds that a window may need to come to rest."""
+"""Seconds in which a window must settle."""
 
 
 def draw(into: Path, wanted: frozenset[str], palette: Palette) -> None:
@@ -64,7 +64,7 @@ def draw(into: Path, wanted: frozenset[str], palette: Palette) -> None:
         if not wanted.intersection(story.pictures):
             continue
         last = [name for name in story.pictures if name in wanted][-1]
-        for shot in story.tell():
+        for shot in story.shots():
             if shot.name in wanted:
                 draw_looks(into, shot, application)
             if shot.name in wanted.intersection(SIZED):
@@ -98,12 +98,12 @@ def draw_sizes(into: Path, shot: Shot, application: QApplication, palette: Palet
 
 
 def sized(name: str, size: tuple[int, int], text: int) -> str:
-    """Return the name of the file of a picture at some size."""
+    """Return the file name of a picture at a size."""
     return f"{name}-{size[0]}x{size[1]}-{text}.png"
 
 
 def save(file: Path, shot: Shot, application: QApplication) -> None:
-    """Write the picture of a window that has come to rest."""
+    """Write the picture of a window once it has settled."""
     settle(application, shot)
     small = shrunk(grabbed(shot))
     file.write_bytes(small)
@@ -111,20 +111,20 @@ def save(file: Path, shot: Shot, application: QApplication) -> None:
 
 
 def settle(application: QApplication, shot: Shot) -> None:
-    """Wait until the window has come to rest. Raises TimeoutError when it does not."""
+    """Wait until the window has settled. Raise TimeoutError if it does not in time."""
     end = time.monotonic() + SETTLE_TIMEOUT
-    # A window looks at its model each frame; the layout follows, and then what is drawn into it.
+    # A window reads its model in each frame; the layout follows, and then the painting.
     calm = 0
     while calm < 12:
         if time.monotonic() > end:
-            raise TimeoutError(f"{shot.name} does not come to rest")
+            raise TimeoutError(f"{shot.name} does not settle")
         time.sleep(0.01)
         application.processEvents()
         calm = calm + 1 if shot.settled() else 0
 
 
 def grabbed(shot: Shot) -> Image.Image:
-    """Return the window as an image, with the dialogue above its middle."""
+    """Return the window as an image, with the dialog above its middle."""
     picture = image_of(shot.window)
     if shot.over is not None:
         above = image_of(shot.over)
@@ -171,11 +171,13 @@ def table_of_sizes(name: str, caption: str) -> list[str]:
 def main() -> None:
     """Read the command line and draw."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--into", type=Path, default=PICTURES, help="the folder")
-    parser.add_argument("--only", nargs="+", metavar="NAME", help="draw these and no others")
-    parser.add_argument("--language", default=ENGLISH, help="of participants' windows; all but en need --into")
-    parser.add_argument("--dark", action="store_true", help="draw all sizes dark")
-    parser.add_argument("--list", action="store_true", help="say the names of all pictures, and draw none")
+    parser.add_argument("--into", type=Path, default=PICTURES, help="output folder (default docs/pictures/windows)")
+    parser.add_argument("--only", nargs="+", metavar="NAME", help="draw only these pictures")
+    parser.add_argument(
+        "--language", default=ENGLISH, help="language of participants' windows (default en); others require --into"
+    )
+    parser.add_argument("--dark", action="store_true", help="draw the pictures at all sizes in dark colors")
+    parser.add_argument("--list", action="store_true", help="list the names of all pictures, and exit")
     options = parser.parse_args()
     known = [name for story in STORIES for name in story.pictures]
     if options.list:
@@ -183,9 +185,9 @@ def main() -> None:
         return
     unknown = set(options.only or ()) - set(known)
     if unknown:
-        parser.error(f"there are no pictures called {', '.join(sorted(unknown))}; --list says which there are")
+        parser.error(f"unknown pictures: {', '.join(sorted(unknown))}. Run with --list for all names")
     if options.into == PICTURES and (options.language != ENGLISH or options.dark):
-        parser.error("the gallery is English and light at all sizes; name another folder by --into")
+        parser.error("the gallery shows English and light windows; choose another folder with --into")
     language.speak(options.language)
     options.into.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory() as folder:

@@ -64,7 +64,7 @@ def test_every_colour_that_a_window_names_is_in_the_table() -> None:
 
 
 def test_what_is_not_seen_well_is_told_somewhere_else() -> None:
-    assert all(pair.besides for pair in script.PAIRS if pair.kind == "told besides")
+    assert all(pair.besides for pair in script.PAIRS if pair.kind == "shown elsewhere")
 
 
 def test_the_page_is_current() -> None:

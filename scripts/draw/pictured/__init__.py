@@ -1,1 +1,1 @@
-"""The states of the windows that `windows.py` takes pictures of."""
+"""States of the windows that `windows.py` draws."""

@@ -1,4 +1,4 @@
-"""The window in which an arena is drawn, on the rooms that were found on a map."""
+"""Window for drawing an arena, with the rooms that were found on a map."""
 
 from collections.abc import Iterator
 
@@ -18,7 +18,7 @@ SIZE = (1240, 860)
 
 
 def drawing() -> Iterator[Shot]:
-    """Rooms as found on a map, one chosen; a line across a room; what cannot be, told."""
+    """Yield rooms found on a map, with one selected; a line across a room; a refused change."""
     grid = read_grid(shipped().root / "maps" / "office" / "map.yaml")
     found = find_rooms(grid, *radii(np.array(FOOTPRINT)))
     window = ArenaWindow("office", grid, arena_of(grid, found, 3, ("Reception", "Library")), lambda _: None)
@@ -44,7 +44,7 @@ def drawing() -> Iterator[Shot]:
 
 
 def shot(name: str, window: ArenaWindow) -> Shot:
-    """A picture of the window."""
+    """Return a picture of the window."""
     return Shot(name, window, lambda _: window.repaint_all())
 
 
@@ -52,9 +52,9 @@ STORIES = (
     Story(
         "The admin: an arena",
         {
-            "arena": "Rooms as they were found on a map; room 2 is chosen",
-            "arena-cut": "A line is drawn across a room, which becomes two",
-            "arena-refused": "A room cannot be without a name",
+            "arena": "Rooms found on a map; room 2 is selected",
+            "arena-cut": "A line divides a room into two",
+            "arena-refused": "A room needs a name",
         },
         drawing,
     ),

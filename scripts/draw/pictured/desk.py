@@ -1,4 +1,4 @@
-"""A study with people: at the experimenter's desk, and as a form."""
+"""Study with people: at the experimenter's desk, and as a form."""
 
 import itertools
 import os
@@ -26,11 +26,11 @@ from ui.windows.study import study_window
 
 SIZE = (1240, 860)
 SECONDS = 4
-"""Between two events of the rehearsal."""
+"""Seconds between two events of the rehearsal."""
 
 
 def at_the_desk() -> Iterator[Shot]:
-    """A rehearsed study while somebody fills in a form, and the question before a run is excluded."""
+    """Yield a rehearsed study while a participant fills in a form, and the question before a run is excluded."""
     os.environ["TZ"] = "UTC"
     time.tzset()
     with tempfile.TemporaryDirectory() as scratch:
@@ -44,8 +44,8 @@ def at_the_desk() -> Iterator[Shot]:
     window.show()
     form = f"{last.participant}: {progress.runs[last.participant].plan[last.step - 1].name}, page 1 of 1"
     troubles = ("Another window at the kiosk receives keys and clicks. Click into the kiosk's window.",)
-    told = ToldToDesk(last.clocks.wall, ("texts/welcome.txt was changed",), form, troubles, last.participant)
-    window.receive(desk_state(design, progress, entries, told))
+    from_host = ToldToDesk(last.clocks.wall, ("texts/welcome.txt was changed",), form, troubles, last.participant)
+    window.receive(desk_state(design, progress, entries, from_host))
     yield Shot("desk", window)
     words = f"Exclude the run of {last.participant}? The recorded data stay, but the run no longer counts, and "
     box = ReasonBox(
@@ -59,8 +59,8 @@ def at_the_desk() -> Iterator[Shot]:
 
 
 def as_a_form() -> Iterator[Shot]:
-    """The example in the editor: its factors, and its steps."""
-    # The window tells the folder, so it is always the same one.
+    """Yield the example in the editor: its factors, and its steps."""
+    # The window shows the folder, so use the same one each time.
     folder = Path(tempfile.gettempdir()) / "arguing"
     shutil.rmtree(folder, ignore_errors=True)
     shutil.copytree(EXAMPLE, folder)
@@ -102,8 +102,8 @@ STORIES = (
     Story(
         "The experimenter: a study with people",
         {
-            "desk": "Who is where, what is missing, and what has to be looked at",
-            "desk-reason": "A run is excluded only with a reason",
+            "desk": "Progress of the participants, missing runs, and problems",
+            "desk-reason": "Excluding a run requires a reason",
         },
         at_the_desk,
     ),

@@ -1,4 +1,4 @@
-"""A real game in this process, and the model of the participant's window on it."""
+"""Real game in this process, and the model of the participant's window."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -25,16 +25,16 @@ LIMIT = 120.0
 
 
 class PicturedHunt:
-    """A real game, played as a person at the window would. Its time goes on in the methods of this class only.
+    """Real game, played as a person at the window would. Its time advances only in the methods of this class.
 
     Args:
-        study: the study to play; its paths are absolute.
+        study: study to play; its paths are absolute.
 
     Attributes:
-        model: of the window.
+        model: model of the window.
         now: seconds of the window's clock.
-        shade: changes the game's notices before the window gets them.
-        levels: the latest notice of each kind.
+        shade: function that changes the game's notices before the window gets them.
+        levels: latest notice of each kind.
     """
 
     def __init__(self, study: Study) -> None:
@@ -54,7 +54,7 @@ class PicturedHunt:
         self.run(0.2)
 
     def observe(self, level: ParticipantUpdate) -> None:
-        """Take a notice of the game."""
+        """Handle a notice of the game."""
         self.levels[type(level)] = level
         self.model.receive(self.shade(level), self.now)
 
@@ -64,39 +64,39 @@ class PicturedHunt:
 
     @property
     def screen(self) -> Screen:
-        """The screen that the window shows now."""
+        """Screen that the window shows now."""
         return self.model.screen(self.now)
 
     def run(self, seconds: float) -> None:
-        """Let the game go on."""
+        """Advance the game."""
         for _ in range(round(seconds / TICK)):
             self.now += TICK
             self._tabui.poll_player()
             self._session.step()
-            self.model.robots(self.now)  # as a window does in each frame: trails are of what was seen
+            self.model.robots(self.now)  # As a window does in each frame, since trails consist of the poses it saw.
 
     def ask(self, request: Request) -> None:
-        """Have this done to the robots, as a researcher can."""
+        """Send a request to the robots, as a researcher can."""
         self._session.ask("watch", request)
 
     def until(self, holds: Callable[[Screen], bool]) -> None:
-        """Let the game go on until this holds. Raises RuntimeError when it never does."""
+        """Advance the game until this holds. Raise RuntimeError if it never does."""
         for _ in range(round(LIMIT / TICK)):
             if holds(self.screen):
                 return
             self.run(TICK)
-        told = "; ".join(line.text for line in self.screen.history[-4:])
-        raise RuntimeError(f"what is waited for does not come; what happened last: {told}")
+        last = "; ".join(line.text for line in self.screen.history[-4:])
+        raise RuntimeError(f"the expected state was not reached; last events: {last}")
 
     def do(self, act: Act) -> None:
-        """Do what the window offers. Raises RuntimeError when it does not."""
+        """Do an act that the window offers. Raise RuntimeError if it does not offer it."""
         offered = offer(self.screen, act)
         if not isinstance(act, ConsiderRoom | PickName) and (offered is None or not offered.enabled):
-            raise RuntimeError(f"{act} is not possible: {offered}")
+            raise RuntimeError(f"the window does not offer {act}: {offered}")
         self.model.do(act, self.now)
 
     def asked(self) -> None:
-        """Wait until a robot has asked something that can be answered."""
+        """Wait until a robot has asked a question that can be answered."""
         self.until(lambda screen: bool(getattr(screen.popup, "choices", ())))
 
     def agree(self) -> None:
@@ -110,36 +110,36 @@ class PicturedHunt:
         """Give an answer, and wait until the robot has replied.
 
         Args:
-            act: the word for what it does.
-            which: of several such answers, from 0.
+            act: word for the effect of the answer.
+            which: index among several answers with this effect, from 0.
         """
         pop, view = self.screen.popup, self.levels[View]
         robot = pop.robot if isinstance(pop, DialoguePopup) else None
         acts = [each for dialogue in view.dialogues if dialogue.robot == robot for each in dialogue.acts]
         found = [at for at, each in enumerate(acts) if each == act]
         if len(found) <= which:
-            raise RuntimeError(f"{act} cannot be answered: {acts}")
+            raise RuntimeError(f"there is no answer {act}: {acts}")
         self.do(AnswerDialogueAct(found[which]))
         self.run(0.4)
 
     def send(self, act: Act) -> None:
-        """Begin something that is talked over, and agree to all that the robot asks."""
+        """Start an act that needs a dialogue, and agree to everything that the robot asks."""
         self.do(act)
         self.agree()
 
     def reached(self) -> None:
-        """Wait until a robot has reported what it sees in the room that it came to."""
+        """Wait until a robot has reported what it senses in the room it reached."""
         self.until(lambda screen: bool(getattr(screen.popup, "facts", ())))
 
-    def tell(self, change: Callable[[View], View]) -> None:
-        """Have the game's view changed in this way from now on."""
+    def change_view(self, change: Callable[[View], View]) -> None:
+        """Change the game's view in this way from now on."""
         self.shade = lambda seen: change(seen) if isinstance(seen, View) else seen
         view = self.levels[View]
         self.model.receive(self.shade(view), self.now)
 
 
 def with_robot(view: View, robot: int, **changes: object) -> View:
-    """A view in which a robot is otherwise."""
+    """Return a view with changes of one robot."""
     robots = list(view.robots)
     robots[robot] = replace(robots[robot], **changes)
     return structs.replace(view, robots=tuple(robots))

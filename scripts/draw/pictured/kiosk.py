@@ -1,4 +1,4 @@
-"""A study with people as they go through it at the kiosk."""
+"""Study with people, page by page as at the kiosk."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace
@@ -49,7 +49,7 @@ ALL_KINDS = (
 
 
 def at_the_kiosk() -> Iterator[Shot]:
-    """The pages, in the order of a study."""
+    """Yield the pages, in the order of a study."""
     seconds = 0.0
     texts = language.texts()
     window = KioskWindow(texts, unkept_preferences(), lambda _: None, lambda: seconds)
@@ -136,7 +136,7 @@ def at_the_kiosk() -> Iterator[Shot]:
 
 
 def _wear(window: KioskWindow) -> Callable[[Palette], None]:
-    """Return what applies a palette to the game that a window shows."""
+    """Return a function that applies a palette to the game in a window."""
     return lambda palette: window.game.window_of_game.set_palette(palette) if window.game else None
 
 
@@ -144,29 +144,29 @@ STORIES = (
     Story(
         "A study with people, at the kiosk",
         {
-            "kiosk-welcome": "Whoever comes next begins",
-            "kiosk-code": "The code of a recruiting service is asked for",
+            "kiosk-welcome": "The next participant can begin",
+            "kiosk-code": "The code of a recruiting service is requested",
             "kiosk-text": "A text to read",
             "kiosk-consent": "Consent",
-            "kiosk-once-more": "A check of comprehension is tried again",
-            "kiosk-practice": "Practice in the first condition, with what is still to do",
-            "kiosk-game": "A game: the step, the time left, and how to stop",
-            "kiosk-game-instructions": "The instructions once more in a game, by F1",
-            "kiosk-game-ended": "The time of a game was over",
-            "kiosk-workload": "A questionnaire of visual analogue scales, before anything is answered",
-            "kiosk-form": "A second page with all kinds of scales, half filled in, and the way back",
-            "kiosk-missing": "What is missing is pointed at",
-            "kiosk-instructions": "The instructions once more, by F1",
+            "kiosk-once-more": "A comprehension check is repeated",
+            "kiosk-practice": "Practice in the first condition, with the remaining tasks",
+            "kiosk-game": "A game, with the step, the time left, and the button to stop",
+            "kiosk-game-instructions": "The instructions during a game (F1)",
+            "kiosk-game-ended": "The time of a game is over",
+            "kiosk-workload": "A questionnaire of visual analogue scales, not yet answered",
+            "kiosk-form": "A second page with all kinds of scales, half filled in, and the button back",
+            "kiosk-missing": "Missing answers are marked",
+            "kiosk-instructions": "The instructions again (F1)",
             "kiosk-time-limit": "An item with a time limit",
-            "kiosk-time-over": "Its time is over",
-            "kiosk-leaving": "Somebody closes the window",
+            "kiosk-time-over": "The time of the item is over",
+            "kiosk-leaving": "A participant closes the window",
             "kiosk-thanks": "The end, with the completion code",
-            "kiosk-before-debriefing": "Somebody stopped taking part",
-            "kiosk-debriefing": "The debriefing for somebody who stopped",
-            "kiosk-left": "The end for somebody who stopped taking part",
-            "kiosk-stopped": "The researcher has stopped the program in the middle of somebody's run",
+            "kiosk-before-debriefing": "A participant stopped taking part",
+            "kiosk-debriefing": "The debriefing for a participant who stopped",
+            "kiosk-left": "The end for a participant who stopped",
+            "kiosk-stopped": "The researcher stopped the program during a run",
         },
         at_the_kiosk,
     ),
 )
-"""The states of the windows that `windows.py` takes pictures of."""
+"""States of the windows that `windows.py` draws."""

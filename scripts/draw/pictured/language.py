@@ -1,4 +1,4 @@
-"""The language of all pictures that are drawn in one run."""
+"""Language of all pictures that are drawn in one run."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""The participant's window, in the states of a hunt."""
+"""Participant's window, in the states of a hunt."""
 
 import tempfile
 from collections.abc import Callable, Iterator
@@ -56,14 +56,14 @@ Thank you for your interest in this study of how people and robots decide togeth
 You will command a team of robots that look for treasures in a house. This takes about twenty minutes. What you do in \
 the game is recorded under a number, not under your name.
 
-You may stop at any time and need not say why; close the window, and nothing more is recorded. Nobody will ask you to \
+You may stop at any time and need not say why; close the window, and nothing more is recorded. No one will ask you to \
 explain it, and you keep your compensation.
 
-The recordings are kept for ten years and may be published without anything that tells who you are. If you have a \
+The recordings are kept for ten years and may be published without anything that identifies you. If you have a \
 question, please ask it now, before you begin.
 
-By pressing the button you say that you are eighteen or older, that you have read this text, and that you take part of \
-your own will.
+By pressing the button you say that you are eighteen or older, that you have read this text, and that you take part \
+voluntarily.
 """
 
 
@@ -76,7 +76,7 @@ def window_on(model: Participant, clock: Callable[[], float]) -> ParticipantWind
 
 
 def shot(name: str, window: ParticipantWindow) -> Shot:
-    """A picture of a window."""
+    """Return a picture of a window."""
     return Shot(name, window, window.set_palette, settled=lambda: not window.top.score.is_counting)
 
 
@@ -84,7 +84,7 @@ def shot(name: str, window: ParticipantWindow) -> Shot:
 
 
 def before() -> Iterator[Shot]:
-    """Start page, being made ready, connecting."""
+    """Yield the start page, the preparation of a game, and connecting."""
     window = ParticipantMainWindow(unkept_preferences(), lambda _: None, texts=language.texts())
     window.resize(*SIZE)
     window.show()
@@ -99,7 +99,7 @@ def before() -> Iterator[Shot]:
 
 
 def consent() -> Iterator[Shot]:
-    """The text that a study has participants agree to."""
+    """Yield the text that a study has participants agree to."""
     with tempfile.TemporaryDirectory() as folder:
         text = Path(folder) / "consent.txt"
         text.write_text(CONSENT, encoding="utf-8")
@@ -108,7 +108,7 @@ def consent() -> Iterator[Shot]:
 
 
 def practice() -> Iterator[Shot]:
-    """The practice game, with its strip of advice."""
+    """Yield the practice game, with its strip of advice."""
     hunt = PicturedHunt(PRACTICE)
     hunt.send(SelectRoomAct(1))
     hunt.reached()
@@ -122,7 +122,7 @@ def practice() -> Iterator[Shot]:
 
 
 class RecordedLink(ParticipantLink):
-    """A link on which all events have arrived already."""
+    """Link with all events already received."""
 
     def __init__(self, hunt: PicturedHunt) -> None:
         super().__init__("", 0, "nobody")
@@ -135,7 +135,7 @@ class RecordedLink(ParticipantLink):
         """Do nothing: no thread is running."""
 
     def take_events(self) -> list[ReceivedEvent]:
-        """Return all events at once."""
+        """Do nothing: no thread is running."""
         events, self._recorded = self._recorded, []
         return events
 
@@ -144,7 +144,7 @@ class RecordedLink(ParticipantLink):
 
 
 def hunting() -> Iterator[Shot]:
-    """Three robots, from the first choice of a room to the end."""
+    """Yield a hunt of three robots, from the first choice of a room to the end."""
     hunt = PicturedHunt(replace(STANDARD, robots=3))
     window = window_on(hunt.model, lambda: hunt.now)
     hunt.do(ConsiderRoom(6))
@@ -179,7 +179,7 @@ def hunting() -> Iterator[Shot]:
 
 
 def _at_work(hunt: PicturedHunt, window: ParticipantWindow) -> Iterator[Shot]:
-    """Robot 1 drives, robot 2 waits for it."""
+    """Yield robot 1 driving and robot 2 waiting for it."""
     for robot, room in ((1, 1), (0, 2)):
         hunt.do(ChooseRobot(robot))
         hunt.send(SelectRoomAct(room))
@@ -199,7 +199,7 @@ def _at_work(hunt: PicturedHunt, window: ParticipantWindow) -> Iterator[Shot]:
 
 
 def _waiting_for(seen: ParticipantUpdate) -> ParticipantUpdate:
-    """Robot 2 waits for robot 1."""
+    """Let robot 2 wait for robot 1."""
     if not isinstance(seen, PoseTelemetry):
         return seen
     motions = list(seen.motions)
@@ -208,7 +208,7 @@ def _waiting_for(seen: ParticipantUpdate) -> ParticipantUpdate:
 
 
 def _queue(hunt: PicturedHunt, window: ParticipantWindow) -> Iterator[Shot]:
-    """Two robots arrive while the third one asks something; then what cannot be taken back."""
+    """Yield two arriving robots while the third one asks; then problems."""
     hunt.do(SelectRoomAct(5))
     yield shot("question-change", window)
     hunt.do(Cancel())
@@ -230,20 +230,20 @@ def _queue(hunt: PicturedHunt, window: ParticipantWindow) -> Iterator[Shot]:
     yield shot("refused", window)
     hunt.now += 10.0
     hunt.run(0.2)
-    hunt.tell(_in_trouble)
+    hunt.change_view(_in_trouble)
     yield shot("trouble", window)
-    hunt.tell(lambda view: view)
+    hunt.change_view(lambda view: view)
 
 
 def _in_trouble(view: View) -> View:
-    """One robot is lost, one has no energy left, one does not answer."""
+    """Change the view: one robot is lost, one has no energy left, one does not answer."""
     lost = with_robot(view, 0, condition=Condition.LOST, moving_to=None)
     spent = with_robot(lost, 1, energy=0.0, blocked=True, moving_to=None)
     return with_robot(spent, 2, condition=Condition.SILENT)
 
 
 def _end(hunt: PicturedHunt, window: ParticipantWindow) -> Iterator[Shot]:
-    """All are called back, and the game is ended."""
+    """Leave all treasures undecided, and end the game."""
     hunt.until(lambda screen: all(card.progress is None for card in screen.cards))
     hunt.reached()
     for robot in (2, 1, 0):
@@ -259,7 +259,7 @@ def _end(hunt: PicturedHunt, window: ParticipantWindow) -> Iterator[Shot]:
 
 
 def sure() -> Iterator[Shot]:
-    """A study that shows how sure robots are of their places, and where they are."""
+    """Yield a study that shows the uncertainty of the robots' poses, and their true poses."""
     shows = ShowsSection(uncertainty=True, truth=True)
     hunt = PicturedHunt(replace(STANDARD, participant=ParticipantSection(shows=shows)))
     hunt.send(SelectRoomAct(8))
@@ -273,7 +273,7 @@ def sure() -> Iterator[Shot]:
 
 
 def commanded() -> Iterator[Shot]:
-    """A ground station takes a robot that is driving, is asked for it, and sends it on from the treasure it found."""
+    """Yield a ground station that takes a driving robot, is asked for it, and sends it on from its find."""
     hunt = PicturedHunt(STANDARD)
     window = window_on(hunt.model, lambda: hunt.now)
     for robot, room in ((1, 1), (0, 8)):
@@ -294,7 +294,7 @@ def commanded() -> Iterator[Shot]:
 
 
 def properties() -> Iterator[Shot]:
-    """Treasures with four properties: two are seen, one is sensed for energy, one the participant tells."""
+    """Yield treasures with four properties: two are seen, one is sensed, one is reported by the participant."""
     hunt = PicturedHunt(Study(templates="four-properties"))
     window = window_on(hunt.model, lambda: hunt.now)
     hunt.send(SelectRoomAct(2))
@@ -308,7 +308,7 @@ def properties() -> Iterator[Shot]:
 
 
 def arguing() -> Iterator[Shot]:
-    """Robots that argue: a disagreement, reasons, questions, two robots at once, and how it ends."""
+    """Yield robots that argue: a disagreement, reasons, questions, two robots at once, and the end."""
     hunt = PicturedHunt(_argued(DialogueCondition.COLLABORATOR))
     window = window_on(hunt.model, lambda: hunt.now)
     hunt.do(SelectRoomAct(6))
@@ -345,9 +345,9 @@ def arguing() -> Iterator[Shot]:
 
 
 def _misfit(pop: object) -> str:
-    """A name of another color than that of what was found."""
+    """Return a name with another color than that of the find."""
     if not isinstance(pop, TreasurePopup):
-        raise TypeError("no treasure is shown")
+        raise TypeError("the window shows no treasure")
     colour = (pop.facts or ())[0].value
     return next(name for name in pop.names if colour not in name)
 
@@ -357,7 +357,7 @@ def _argued(condition: DialogueCondition) -> Study:
 
 
 def crowd() -> Iterator[Shot]:
-    """Six robots and twelve rooms."""
+    """Yield six robots and twelve rooms."""
     hunt = PicturedHunt(replace(STANDARD, map="warehouse12", robots=6))
     for robot, room in enumerate((5, 12, 3, 9)):
         hunt.do(ChooseRobot(robot))
@@ -368,14 +368,14 @@ def crowd() -> Iterator[Shot]:
 
 
 def leaving() -> Iterator[Shot]:
-    """The question that closing the window asks in the middle of a game."""
+    """Yield the question on closing the window in the middle of a game."""
     hunt = PicturedHunt(STANDARD)
     window = ParticipantMainWindow(unkept_preferences(), lambda _: None, lambda: hunt.now, language.texts())
     window.resize(*SIZE)
     window.show()
     window.join(RecordedLink(hunt))
     if window.game is None:
-        raise RuntimeError("the window has no game")
+        raise RuntimeError("the window shows no game")
     game = window.game
     game.pump()
     window.close()
@@ -389,8 +389,8 @@ STORIES = (
         {
             "start": "Start page",
             "start-no-choice": "Start page of a study that allows one number of robots",
-            "preparing": "A game is being made ready",
-            "connecting": "The game is not reached yet",
+            "preparing": "A game is being prepared",
+            "connecting": "Connecting to the game",
         },
         before,
     ),
@@ -399,33 +399,33 @@ STORIES = (
     Story(
         "A hunt",
         {
-            "begin": "The game begins; room 6 is looked at",
-            "thinking": "A room is chosen; the robot thinks",
+            "begin": "The game begins; the pointer is on room 6",
+            "thinking": "A room is selected; the robot thinks",
             "talk": "The robot asks",
             "treasure": "A treasure is sensed",
-            "picture": "Its picture was taken, and a name is picked",
+            "picture": "After a picture, a name is picked",
             "verdict": "A right name",
             "verdict-wrong": "A wrong name",
             "playing": "Robot 1 drives, robot 2 waits for it, robot 3 rests; a visited room and two reserved ones",
             "help": "Keys (F1)",
             "history": "The history is open",
-            "question-change": "Change of goal under way",
+            "question-change": "A driving robot gets another goal",
             "queue": "Two robots wait while the third one asks",
             "lost-connection": "The connection is lost",
-            "refused": "What cannot be done is said",
+            "refused": "A request is refused with a reason",
             "trouble": "A robot is lost, one has no energy left, one does not answer",
-            "question-end": "The game is to be ended",
+            "question-end": "The question before a game is ended",
             "over": "The game is over",
         },
         hunting,
     ),
-    Story("How sure robots are", {"uncertainty": "A study that shows the belief and the truth"}, sure),
+    Story("Uncertainty of the robots", {"uncertainty": "A study that shows the belief and the truth"}, sure),
     Story(
-        "Robots of others",
+        "Robots under other commanders",
         {
             "commanded": "A ground station has taken robot 1, which is selected",
             "commanded-asked": "The participant has asked for it back",
-            "commanded-sent-on": "The ground station has sent it on; what it found can still be named",
+            "commanded-sent-on": "The ground station sent it on; its find can still be named",
         },
         commanded,
     ),
@@ -433,7 +433,7 @@ STORIES = (
         "Treasures with other properties",
         {
             "properties": "Two properties are seen; the weight costs energy to sense",
-            "properties-picture": "The weight was sensed; the material is the participant's to tell from the picture",
+            "properties-picture": "The weight was sensed; the participant reports the material from the picture",
         },
         properties,
     ),
@@ -443,11 +443,11 @@ STORIES = (
             "argue": "The robot does not agree",
             "argue-reasons": "It gives its reasons",
             "argue-questions": "Questions to the robot",
-            "argue-two": "Robot 2 asks while robot 1 waits for an answer, too",
-            "argue-left": "What was left without an agreement",
-            "argue-agreed": "What was agreed is done",
-            "argue-found": "What was found, and a way to ask the robot what it is",
-            "argue-name": "A name that does not fit what was found",
+            "argue-two": "Robot 2 asks while robot 1 also waits for an answer",
+            "argue-left": "A dialogue that ended without an agreement",
+            "argue-agreed": "The robot does as agreed",
+            "argue-found": "A find, and the button to ask the robot about it",
+            "argue-name": "A name that does not match the find",
             "argue-adviser": "The participant has the last word",
         },
         arguing,

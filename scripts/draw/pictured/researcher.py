@@ -1,4 +1,4 @@
-"""The researcher's window: on a recording, and on a running session with a wizard who speaks for a robot."""
+"""Researcher's window: on a recording, and on a running session with a wizard who speaks for a robot."""
 
 import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -43,33 +43,33 @@ REQUESTS: Mapping[int, Request] = {
     900: KidnapRobot(2, Pose2(-2.869, -2.97, 0.0)),
     1300: KillRobot(1),
 }
-"""Requests to the robots of the hunt that is recorded, by tick."""
+"""Requests to the robots of the recorded hunt, by tick."""
 ARGUED_MS = 250
-"""Milliseconds after which robot 1 has been given a reason that does not convince it."""
+"""Milliseconds after which robot 1 has received a reason that does not convince it."""
 SPOKEN_FOR: Mapping[int, Request] = {
     0: WizardMode(0, on=True),
     1: WizardMode(1, on=True),
     40: WizardAdvice(0, 4),
 }
-"""Requests of a wizard, by tick: robot 1 has been sent to a room and is to say so; robot 2 is asked."""
+"""Requests of a wizard, by tick: robot 1 was sent to a room and must answer; robot 2 is asked for advice."""
 
 
 ARGUED = Study(seed=7, robots=2, dialogue=DialogueSection(condition=DialogueCondition.COLLABORATOR))
-"""Study of the hunt in which robots argue."""
+"""Study of the hunt with robots that argue."""
 
 
 INSISTS = 5
-"""Turns after which the participant only says what she wants."""
+"""Turns after which the participant only repeats her wish."""
 
 
 class _Doubter:
-    """A participant who wants the nearest rooms, and asks robots that would go elsewhere for their reasons."""
+    """Participant who wants the nearest rooms, and asks robots that prefer other rooms for their reasons."""
 
     def __init__(self, setting: StudySetting) -> None:
         self._bot = build_bot(setting.templates, BotStrategy.NEAREST, setting.study.seed)
 
     def requests(self, view: View) -> Sequence[ParticipantRequest]:
-        """Return the next requests: of several replies the second one, until she insists."""
+        """Return the next requests: the second of several replies, until she insists."""
         doubted = {each.dialogue for each in view.dialogues if len(each.choices) > 2 and each.turn < INSISTS}
         return [
             AnswerDialogue(asked.dialogue, asked.turn, 1)
@@ -80,7 +80,7 @@ class _Doubter:
 
 
 def play(listeners: Sequence[Listener], ticks: int, requests: Mapping[int, Request], study: Study = STUDY) -> None:
-    """Play the beginning of a hunt with a simulated participant, who doubts where robots argue."""
+    """Play the beginning of a hunt with a simulated participant, who doubts the robots if they argue."""
     setting = read_setting(study, Path())
     doubts = study.dialogue.condition.argues
     bot = _Doubter(setting) if doubts else build_bot(setting.templates, study.participant.strategy, study.seed)
@@ -99,7 +99,7 @@ def play(listeners: Sequence[Listener], ticks: int, requests: Mapping[int, Reque
 
 
 def recorded() -> Iterator[Shot]:
-    """Half a minute of three robots; robot 3 has just been carried away."""
+    """Yield half a minute of three robots; robot 3 has just been kidnapped."""
     with tempfile.TemporaryDirectory() as folder:
         bag = Path(folder) / "hunt.bag"
         with build_writer(read_setting(STUDY, Path()), bag) as writer:
@@ -130,7 +130,7 @@ def recorded() -> Iterator[Shot]:
 
 
 class _RecordedClient(WatchClient):
-    """A watch client to which all events have come already."""
+    """Watch client with all events already received."""
 
     def __init__(self, events: list[WatchEvent]) -> None:
         super().__init__("", 0)
@@ -147,7 +147,7 @@ class _RecordedClient(WatchClient):
 
 
 class _Connection(session.WatchConnection):
-    """A connection to nothing: no thread, no network."""
+    """Connection to nothing: no thread, no network."""
 
     def __init__(self, client: WatchClient) -> None:
         self.client = client
@@ -163,14 +163,14 @@ class _MessageCollector:
         self.events: list[WatchEvent] = [WatchConnected()]
 
     def take(self, tick: int, messages: Sequence[RosMessage]) -> None:
-        """Keep the messages."""
+        """Store the messages."""
         self.events += [
             SessionMessage(each.topic.name, each.topic.msgtype, each.stamp_ns, each.data) for each in messages
         ]
 
 
 def live() -> Iterator[Shot]:
-    """A session in which the researcher speaks for robot 1."""
+    """Yield a session in which the researcher speaks for robots 1 and 2."""
     collector = _MessageCollector()
     play([collector], 700, SPOKEN_FOR)
     status = WatchStatus(paused=False, rate=1.0, lag=0.0, watchers=1, dropped=0)
@@ -190,7 +190,7 @@ def live() -> Iterator[Shot]:
 
 
 def argued() -> Iterator[Shot]:
-    """Two robots that would go to other rooms than the participant wants; she has asked robot 1 why, and insists."""
+    """Yield two robots that prefer other rooms than the participant; she asked robot 1 why, and insists."""
     with tempfile.TemporaryDirectory() as folder:
         bag = Path(folder) / "hunt.bag"
         with build_writer(read_setting(ARGUED, Path()), bag) as writer:
@@ -207,7 +207,7 @@ def argued() -> Iterator[Shot]:
 
 
 def shot(name: str, window: ResearcherWindow, over: QDialog | None = None) -> Shot:
-    """A picture of the window."""
+    """Return a picture of the window."""
     return Shot(name, window, window.set_palette, over)
 
 
@@ -218,7 +218,7 @@ def _raise(window: ResearcherWindow, title: str) -> None:
 
 
 def _refreshed(window: ResearcherWindow) -> None:
-    """Refresh often enough for lists and plots, which take part in every tenth frame only."""
+    """Refresh several times, since lists and plots are not updated in every frame."""
     for _ in range(12):
         window.refresh()
         QApplication.processEvents()
@@ -233,20 +233,23 @@ STORIES = (
     Story(
         "The researcher: a recording",
         {
-            "recording": "A recording: robot 3 has been carried away and believes to be where it was",
-            "recording-costmaps": "Costmaps of robot 1, and what was said",
-            "researcher-keys": "The researcher's keys (F1)",
+            "recording": "A recording: robot 3 was kidnapped and still believes its old pose",
+            "recording-costmaps": "Costmaps of robot 1, and the dialogue",
+            "researcher-keys": "The researcher's keyboard shortcuts (F1)",
         },
         recorded,
     ),
     Story(
         "The researcher: robots that argue",
-        {"recording-arguments": "Robot 1 would not go where the participant wants, and has said why"},
+        {"recording-arguments": "Robot 1 disagrees with the participant's room, and has given its reason"},
         argued,
     ),
     Story(
-        "The researcher: a session under way",
-        {"live-wizard": "A session under way; the researcher speaks for robots 1 and 2", "kill": "A robot is to die"},
+        "The researcher: a running session",
+        {
+            "live-wizard": "A running session; the researcher speaks for robots 1 and 2",
+            "kill": "The question before a robot is killed",
+        },
         live,
     ),
 )

@@ -1,4 +1,4 @@
-"""Windows to be pictured, and the stories that bring them into their states."""
+"""Windows to picture, and the stories that bring them into their states."""
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ from ui.windows.preferences import Preferences
 
 
 def unkept_preferences() -> Preferences:
-    """Return preferences for pictures, in a file that nobody reads again."""
+    """Return preferences for pictures, in a temporary file."""
     application = QApplication.instance()
     if not isinstance(application, QApplication):
         raise TypeError("windows need an application")
@@ -22,19 +22,19 @@ def unkept_preferences() -> Preferences:
 
 
 def nothing(_palette: Palette) -> None:
-    """Do nothing: for windows that follow the application's colors by themselves."""
+    """Do nothing: for windows that follow the application's colors on their own."""
 
 
 @dataclass(frozen=True)
 class Shot:
-    """A window in the state to be shown.
+    """Window in the state to show.
 
     Attributes:
-        name: of the picture.
-        window: to be grabbed.
-        wear: applies a palette to it, besides that of the application.
-        over: a dialogue box above its middle.
-        settled: returns True when the window's own animations have come to rest.
+        name: name of the picture.
+        window: window to grab.
+        wear: function that applies a palette to it, in addition to that of the application.
+        over: dialog above its middle.
+        settled: function that returns True when the window's animations have stopped.
     """
 
     name: str
@@ -50,10 +50,10 @@ class Story:
 
     Attributes:
         title: heading of these states.
-        pictures: their names, in order, and a caption for each.
-        tell: yields them in this order.
+        pictures: names of the pictures, in order, with a caption for each.
+        shots: generator of the states in this order.
     """
 
     title: str
     pictures: Mapping[str, str]
-    tell: Callable[[], Iterator[Shot]]
+    shots: Callable[[], Iterator[Shot]]

@@ -1,4 +1,4 @@
-"""Pictures of windows as small files: few colors, and those that matter."""
+"""Pictures of windows as small files: with few colors, but all important ones."""
 
 import io
 
@@ -7,11 +7,11 @@ from numpy.typing import NDArray
 from PIL import Image
 
 LARGEST = 60_000
-"""Most bytes that a picture should have; a busy one of double size has some more."""
+"""Target size of a picture, bytes; a busy picture of double size may exceed it."""
 PALETTES = (128, 64, 40, 26)
-"""Numbers of colors to try, the most first."""
+"""Numbers of colors to try, starting with the largest."""
 RARE = 100_000
-"""A color counts when one pixel of so many has it."""
+"""A color counts if at least one in this number of pixels has it."""
 _WEIGHTS = np.array([65536, 256, 1], dtype=np.uint32)
 
 
@@ -35,10 +35,11 @@ def shrunk(picture: Image.Image) -> bytes:
 
 
 def palette_of(colours: NDArray[np.float32], counts: NDArray[np.int64], number: int) -> list[int]:
-    """Return which of (n, 3) colors to keep.
+    """Return the indices of the (n, 3) colors to keep.
 
-    Half of them are the most frequent, so that backgrounds stay as they are. Then always the one is added that is
-    farthest from those kept, so that a rare color with a meaning, such as a robot's, stays.
+    Half of them are the most frequent ones, so that backgrounds stay the same. Then the color farthest from all kept
+    ones is
+    added repeatedly, so that a rare but important color, such as a robot's, stays.
     """
     kept = np.argsort(-counts, kind="stable")[: number // 2].tolist()
     frequent = counts >= counts.sum() / RARE

@@ -1,4 +1,4 @@
-"""The study file as a form, and template sets as sheets."""
+"""Study file as a form, and template sets as sheets."""
 
 import shutil
 import tempfile
@@ -27,8 +27,8 @@ noise:
 
 
 def edited() -> Iterator[Shot]:
-    """A small study file: a section, its noise, a fault, and what saving would change."""
-    # The window tells the folder, so it is always the same one.
+    """Yield a small study file: a section, its noise, a fault, and the changes that saving would make."""
+    # The window shows the folder, so use the same one each time.
     folder = Path(tempfile.gettempdir()) / "studies"
     folder.mkdir(exist_ok=True)
     file = folder / "pilot.yaml"
@@ -47,7 +47,7 @@ def edited() -> Iterator[Shot]:
     window.fields.rows["map"].open_list()
     shown = window.fields.rows["map"].findChild(ResourceList)
     if shown is not None:
-        # Where nothing appears on a screen, no window has the focus, and lists close by themselves.
+        # Without a visible screen, no window has the focus, and lists close on their own.
         shown.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose, False)
     yield Shot("study-list", window, lambda _: window.repaint_all(), over=shown)
     if shown is not None:
@@ -67,7 +67,7 @@ def edited() -> Iterator[Shot]:
 
 
 def templates() -> Iterator[Shot]:
-    """A set of templates: its sheets, a cell with a fault, what saving would change."""
+    """Yield a template set: its sheets, a cell with a fault, and the changes that saving would make."""
     folder = Path(tempfile.gettempdir()) / "finds"
     shutil.rmtree(folder, ignore_errors=True)
     shutil.copytree(shipped().root / "templates" / "four-properties", folder)
@@ -98,7 +98,7 @@ def templates() -> Iterator[Shot]:
 
 
 def shot(name: str, window: StudyWindow) -> Shot:
-    """A picture of the window."""
+    """Return a picture of the window."""
     return Shot(
         name,
         window,
@@ -108,7 +108,7 @@ def shot(name: str, window: StudyWindow) -> Shot:
 
 
 def _type(window: StudyWindow, key: str, text: str) -> None:
-    """Type into a field as by hand."""
+    """Type into a field like a person."""
     window.open_field(key)
     line = window.fields.rows[key].findChild(QLineEdit)
     if line is not None:
@@ -127,11 +127,11 @@ STORIES = (
         "The admin: a study file",
         {
             "study-section": "A section of the form",
-            "study-noise": "Noise, and what it does",
-            "study-search": "A setting is looked for by ROS's old name of it",
-            "study-list": "Maps to choose from, each with a look at it",
+            "study-noise": "Noise, and its effect",
+            "study-search": "A search by the old ROS name of a setting",
+            "study-list": "Maps to choose from, each with a preview",
             "study-fault": "A fault, at its field and in the list",
-            "study-changes": "What saving would change",
+            "study-changes": "Changes that saving would make",
             "study-text": "The file as text",
         },
         edited,
@@ -142,7 +142,7 @@ STORIES = (
             "templates-treasures": "Treasures as a sheet, with sentences and pictures",
             "templates-properties": "Properties as a sheet",
             "templates-fault": "A fault, at its cell and in the list",
-            "templates-changes": "What saving would change",
+            "templates-changes": "Changes that saving would make",
         },
         templates,
     ),

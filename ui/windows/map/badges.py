@@ -109,7 +109,7 @@ class BadgeText:
 
     Attributes:
         label: name of the robot.
-        color: color of the robot.
+        `colour`: color of the robot.
         selected: True if the robot is selected; the label is then filled.
         trouble: True if the robot has a problem; the label then has a warning sign.
         commander: another commander of the robot, in words after the sign of a mast; empty if there is none.
