@@ -2,8 +2,7 @@
 
 Run it from the project's folder: `.venv/bin/python scripts/draw/rviz.py`. It plays a hunt on a separate ROS graph,
 starts rviz on an invisible screen (Xvfb) with the configuration that `thbridge ros rviz` writes, waits a moment and
-takes
-the picture. It needs Debian's rviz, xvfb and imagemagick.
+takes the picture. It needs Debian's rviz, xvfb and imagemagick.
 """
 
 import argparse

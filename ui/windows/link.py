@@ -25,7 +25,7 @@ from thbridge.text_protocol.wire.lines import TextMessage
 POLL_PERIOD = 0.005
 """Seconds between two polls of the connection.
 
-On average, robots are drawn later by half of it, and by the jitter that it adds to pose telemetry.
+It delays the drawing of robots by half of this on average, and by the jitter that it adds to pose telemetry.
 """
 
 RECONNECT_BACKOFF = Backoff(initial=0.25, maximum=2.0)

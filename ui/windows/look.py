@@ -65,8 +65,8 @@ _TICKS = {
 _SIGN = 48
 """Side of the signs in message boxes, logical pixels."""
 FRAME = QSize(16, 48)
-"""Upper limit of the width and height of a window's frame and title bar, logical pixels; the real size is not known
-before."""
+"""Upper limit of the width and height of a window's frame and title bar, logical pixels; the real size
+is unknown before the window opens."""
 
 
 class _Current:
@@ -191,7 +191,7 @@ def follow_text(widget: W, fit: Callable[[W], object]) -> W:
 
     Args:
         widget: the widget, which is also returned.
-        fit: function of the widget that has no other reference to it; otherwise the widget would never be freed.
+        fit: function that refers to the widget only by its argument; otherwise the widget would never be freed.
     """
     fit(widget)
     _Current.following.setdefault(widget, []).append(cast("Callable[[QWidget], object]", fit))

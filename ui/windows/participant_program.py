@@ -280,7 +280,7 @@ class GamePage(QWidget):
             self._keep_sound(on)
 
     def _keep_sound(self, on: bool) -> None:
-        """Store the participant's choice for other games; if it is silence, stop sounds at once."""
+        """Store the participant's choice for other games; if sound is off, stop sounds at once."""
         self._sound_on = on
         self._preferences.choose_sound(on)
         if not on:

@@ -1,4 +1,4 @@
-"""Pointer: distinguishes what the pointer was moved onto from what appeared below it while it rested.
+"""Distinguishes widgets that the pointer moved onto from widgets that appeared under the resting pointer.
 
 Qt reports both in the same way. So a window stores the resting place of the pointer before it shows something else,
 and a pointer that is still there points at nothing.

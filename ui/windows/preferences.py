@@ -105,7 +105,7 @@ class Preferences(QObject):
         self._apply_look()
         self._apply_text_size()
 
-    # What is chosen
+    # Choices
 
     @property
     def look(self) -> Choice:

@@ -71,7 +71,7 @@ def system_player() -> tuple[str, ...] | None:
 
 
 class SoundPlayer(QObject):
-    """Plays sounds one at a time. Of the sounds requested during one, only the most important follows it.
+    """Plays sounds one at a time. Of the sounds requested meanwhile, only the most important one is played next.
 
     Args:
         parent: owner; its end also ends the sound.

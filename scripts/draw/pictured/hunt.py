@@ -73,7 +73,7 @@ class PicturedHunt:
             self.now += TICK
             self._tabui.poll_player()
             self._session.step()
-            self.model.robots(self.now)  # As a window does in each frame, since trails consist of the poses it saw.
+            self.model.robots(self.now)  # A window reads the robots in each frame; trails consist of these poses.
 
     def ask(self, request: Request) -> None:
         """Send a request to the robots, as a researcher can."""

@@ -38,8 +38,7 @@ def palette_of(colours: NDArray[np.float32], counts: NDArray[np.int64], number: 
     """Return the indices of the (n, 3) colors to keep.
 
     Half of them are the most frequent ones, so that backgrounds stay the same. Then the color farthest from all kept
-    ones is
-    added repeatedly, so that a rare but important color, such as a robot's, stays.
+    ones is added repeatedly, so that a rare but important color, such as a robot's, stays.
     """
     kept = np.argsort(-counts, kind="stable")[: number // 2].tolist()
     frequent = counts >= counts.sum() / RARE

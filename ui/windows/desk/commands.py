@@ -93,7 +93,7 @@ class TargetBox(QDialog):
     Args:
         parent: the window.
         title: title of the dialog.
-        question: what is written, and which folders are allowed.
+        question: description of the output and of the allowed folders.
         suggested: folder to suggest; empty for none.
         yes: text of the button that starts the command.
 

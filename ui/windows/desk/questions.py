@@ -13,7 +13,7 @@ class ReasonBox(QDialog):
     Args:
         parent: the window.
         title: title of the dialog.
-        question: the question, and what follows from a yes.
+        question: the question, and the consequences of a yes.
         yes: text of the button that confirms.
 
     Attributes:

@@ -170,7 +170,7 @@ class DeskWindow(QMainWindow):
         follow_text(self, lambda it: it._fit_cells())
         self._show_buttons()
 
-    # What is shown
+    # State
 
     def receive(self, state: DeskState) -> None:
         """Show this state; keep the selection and typed text."""
@@ -265,7 +265,7 @@ class DeskWindow(QMainWindow):
         self._why.setText(no_next)
         self._why.setVisible(bool(no_next))
 
-    # What is asked
+    # Questions and requests
 
     def _ask_next(self) -> None:
         now = "" if self.state is None or not self.state.kiosk else f" The kiosk now: {self.state.kiosk}."
@@ -311,7 +311,7 @@ class DeskWindow(QMainWindow):
             self._run_to("Back up", words, latest_backup(self._folder), "backup")
 
     def _ask_withdrawal(self) -> None:
-        """Ask for the id or code of a participant, show what will be deleted, and delete it after confirmation."""
+        """Ask for the ID or code of a participant, list the data to delete, and delete them after confirmation."""
         if self._folder is None:
             return
         words = "ID or completion code of the participant who withdraws:"

@@ -58,7 +58,7 @@ END_KEYS = "Ctrl+Alt+Shift+Q"
 BEGIN_KEYS = "Ctrl+Alt+Shift+N"
 """Researcher's keys that start the run of the next person."""
 STOP_KEYS = "Alt+F4"
-"""Keys of everyone that ask whether to leave, if no window manager handles them."""
+"""Keys with which anyone can ask to leave, unless a window manager uses them."""
 HELP_KEY = HELP.keys[0]
 FRAME = 15
 """Milliseconds between two polls of a game's link."""

@@ -89,7 +89,7 @@ def _cells(floor_plan: FloorPlan) -> NDArray[np.uint8]:
 
 
 def contains(region: FloatArray, points: FloatArray) -> NDArray[np.bool_]:
-    """Return (n,) True for those of (n, 2) points that lie in a region of (k, 2) corners; map frame."""
+    """Return (n,) True for those of (n, 2) points in a region of (k, 2) corners; map frame."""
     corners = tuple((float(x), float(y)) for x, y in region)
     held: NDArray[np.bool_] = inside(corners, points[:, 0], points[:, 1])
     return held

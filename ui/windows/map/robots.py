@@ -360,8 +360,7 @@ def _changed(to_pixels: QTransform, before: _Place, now: _Place) -> Iterator[QRe
         yield from (before.trail, now.trail)
     rest = len(new.path) - 1
     if 0 < rest < len(old.path) and np.array_equal(old.path[-rest:], new.path[1:]):
-        # Dashes are counted from the far end, so that only the near end changes, and a dash around the first kept
-        # point.
+        # Dashes are counted from the far end, so only the near end changes, and the dash at the first kept point.
         used = np.concatenate((old.path[: len(old.path) - rest + 1], new.path[:1]))
         yield _around(to_pixels, used, DASH + 3.0)
     else:

@@ -160,7 +160,7 @@ class _Space:
         return None
 
     def _is_free(self, places: FloatArray, width: float, height: float) -> NDArray[np.bool_]:
-        """Return (n,) True for those of (n, 2) upper left corners at which a box lies in the room and on no wall."""
+        """Return (n,) True for those of (n, 2) upper left corners of boxes in the room and off the walls."""
         x, y = width + self.inset / 2.0, height + self.inset / 2.0
         least = -self.inset / 2.0
         around = np.array([[least, least], [x, least], [x, y], [least, y]])

@@ -62,8 +62,7 @@ class SideColumn(ActionWidget):
         to_come = self.cards.height_to_come()
         tiles = self.tiles.fit(wide, room - most - to_come, room - least - to_come)
         if least + tiles > room:
-            # Not both fit completely: each keeps at least two fifths, and gives the height it does not need to the
-            # other.
+            # The two do not both fit: each keeps at least two fifths, and gives unused height to the other.
             tiles = min(tiles, max(room - least, int(0.4 * room)))
         cards = min(most, room - tiles)
         to_come = min(to_come, room - tiles - cards)

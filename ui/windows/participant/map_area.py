@@ -59,8 +59,7 @@ class MapArea(QWidget):
         Args:
             panel: the panel.
             robot: index of the robot that a pop-up is about; pop-ups about the same robot stay in the same corner. If
-                None,
-                the panel is in the middle.
+                None, the panel is in the middle.
             subject: subject of a pop-up. While it is the same, the pop-up never gets lower.
             about: function that returns the places on the map that a pop-up should leave visible, pixels, the most
                 important first.
@@ -176,8 +175,7 @@ class MapArea(QWidget):
         """Return the corner in which a pop-up hides least of its subject, and is farthest from it.
 
         A followed robot is always in the middle of the view. In this case its place on the whole map counts, and the
-        view
-        can move to the free side.
+        view can move to the free side.
         """
         if self._robot is not None and self._map.followed == self._robot:
             opposite = self._map.opposite_corner(self._robot)

@@ -48,7 +48,7 @@ class TopStrip(ActionWidget):
 
 
 class BannerLine(QWidget):
-    """Line across the top of the map; it lies over the map, so that nothing moves when it appears."""
+    """Line across the top of the map; it covers the edge of the map, so that nothing moves when it appears."""
 
     def __init__(self, parent: QWidget) -> None:
         super().__init__(parent)

@@ -125,12 +125,12 @@ class ParticipantWindow(QWidget):
         self._announced: int | None = None
         self._popped: tuple[Act, ...] = ()
         self._popped_at = self._opened_at = -ANSWER_DELAY
-        # Time at which digits became those of rooms again: a press right after it was meant for a numbered answer.
+        # Time at which digits became those of rooms again: a press right afterwards was meant for a numbered answer.
         self._digits_at = -ANSWER_DELAY
-        # Time at which the game selected another robot: a room right after it was meant for the previous robot.
+        # Time at which the game selected another robot: a room selected right afterwards was meant for the previous robot.
         self._selected_at = -ANSWER_DELAY
         self._acting = False
-        # Time at which the current pop-up had appeared when the key that is held now was pressed.
+        # Time at which the pop-up appeared that was visible when the currently held key was pressed.
         self._pressed_since = self._opened_at
         self.setWindowTitle(self._texts.text("window.title"))
         self.setMinimumSize(760, 420)
@@ -425,7 +425,7 @@ class ParticipantWindow(QWidget):
         regions = self.regions
         if before is not None and before not in regions and regions:
             if regions[0] is self.top:
-                self.column.cards.focus_selected()  # Not the tools, where the next Enter would press one.
+                self.column.cards.focus_selected()  # Not to the tools: the next Enter would press one.
             elif regions[0] is self.dialogue:
                 # Not its first button, which puts it aside: Enter is for the first answer.
                 self.dialogue.setFocus(Qt.FocusReason.OtherFocusReason)

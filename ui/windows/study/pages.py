@@ -69,7 +69,7 @@ class FieldsPage(QScrollArea):
         self._naming: dict[str, list[Callable[[str], object]]] = {}
         self._moving: dict[tuple[str, int], QPushButton] = {}
         self._wanted: tuple[str, int] | str = ""
-        """Button, row, or item with its first row, that gets the focus once the page is rebuilt."""
+        """Target of the focus after the page is rebuilt: a button, a row, or an item with its first row."""
         self._shape: tuple[str, ...] = ()
         self._draft: StudyDraft | None = None
         self._building: Iterator[None] = iter(())

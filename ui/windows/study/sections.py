@@ -91,5 +91,5 @@ def _made_item(group: FormGroup) -> QTreeWidgetItem:
 
 
 def _is_in(place: str, section: str) -> bool:
-    """Return True if a field lies in a section. Fields outside all sections belong to that of the whole study."""
+    """Return True if a field lies in a section. Other fields belong to the section of the whole study."""
     return place.startswith((f"{section}.", f"{section}[")) if section else "." not in place

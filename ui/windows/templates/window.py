@@ -212,8 +212,7 @@ class TemplateWindow(QMainWindow):
         self._worker.close()
         super().closeEvent(event)
 
-    # Checks and updates after changes
-    # -----------------------------------------------------------------------------------
+    # Checks and updates ---------------------------------------------------------------------------------------------------
 
     @Slot()
     def _typed(self) -> None:

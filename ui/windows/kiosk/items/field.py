@@ -48,7 +48,7 @@ class AnswerField(QWidget):
         raise NotImplementedError
 
     def take_key(self, text: str) -> bool:
-        """Answer by a digit or letter. Return True if it stands for an answer here."""
+        """Answer by a digit or letter; return True if the field has an answer with this key."""
         return False
 
     def focus_target(self) -> QWidget | None:

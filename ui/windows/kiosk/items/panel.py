@@ -47,7 +47,7 @@ class ItemPanel(QFrame):
         texts: texts of the study.
 
     Attributes:
-        news: something happened with the item: what, and how many characters were pasted.
+        news: an event of the item: its kind, and the number of pasted characters.
         passed: the person finished the item with the keyboard.
     """
 

@@ -18,7 +18,7 @@ from ui.windows.participant.widgets.panels import page_column
 from ui.windows.participant.widgets.reading import ReadingText
 
 SHORT = 500
-"""Letters of a text up to which it stands in the middle of the page; a longer one gets a panel that scrolls."""
+"""Largest number of letters in a text in the middle of the page; a longer text gets a panel that scrolls."""
 READING = 0.4
 """Seconds for which a new page ignores presses, since they were meant for the previous page."""
 _IN_A_GROUP = 4

@@ -149,7 +149,7 @@ def consent_page(
         texts: texts in the window's language.
         text: text to agree to.
         answered: called with the answer; True means that the person takes part.
-        hint_of_no: what follows from a no.
+        hint_of_no: consequences of a no.
         markdown: True if the text is Markdown.
     """
     page = ConsentPage(texts)

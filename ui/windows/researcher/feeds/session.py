@@ -26,7 +26,7 @@ SENDER = "watch"
 DELAY_WINDOW = 2.0
 """Seconds over which delays of messages are compared."""
 LAG_THRESHOLD, LAG_WINDOW = 0.5, 10.0
-"""Delay, and the time within which it must grow by this, for a session to be reported as too slow; seconds."""
+"""Growth of the lag, and the time window of that growth, from which a session is reported as too slow; seconds."""
 STALE_AFTER = 1.5
 """Seconds without a message after which a session that is not paused is reported as silent."""
 
