@@ -37,6 +37,7 @@ class HostPipe(QObject, Generic[FromHostT, FromWindowT]):
         super().__init__()
         self._protocol = protocol
         self._window: HostedWindow[FromHostT] | None = None
+        # The reading thread appends, the window's thread pops: single steps of the interpreter, so no lock is needed.
         self._received: deque[FromHostT | None] = deque()
 
     def listen(self, window: HostedWindow[FromHostT]) -> None:

@@ -65,6 +65,7 @@ class CommandBox(QDialog):
     def done(self, result: int) -> None:
         """Stop the command if it still runs, and close the dialog."""
         if self._process.state() is not QProcess.ProcessState.NotRunning:
+            # The box closes: the end of the process must not change it any longer.
             self._process.finished.disconnect(self._finish)
             self._process.terminate()
             if not self._process.waitForFinished(STOP_TIMEOUT):

@@ -127,7 +127,7 @@ class ParticipantWindow(QWidget):
         self._popped_at = self._opened_at = -ANSWER_DELAY
         # Time at which digits became those of rooms again: a press right afterwards was meant for a numbered answer.
         self._digits_at = -ANSWER_DELAY
-        # Time at which the game selected another robot: a room selected right afterwards was meant for the previous robot.
+        # Time at which the game selected another robot: a room selected right afterwards was meant for the last one.
         self._selected_at = -ANSWER_DELAY
         self._acting = False
         # Time at which the pop-up appeared that was visible when the currently held key was pressed.

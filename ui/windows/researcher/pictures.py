@@ -80,6 +80,7 @@ class VideoWriter(QObject):
     ) -> None:
         super().__init__(parent)
         self._path, self._frame = path, frame
+        # ffmpeg writes to another name: a failed video never replaces an earlier one.
         self._part = path.with_name(f".{path.stem}.part{path.suffix}")
         count = max(2, round((span[1] - span[0]) * FRAMES_PER_SECOND))
         self._times = [span[0] + number / FRAMES_PER_SECOND for number in range(count)]
@@ -108,7 +109,7 @@ class VideoWriter(QObject):
 
     def _next(self) -> None:
         if self._process.bytesToWrite() > MOST_WAITING:
-            return
+            return  # ffmpeg is slower than the drawing: more frames would only fill the memory.
         if self._done == len(self._times):
             self._timer.stop()
             self._process.closeWriteChannel()

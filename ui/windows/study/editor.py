@@ -176,7 +176,7 @@ class StudyEditor(QObject):
     @Slot()
     def _flush(self) -> None:
         if self._work.busy:
-            return
+            return  # `_done` flushes again.
         if not self._steps:
             self._save_if_wanted()
             return
@@ -228,7 +228,7 @@ class StudyEditor(QObject):
     @Slot()
     def _look_at_disk(self) -> None:
         if self._saving:
-            return
+            return  # This program itself is changing the file.
         self._watch()
         try:
             now = read_edited(self.path)

@@ -63,6 +63,7 @@ class NoiseView(QScrollArea):
         if group is None or not self.isVisible():
             return
         study = draft.study or Study()
+        # Copy the values and measure the widgets here: the worker's thread must not use either.
         fields, typed = tuple(group.all_fields()), dict(values)
         palette = colours()
         jobs = [(name, picture.paint, picture.canvas(palette)) for name, picture in self._pictures.items()]

@@ -212,7 +212,7 @@ class TemplateWindow(QMainWindow):
         self._worker.close()
         super().closeEvent(event)
 
-    # Checks and updates ---------------------------------------------------------------------------------------------------
+    # Checks and updates -----------------------------------------------------------------------------------------------
 
     @Slot()
     def _typed(self) -> None:

@@ -51,7 +51,7 @@ class AttackGraph(QWidget):
         found = []
         for place in range(count):
             angle = 2.0 * math.pi * place / count - math.pi / 2.0
-            # Place two of them side by side, since the width usually has more room.
+            # Place two of them side by side, where there is more room.
             angle -= math.pi / 2.0 if count == 2 else 0.0
             box.moveCenter(middle + QPointF(wide * math.cos(angle), high * math.sin(angle)))
             found.append(QRectF(box))

@@ -56,6 +56,7 @@ class BagOpener:
 
     def _opened(self) -> BagSource | None:
         work = open_bag(self.path)
+        # Check between the steps, so that the thread ends soon after `give_up`.
         while not self._given_up:
             try:
                 self.share = next(work)

@@ -47,6 +47,7 @@ class WatchConnection:
 
     def close(self) -> None:
         """Close the connection, and wait for the thread."""
+        # The loop runs in the other thread, and only its own thread may cancel its task.
         self._loop.call_soon_threadsafe(self._listening.cancel)
         self._thread.join()
 
@@ -206,6 +207,7 @@ class SessionFeed:
             self._source.rooms, self._rooms = self._rooms[1], None
 
     def _read_rooms(self, record: SessionRecord, generation: int) -> None:
+        # One assignment without a lock: the window's thread sees both values or none.
         self._rooms = generation, rooms_of(record, Path("session.bag"))
 
     def work(self) -> bool:
