@@ -64,9 +64,9 @@ LEFT, RIGHT, BOTTOM = (
 
 LISTS: dict[EntryKind, tuple[str, str, tuple[str, ...]]] = {
     "line": ("Lines", "Lines of the protocol", ("Topic", "Line")),
-    "said": ("Dialogue", "Dialogue", ("Who", "About", "Sentence")),
-    "event": ("Events", "Events", ("Who", "What", "Room", "Details")),
-    "input": ("Inputs", "Inputs", ("From", "Kind", "What")),
+    "said": ("Dialogue", "Dialogue", ("Speaker", "Subject", "Sentence")),
+    "event": ("Events", "Events", ("Source", "Event", "Room", "Details")),
+    "input": ("Inputs", "Inputs", ("Sender", "Kind", "Content")),
     "log": ("Log", "Log of ROS nodes", ("Node", "Level", "Text")),
 }
 """Lists in the order of their tabs: title of the tab, name of the list, columns in addition to the time."""

@@ -103,9 +103,9 @@ class NoiseView(QScrollArea):
     def _drives(self) -> QWidget:
         drawn = "Thick line: the commanded path. Thin lines: 200 results. Ellipse: 95 % of the end points."
         card, column = _card("200 drives of ten meters", drawn)
-        column.addWidget(label("What the wheels report (true noise)", "small", bold=True))
+        column.addWidget(label("Paths that the wheels report (true noise)", "small", bold=True))
         column.addWidget(self._pictures["straight"])
-        column.addWidget(label("What the particle filter believes (dashed)", "small", bold=True))
+        column.addWidget(label("Belief of the particle filter (dashed)", "small", bold=True))
         column.addWidget(self._pictures["straight believed"])
         column.addWidget(self._straight)
         grid = spaced(QGridLayout(), GAP)

@@ -429,7 +429,7 @@ class StudyWindow(QMainWindow):
         row = QHBoxLayout(banner)
         words = label("")
         row.addWidget(words, 1)
-        load, keep = QPushButton("Load the new version"), QPushButton("Keep mine")
+        load, keep = QPushButton("Load the new version"), QPushButton("Keep my version")
         load.clicked.connect(self._load_again)
         keep.clicked.connect(banner.hide)
         row.addWidget(load)

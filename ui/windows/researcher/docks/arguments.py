@@ -11,8 +11,8 @@ from ui.windows.researcher.docks.attack_graph import AttackGraph
 from ui.windows.tables import TextModel, row_table
 from ui.windows.words_of_others import shown
 
-MOVES = ("Time", "Who", "Move", "Sentence", "State")
-DETAILS = ("What", "From", "Status")
+MOVES = ("Time", "Speaker", "Move", "Sentence", "State")
+DETAILS = ("Content", "Source", "Status")
 PART = 110
 """Smallest height of each part, logical pixels with text of the usual size; the dock scrolls if they do not fit."""
 

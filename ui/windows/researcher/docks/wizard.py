@@ -70,7 +70,7 @@ class WizardDock(QWidget):
         rows.addStretch(1)
         self._area = area = _SteadyArea()
         area.setWidget(inside)
-        area.setAccessibleName("What waits for you")
+        area.setAccessibleName("Waiting turns")
         layout = QVBoxLayout(self)
         layout.setContentsMargins(8, 8, 8, 8)
         layout.addWidget(area)
