@@ -15,7 +15,7 @@ from PySide6.QtWidgets import (
 )
 
 from ui.windows.look import FRAME, follow_text, font, spaced
-from ui.windows.words_of_others import PlainLabel
+from ui.windows.untrusted_text import PlainLabel
 
 KeyLines = tuple[tuple[str, str], ...]
 """Keys and their actions."""

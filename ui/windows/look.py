@@ -37,7 +37,7 @@ from PySide6.QtWidgets import (
 from shiboken6 import Shiboken
 
 from ui.model.shared.theme import DARK, LIGHT, Palette, contrast
-from ui.windows.words_of_others import PlainLabel, PlainTextStyle
+from ui.windows.untrusted_text import PlainLabel, PlainTextStyle
 
 L = TypeVar("L", bound=QLayout)
 W = TypeVar("W", bound=QWidget)

@@ -7,7 +7,7 @@ from PySide6.QtGui import QColor, QFontMetrics
 from PySide6.QtWidgets import QHeaderView, QTableView
 
 from ui.windows.look import colours, follow_text, font
-from ui.windows.words_of_others import shown
+from ui.windows.untrusted_text import shown
 
 ModelIndex = QModelIndex | QPersistentModelIndex
 NO_PARENT = QModelIndex()

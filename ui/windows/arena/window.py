@@ -33,7 +33,7 @@ from ui.windows.arena.marks import ArenaMarks
 from ui.windows.look import GAP, FoldingRow, colours, label, open_within_screen, px, spaced
 from ui.windows.map import MapView
 from ui.windows.map.item import CellImage
-from ui.windows.words_of_others import title_text
+from ui.windows.untrusted_text import title_text
 
 REACH = 12.0
 """Distance from a goal, corner or start pose, pixels, within which a press grabs it."""

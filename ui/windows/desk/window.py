@@ -64,7 +64,7 @@ from ui.windows.flow import FlowLayout
 from ui.windows.key_sheet import KeyLines, KeySheet
 from ui.windows.look import GAP, follow_text, label, open_within_screen, px, spaced, style_as_panel
 from ui.windows.tables import GrowingModel, row_table
-from ui.windows.words_of_others import shown, title_text
+from ui.windows.untrusted_text import shown, title_text
 
 KEYS: tuple[tuple[str, KeyLines], ...] = (
     (

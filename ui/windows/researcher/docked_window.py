@@ -54,7 +54,7 @@ from ui.windows.researcher.docks.wizard import WizardDock
 from ui.windows.researcher.keys import GROUPS
 from ui.windows.researcher.map.tools import TOOLS, MapTool
 from ui.windows.researcher.pictures import copy_picture, save_picture
-from ui.windows.words_of_others import PlainLabel, title_text
+from ui.windows.untrusted_text import PlainLabel, title_text
 
 LEFT, RIGHT, BOTTOM = (
     Qt.DockWidgetArea.LeftDockWidgetArea,

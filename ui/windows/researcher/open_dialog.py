@@ -16,7 +16,7 @@ from PySide6.QtWidgets import (
 )
 
 from ui.windows.look import GAP, follow_text, label, px, spaced
-from ui.windows.words_of_others import shown
+from ui.windows.untrusted_text import shown
 
 RECORDINGS = "Recordings (*.bag *.mcap *.db3 *.active);;All files (*)"
 

@@ -9,7 +9,7 @@ from PySide6.QtWidgets import QDialog, QDialogButtonBox, QLineEdit, QListWidget,
 from ui.model.study_form.draft import keys_like
 from ui.model.study_form.form import FormField
 from ui.windows.look import GAP, follow_text, label, px, spaced
-from ui.windows.words_of_others import shown
+from ui.windows.untrusted_text import shown
 
 _TO_LIST = frozenset({Qt.Key.Key_Up, Qt.Key.Key_Down, Qt.Key.Key_PageUp, Qt.Key.Key_PageDown})
 """Keys that move the selection in the list while the search field has the focus."""

@@ -23,7 +23,7 @@ from ui.model.study_form.resources import NamedResource, resources_for
 from ui.windows.editing.exact_text import exact_text
 from ui.windows.look import GAP, colours, fixed_font, follow_text, label, spaced, style_as_panel
 from ui.windows.study.row import FieldRow
-from ui.windows.words_of_others import button_text
+from ui.windows.untrusted_text import button_text
 
 _FOUND = "found"
 _MOST_FOUND = 40

@@ -8,7 +8,7 @@ from PySide6.QtWidgets import QFileDialog, QListWidget, QListWidgetItem, QPushBu
 
 from ui.model.study_form.resources import NamedResource, is_path
 from ui.windows.look import GAP, px, spaced, style_as_panel
-from ui.windows.words_of_others import shown
+from ui.windows.untrusted_text import shown
 
 _LOOK = QSize(96, 64)
 """Size of the picture next to a name, `px`."""

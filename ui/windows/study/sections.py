@@ -6,7 +6,7 @@ from PySide6.QtWidgets import QTreeWidget, QTreeWidgetItem
 from ui.model.study_form.draft import StudyDraft
 from ui.model.study_form.form import FormGroup
 from ui.windows.look import GAP, follow_text, px
-from ui.windows.words_of_others import shown
+from ui.windows.untrusted_text import shown
 
 NOISE = "noise"
 """Key of the section that is a single page with all its subsections."""

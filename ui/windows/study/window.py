@@ -35,7 +35,7 @@ from ui.windows.study.key_chooser import KeyChooser
 from ui.windows.study.noise_page import NoisePage, NoiseView
 from ui.windows.study.pages import FieldsPage, TextPage
 from ui.windows.study.sections import NOISE, SectionTree
-from ui.windows.words_of_others import title_text
+from ui.windows.untrusted_text import title_text
 
 
 class StudyWindow(QMainWindow):

@@ -47,7 +47,7 @@ from ui.windows.editing.exact_text import exact_text
 from ui.windows.editing.faults import FaultList
 from ui.windows.look import GAP, fixed_font, follow_text, label, open_within_screen, px, spaced
 from ui.windows.templates.sheet_page import SheetPage
-from ui.windows.words_of_others import button_text, shown, title_text
+from ui.windows.untrusted_text import button_text, shown, title_text
 
 _PAUSE = 250
 """Milliseconds without a key press after which the text is checked."""

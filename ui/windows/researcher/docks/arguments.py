@@ -9,7 +9,7 @@ from ui.windows.controls import ChoiceBox
 from ui.windows.look import follow_text, px
 from ui.windows.researcher.docks.attack_graph import AttackGraph
 from ui.windows.tables import TextModel, row_table
-from ui.windows.words_of_others import shown
+from ui.windows.untrusted_text import shown
 
 MOVES = ("Time", "Speaker", "Move", "Sentence", "State")
 DETAILS = ("Content", "Source", "Status")

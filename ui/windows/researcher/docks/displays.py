@@ -6,7 +6,7 @@ from enum import StrEnum
 from PySide6.QtCore import QEvent, QObject, QSize, Qt, Signal
 from PySide6.QtWidgets import QCheckBox, QFrame, QGridLayout, QScrollArea, QVBoxLayout, QWidget
 
-from ui.windows.words_of_others import PlainLabel
+from ui.windows.untrusted_text import PlainLabel
 
 
 class MapDisplay(StrEnum):

@@ -10,7 +10,7 @@ from PySide6.QtWidgets import QCheckBox, QHBoxLayout, QLineEdit, QTableView, QVB
 
 from ui.windows.look import colours
 from ui.windows.tables import NO_PARENT, RIGHT, ModelIndex, TableModel, row_table
-from ui.windows.words_of_others import PlainLabel, shown
+from ui.windows.untrusted_text import PlainLabel, shown
 
 MAX_ROWS = 20_000
 """Largest number of rows kept; the oldest are dropped first."""

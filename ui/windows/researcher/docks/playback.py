@@ -10,7 +10,7 @@ from PySide6.QtWidgets import QHBoxLayout, QLineEdit, QSlider, QStyle, QStyleOpt
 from ui.model.watching.bookmarks import clock, parse_clock
 from ui.windows.controls import ChoiceBox
 from ui.windows.look import colours, fixed_font, follow_text, font, smooth_painter, spaced
-from ui.windows.words_of_others import PlainLabel
+from ui.windows.untrusted_text import PlainLabel
 
 SPEEDS = (0.1, 0.25, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0)
 """Speeds to choose from, simulated seconds per second."""

@@ -14,7 +14,7 @@ from PySide6.QtWidgets import QFrame, QScrollArea, QSizePolicy, QVBoxLayout, QWi
 from sim.numerics.float_array import FloatArray
 from ui.model.shared.theme import Palette
 from ui.windows.look import follow_text, font, label, px
-from ui.windows.words_of_others import shown
+from ui.windows.untrusted_text import shown
 
 LATE = 1.0
 """Seconds after the beginning of a session from which a window counts as having joined late."""

@@ -7,7 +7,7 @@ from PySide6.QtWidgets import QHeaderView, QLineEdit, QTreeWidget, QTreeWidgetIt
 
 from ui.sources.numbers import PlottedField, TopicContents
 from ui.windows.look import spaced
-from ui.windows.words_of_others import PlainLabel, shown
+from ui.windows.untrusted_text import PlainLabel, shown
 
 _FIELD = Qt.ItemDataRole.UserRole
 _MARGIN = 8

@@ -23,7 +23,7 @@ from thbridge.hunt.rooms import RoomNames
 from ui.model.watching.scene import PendingAdvice, PendingTurn, Wizard
 from ui.windows.flow import FlowLayout
 from ui.windows.look import follow_text, font, px
-from ui.windows.words_of_others import PlainLabel, button_text
+from ui.windows.untrusted_text import PlainLabel, button_text
 
 NO_NAMES = RoomNames()
 """Room names while none are known."""

@@ -4,7 +4,7 @@ from PySide6.QtGui import QAccessible, QAccessibleAnnouncementEvent
 from PySide6.QtWidgets import QWidget
 
 from ui.windows.look import px, style_as_panel
-from ui.windows.words_of_others import PlainLabel
+from ui.windows.untrusted_text import PlainLabel
 
 WIDEST, EDGE = 640, 16
 """Greatest width of the sign, `px`, and its distance from the edges of the map, pixels."""

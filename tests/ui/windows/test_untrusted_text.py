@@ -27,7 +27,7 @@ from ui.windows.map import MapView
 from ui.windows.researcher.docked_window import DockedWindow
 from ui.windows.researcher.docks.log import LogRow
 from ui.windows.study import study_window
-from ui.windows.words_of_others import LONGEST, LONGEST_TITLE, PlainLabel, button_text, shown, title_text
+from ui.windows.untrusted_text import LONGEST, LONGEST_TITLE, PlainLabel, button_text, shown, title_text
 
 __all__ = ["desk", "opened", "state", "study"]
 
@@ -172,7 +172,7 @@ def test_a_label_shows_the_signs_of_html(qtbot: QtBot) -> None:
     assert plain.width() > 3 * bold.width()
 
 
-def test_functions_for_words_of_others() -> None:
+def test_functions_for_untrusted_text() -> None:
     assert shown(f"a\n\t{TURNED}") == f"a\n\t{HOSTILE}\\u202e\\x1b[2J"
     assert len(shown("x" * 10**6)) == LONGEST
     assert button_text("salt & pepper") == "salt && pepper"
