@@ -144,7 +144,7 @@ def test_what_a_researcher_does_to_a_session_is_in_its_record(screen: Desktop, t
         # It may come before there is anything to watch.
         watch = Watch(screen, program, door)
         screen.do("windowmove", watch.handle, str(BESIDE), "0")
-        watch.named("Nobody answers", "label")
+        watch.named("No answer from", "label")
         game = screen.focus_window("Treasure hunt", PATIENCE)
         screen.found("Start with 2 robots", seconds=PATIENCE)
         screen.press("Return")
@@ -153,12 +153,12 @@ def test_what_a_researcher_does_to_a_session_is_in_its_record(screen: Desktop, t
         screen.wait("the map to be beside", lambda: watch.named("Map", "filler").x > BESIDE)
 
         watch.drag("k", (1.5, 2.45), (2.5, 3.0), (3.1, 4.9))
-        watch.named("Robot 2 is carried there", "status bar")
+        watch.named("Moving robot 2 there", "status bar")
         screen.wait("its error", lambda: any(re.fullmatch(r"[2-4]\.[0-9]{3}", one.name) for one in watch.things))
         watch.drag("g", (4.5, 0.0), (4.8, 0.0), (5.2, 0.0))
-        watch.named("Robot 2 is sent there", "status bar")
+        watch.named("Sending robot 2 there", "status bar")
         watch.drag("o", (7.0, -2.0), (7.2, -2.0), (7.3, -2.0))
-        watch.named("Asked for; an obstacle", "status bar")
+        watch.named("Requested. An obstacle", "status bar")
 
         watch.press("Delete")
         screen.click(screen.rested("Kill it", "push button"))

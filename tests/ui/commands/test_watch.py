@@ -41,4 +41,4 @@ def test_a_key_that_is_empty(tmp_path: Path) -> None:
 
 def test_a_machine_without_a_display(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("QT_QPA_PLATFORM", "offscreen")
-    assert "keeps windows from being shown" in refused("localhost:6010")
+    assert "prevents visible windows" in refused("localhost:6010")

@@ -126,7 +126,7 @@ class ToolController:
         if self._window.tool is MapTool.CARRY:
             robot = self._robot_near(x, y)
             if robot is None:
-                self._window.show_status("There is no robot: press on a robot and drag it.")
+                self._window.show_status("No robot is there: press on a robot and drag it.")
                 return
             self._select(robot)
             self._preview.body = self._bodies.get(robot)

@@ -104,7 +104,7 @@ def test_a_study_is_not_run_without_a_display_or_twice(folder: Path, monkeypatch
     monkeypatch.setenv("QT_QPA_PLATFORM", "offscreen")
     done = invoke("study", "run", folder)
     assert done.exit_code == 2
-    assert "keeps windows from being shown" in done.output
+    assert "prevents visible windows" in done.output
     monkeypatch.setenv("QT_QPA_PLATFORM", "xcb")
     (folder / "store").mkdir()
     with ExperimentLog(folder / "store" / "log"):

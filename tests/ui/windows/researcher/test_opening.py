@@ -58,7 +58,7 @@ def test_a_session_opens_by_its_address_and_is_remembered(program: WatchProgram,
     assert program.open("127.0.0.1:1") == ""
     assert memory.recent() == ["127.0.0.1:1"]
     program.windows[0].refresh()
-    assert "Connecting" in program.windows[0].sign.text() or "Nobody answers" in program.windows[0].sign.text()
+    assert "Connecting" in program.windows[0].sign.text() or "No answer" in program.windows[0].sign.text()
 
 
 def test_bookmarks_are_kept_with_their_recording(program: WatchProgram, bag: Path, qtbot: QtBot) -> None:

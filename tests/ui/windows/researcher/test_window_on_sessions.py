@@ -119,7 +119,7 @@ def test_who_drags_nobody_is_told_so(window: ResearcherWindow) -> None:
     QTest.keyClick(window.canvas, "k")
     before = len(asked(window))
     stroke(window, (-4.9, 6.9), (3.0, 0.0))
-    assert "Nobody stands there" in window.statusBar().currentMessage()
+    assert "No robot is there" in window.statusBar().currentMessage()
     assert len(asked(window)) == before
 
 
