@@ -168,7 +168,7 @@ def test_what_a_researcher_does_to_a_session_is_in_its_record(screen: Desktop, t
 
         watch.click("Wizard", "page tab")
         watch.click("Speak for robot 1", "check box")
-        watch.named("You speak for robot 1", "status bar")
+        watch.named("You now speak for robot 1", "status bar")
         screen.do("windowfocus", "--sync", game)
         screen.press("d")
         screen.found("Robot 1 is thinking", seconds=PATIENCE)
