@@ -43,7 +43,7 @@ class Sight:
     def button(self, start: str) -> Seen | None:
         """The button of the pop-up whose name begins so, if it can be pressed."""
         fitting = (one for one in self.buttons if one.name.startswith(start))
-        return next((one for one in fitting if "not possible just now" not in one.name), None)
+        return next((one for one in fitting if "not possible at the moment" not in one.name), None)
 
     @property
     def answers(self) -> list[Seen]:

@@ -92,7 +92,7 @@ def before() -> Iterator[Shot]:
     yield Shot("start", window)
     window.receive(Offer(language.texts(), 2, 2, 2))
     yield Shot("start-no-choice", window)
-    window.receive(Preparing("The robots are being made ready."))
+    window.receive(Preparing("The robots are being prepared."))
     yield Shot("preparing", window)
     window.leave()
     yield shot("connecting", window_on(Participant(), lambda: 0.0))

@@ -156,7 +156,7 @@ def test_the_window_tells_who_commands_and_what_robots_do(followed: Followed) ->
 def test_the_participant_sends_none_of_them_and_is_told_why(followed: Followed) -> None:
     why = f"Robot 1 is commanded by ground station {OWN}. You get it back when the ground station releases it."
     for number, room in followed.sights[0].rooms.items():
-        assert "not possible just now" in room.name
+        assert "not possible at the moment" in room.name
         assert room.description.startswith(why), number
     assert "traveling to room 3" not in followed.refused.robot(1)
     assert departures(followed.folder / "hunt.bag") == {robot: list(ways[:-1]) for robot, ways in WAYS.items()}

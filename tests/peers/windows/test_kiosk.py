@@ -326,7 +326,7 @@ def test_a_screen_reader_reads_every_item_of_every_page_and_sigterm_is_told(scre
         screen.found("Take a rest if you like.", "label")
         screen.ask_to_close(screen.focus_window("Study"))
         asked_to_leave = {"Go on with the study", "Stop taking part: ", "Close the window, for the researcher"}
-        screen.found("You can stop at any time and need not say why.", "label")
+        screen.found("You can stop at any time and do not need to say why.", "label")
         assert all(screen.find(name, "push button") for name in asked_to_leave)
         leave(screen, "Leave the study?", lambda: screen.press("Escape"))
         leave(screen, "A pause", clicking(screen, "Continue"))

@@ -42,7 +42,7 @@ class Arguer(Player):
 
 
 def _names(sight: Sight) -> list[str]:
-    return [answer.name.removesuffix(", not possible just now") for answer in sight.answers]
+    return [answer.name.removesuffix(", not possible at the moment") for answer in sight.answers]
 
 
 def _fitting(sight: Sight, texts: tuple[str, ...]) -> int | None:

@@ -144,7 +144,7 @@ def commanded(
 def left(robot: int, *, selected: bool = False, texts: Texts = ENGLISH) -> RobotCard:
     """One that stands where something was left."""
     key = "Ctrl+Z" if selected else ""
-    again = Action(TakeUpTreasureAct(robot), texts.text("cards.take_up"), key, hint="You left what is in room 3.")
+    again = Action(TakeUpTreasureAct(robot), texts.text("cards.take_up"), key, hint="You left the treasure in room 3.")
     return replace(card(robot, selected=selected, texts=texts), take_up=again)
 
 
@@ -202,7 +202,7 @@ def playing(robots: int = 3, rooms: int = 8, considered: int | None = None, text
         end=Action(EndGameAct(), texts.text("tiles.end"), "E", hint="Robots could still do something."),
         tools=(
             Action(FollowRobot(), texts.text("game.follow"), "F", hint="Keeps robot 1 in the middle of the map."),
-            Action(FitMap(), texts.text("game.whole_map"), "A", hint="Shows all of the map."),
+            Action(FitMap(), texts.text("game.whole_map"), "A", hint="Show the whole map."),
             Action(ShowSettings(), texts.text("settings.title"), "Ctrl+,", hint="Colors, size of text, sound."),
             Action(ShowHelp(), texts.text("game.help"), "F1", hint="All keys on one sheet."),
         ),

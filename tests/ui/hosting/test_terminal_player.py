@@ -103,14 +103,14 @@ def test_the_name_of_a_room_stands_beside_its_number():
     assert seat.shown[-2] == "Robot 1 is in room 3 (Kitchen)."
     assert seat.shown[-1].startswith("Room 3 (Kitchen): something ")
     assert "  Robot 1: in room 3 (Kitchen), energy 83" in seat.type("?")
-    assert seat.type("l 3")[0].startswith("Room 3 (Kitchen): what is there is left there.")
+    assert seat.type("l 3")[0].startswith("Room 3 (Kitchen): the treasure is left there.")
     assert seat.type("p 5") == ["No robot stands in room 5."]
 
 
 def test_the_rules_are_those_of_the_windows_sheet(seat):
     view = seat.hunt.tabui.view
     assert seat.type("rules") == [f"  {rule}" for rule in rules_of(shipped_texts(), view)]
-    assert "  A right name wins the treasure's points. A wrong name may lose some." in seat.shown
+    assert "  A right name wins the points of the treasure. A wrong name may lose points." in seat.shown
 
 
 def test_names_of_files_are_read_and_typed_as_words():
@@ -129,7 +129,7 @@ def test_what_is_left_can_be_taken_up_again(seat):
     for line in ("1 3", "c"):
         seat.type(line)
     found = seat.type("c", 40)[-1]
-    assert seat.type("l 3") == ["Room 3: what is there is left there. u 3 takes it up again, until its robot sets out."]
+    assert seat.type("l 3") == ["Room 3: the treasure is left there. u 3 takes it up again, until its robot sets out."]
     assert seat.type("u 3") == [found]
     assert found.endswith("n 3 NAME names it.")
 
@@ -160,7 +160,7 @@ def test_what_cannot_be_done_is_said(seat, typed, answer):
 def test_a_person_is_told_of_robots_that_do_not_answer_or_know_where_they_are(seat):
     seat.hunt.puppets.conditions = [Condition.SILENT, Condition.LOST]
     seat.hunt.run(60)
-    assert seat.shown[-2:] == ["Robot 1 does not answer any more.", "Robot 2 does not know where it is."]
+    assert seat.shown[-2:] == ["Robot 1 no longer answers.", "Robot 2 does not know where it is."]
     assert "  Robot 2 does not know where it is." in seat.type("?")
     assert seat.type("1 3") == ["Robot 1 does not answer."]
 
@@ -184,7 +184,7 @@ def test_a_person_is_asked_to_take_part_before_anything_else():
     seat = Seat(Briefing(consent="We record\nwhat you do."))
     assert seat.shown == ["We record", "what you do.", QUESTION]
     assert seat.type("1 3") == [QUESTION]
-    assert seat.type("Yes")[0] == "Game 1. Type rules for its rules, ? to see how things stand, h for help."
+    assert seat.type("Yes")[0] == "Game 1. Type rules for its rules, ? for the state of the game, h for help."
     assert [event.at[-1:] for event in seat.hunt.log.events if isinstance(event, ConsentGiven)] == ["Z"]
     assert seat.type("1 3") == ["Robot 1: It will cost me 17 to go to room 3   [c Continue, s Stop]"]
 
@@ -215,14 +215,14 @@ def test_a_person_has_more_sensed_and_tells_what_they_see():
     seat.type("c", 20)
     kind = next(event for event in seat.hunt.log.events if isinstance(event, TreasuresHidden)).treasures[2]
     assert "m 3 weight lets the robot sense it for 2 energy." in seat.shown[-1]
-    assert seat.type("m 3 smell") == ["Robots sense nothing of that name on request."]
+    assert seat.type("m 3 smell") == ["Robots do not sense a property of this name on request."]
     assert seat.type("t 3 material wood") == ["Too little is known about what is there."]
     (line,) = seat.type("m 3 weight")
     assert f"{kind.properties['weight']} to lift" in line
     seat.type("p 3")
     seat.type("c")
-    assert "t 3 material VALUE tells what you see: wood, metal, ceramic." in seat.type("?")[2]
-    assert seat.type("t 3 age old") == ["People tell nothing of that name here."]
+    assert "t 3 material VALUE reports what you see: wood, metal, ceramic." in seat.type("?")[2]
+    assert seat.type("t 3 age old") == ["People do not report a property of this name here."]
     (line,) = seat.type("t 3 material Wood")
     assert "made of wood" in line
 

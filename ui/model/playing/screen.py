@@ -248,7 +248,7 @@ class EnlargePicture(Act):
 
 @dataclass(frozen=True, slots=True)
 class SwitchSound(Act):
-    """Switch sound off, or on again."""
+    """Switch sound off or on."""
 
 
 @dataclass(frozen=True, slots=True)

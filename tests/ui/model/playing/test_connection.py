@@ -12,7 +12,7 @@ def test_how_long_it_is_lost_is_told_each_second():
     assert link.trouble(ENGLISH, 0.5) is None
     link.lose("Nobody answers.", 10.0)
     assert link.trouble(ENGLISH, 10.2) == (
-        "The connection to the game is lost. Nobody answers. Reconnecting… You go on where you were."
+        "The connection to the game is lost. Nobody answers. Reconnecting… After that, you go on where you were."
     )
     assert link.next_change(10.2) == 11.0
     link.lose("Refused.", 11.0)
@@ -25,7 +25,7 @@ def test_how_long_it_is_lost_is_told_each_second():
 def test_before_there_ever_was_a_connection_none_is_lost():
     link = ConnectionStatus()
     link.lose("", 0.0)
-    assert link.trouble(ENGLISH, 0.0) == "The game is not reached yet. Reconnecting…"
+    assert link.trouble(ENGLISH, 0.0) == "The game has not been reached yet. Reconnecting…"
 
 
 def test_a_game_without_news_of_its_robots_stands_still():
@@ -37,7 +37,8 @@ def test_a_game_without_news_of_its_robots_stands_still():
     assert link.next_change(100.0) == 101.5
     assert link.trouble(ENGLISH, 101.4) is None
     assert (
-        link.trouble(ENGLISH, 101.5) == "There is no news of the robots just now. The game goes on as soon as there is."
+        link.trouble(ENGLISH, 101.5)
+        == "There is no news from the robots at the moment. The game goes on as soon as there is."
     )
     link.receive(102.0)
     assert link.trouble(ENGLISH, 102.0) is None

@@ -66,7 +66,7 @@ def test_a_whole_hunt_by_what_is_offered():
     assert seat.screen.score == seat.hunt.session.game.score > 0
     assert seat.screen.ending.lines[0] in (
         "Every room has been visited.",
-        "No robot has the energy to go any further.",
+        "No robot has the energy for another move.",
     )
     assert seat.do(PlayAgainAct(), 30).game == 2
     assert seat.screen.phase is Phase.PLAYING
@@ -311,7 +311,7 @@ def test_a_robot_under_way_is_called_back_before_it_goes_elsewhere():
     screen = seat.do(SelectRoomAct(6))
     assert screen.confirmation.title == "Send robot 1 to room 6 instead?"
     assert "is on its way to room 3" in screen.confirmation.text
-    assert screen.tiles[5].choose.hint == "Robot 1 is on its way to room 3 and would be called back first."
+    assert screen.tiles[5].choose.hint == "Robot 1 is on its way to room 3 and would be stopped first."
     assert seat.do(Cancel()).confirmation is None
     assert seat.view.robots[0].moving_to == 3
     # A second press of the same key is no answer to a question.
@@ -352,7 +352,7 @@ def test_going_on_asks_before_it_leaves_a_treasure_behind():
     seat = ScreenPlayer()
     go(seat, 3)
     screen = seat.do(SelectRoomAct(4))
-    assert screen.confirmation.title == "Leave what is in room 3?"
+    assert screen.confirmation.title == "Leave the treasure in room 3?"
     seat.do(Cancel())
     assert not events(seat, TreasureLeft)
     seat.do(SelectRoomAct(4))
@@ -399,9 +399,9 @@ def test_energy_that_does_not_do_to_name_what_is_there_is_warned_of():
         return ScreenPlayer(rules=replace(RULES, energy=energy)).screen.tiles[2]
 
     assert tile(17.5).choose.enabled
-    assert tile(17.5).warning == "Enough to get there, not to name what is there."
+    assert tile(17.5).warning == "Enough energy to get there, but not to name what is there."
     assert tile(17.5).choose.hint.endswith(tile(17.5).warning)
-    assert tile(18.0).warning == "Enough to name what is there, not to take a picture."
+    assert tile(18.0).warning == "Enough energy to name what is there, but not to take a picture."
     assert tile(23.0).warning == ""
     assert tile(16.0).warning == ""
     assert tile(16.0).choose.hint == "This costs 17; robot 1 has 16 energy."
@@ -512,7 +512,9 @@ def test_what_was_left_is_taken_up_again_until_the_robot_sets_out():
     assert seat.screen.cards[0].take_up is None
     screen = seat.do(LeaveTreasureAct())
     assert screen.popup is None and screen.waiting == ()
-    assert screen.banner.text == ("What is in room 3 is left there; until robot 1 sets out, you can take it up again.")
+    assert screen.banner.text == (
+        "The treasure in room 3 is left there. Until robot 1 sets out, you can take it up again."
+    )
     assert (screen.cards[0].take_up.key, screen.cards[1].take_up) == ("Ctrl+Z", None)
     seat.model.do(TakeUpTreasureAct(), seat.now)
     assert seat.screen.cards[0].take_up.pending
@@ -527,7 +529,7 @@ def test_what_was_left_is_taken_up_again_until_the_robot_sets_out():
     assert go(seat, 5).cards[0].take_up is None
     assert (
         seat.press(TakeUpTreasureAct()).banner.text
-        == "There is nothing to undo: robot 1 does not stand where you left something."
+        == "There is nothing to undo: robot 1 does not stand where you left a treasure."
     )
     assert [type(event) for event in events(seat, TreasureLeft | TreasureTakenUp)] == [
         TreasureLeft,

@@ -103,7 +103,7 @@ def test_before_there_is_a_game_it_says_what_it_waits_for():
     model.receive(view(ready=False), 0.1)
     assert model.screen(0.1).phase is Phase.CONNECTING
     model.connected(0.2)
-    assert model.screen(0.2).waiting_for == "The game is there. Its robots are getting ready."
+    assert model.screen(0.2).waiting_for == "The game is found. The robots are getting ready."
     model.lost("Nobody answers.", 1.0)
     screen = model.screen(1.0)
     assert screen.waiting_for == "Cannot reach the game. Nobody answers. Reconnecting…"
@@ -216,7 +216,7 @@ def test_a_robot_that_came_to_rest_is_at_the_end_of_its_way_until_the_game_knows
         ({"condition": Condition.LOST, "moving_to": 3}, "lost, looking for its place"),
         ({"condition": Condition.LOST}, "lost, does not know where it is"),
         ({"energy": 0.0, "blocked": True}, "no energy left"),
-        ({"energy": 3.0}, "too little energy for any room"),
+        ({"energy": 3.0}, "not enough energy for any room"),
     ],
 )
 def test_trouble_is_a_word_and_a_sign(changes, state):
@@ -246,17 +246,17 @@ def test_the_cost_of_the_room_talked_about_is_on_its_robots_card():
 def test_a_talk_about_a_room_warns_as_its_tile_does():
     poor = with_robot(view(dialogues=(asking(0, 3),)), 0, energy=7.5)
     screen = model_of(poor).screen(0.0)
-    assert screen.popup.warning == "Enough to get there, not to name what is there."
-    told = "Costs 5; robot 1 keeps 2.5. Enough to name what is there, not to take a picture."
+    assert screen.popup.warning == "Enough energy to get there, but not to name what is there."
+    told = "Costs 5; robot 1 keeps 2.5. Enough energy to name what is there, but not to take a picture."
     assert screen.tiles[0].choose.hint == told
 
 
 @pytest.mark.parametrize(
     ("left", "warning"),
     [
-        (0.5, "Enough to get there, not to name what is there."),
-        (4.0, "Enough to name what is there, not to take a picture."),
-        (5.5, "Enough to take a picture there or to name what is there, not for both."),
+        (0.5, "Enough energy to get there, but not to name what is there."),
+        (4.0, "Enough energy to name what is there, but not to take a picture."),
+        (5.5, "Enough energy to take a picture there or to name what is there, but not for both."),
         (6.0, ""),
     ],
 )
@@ -276,7 +276,7 @@ def test_what_a_robot_under_way_could_do_is_counted_from_where_it_would_stop():
     assert [tile.choose.enabled for tile in tiles] == [True, False, False]
     assert [tile.cost for tile in tiles] == [5.0, 9.0, None]
     assert tiles[1].choose.hint == "This costs 9; robot 1 has 8 energy."
-    assert tiles[0].choose.hint == "Robot 1 is on its way to room 3 and would be called back first."
+    assert tiles[0].choose.hint == "Robot 1 is on its way to room 3 and would be stopped first."
 
 
 def test_a_driving_robot_s_rooms_have_no_price_where_moves_are_priced_by_where_it_would_stop():
@@ -290,9 +290,9 @@ def test_a_robot_may_spend_all_it_has():
     tile = model_of(spent).screen(0.0).tiles[0]
     assert tile.choose.enabled
     # It is switched off there, even where naming costs nothing.
-    assert tile.warning == "Enough to get there, not to name what is there."
+    assert tile.warning == "Enough energy to get there, but not to name what is there."
     nameable = model_of(with_robot(spent, 0, energy=5.5)).screen(0.0).tiles[0]
-    assert nameable.warning == "Enough to name what is there, not to take a picture."
+    assert nameable.warning == "Enough energy to name what is there, but not to take a picture."
 
 
 def test_what_follows_from_agreements_is_wanted_without_being_asked_again():
@@ -365,7 +365,7 @@ def test_a_robot_that_arrives_as_it_is_called_back_stays_with_what_it_found():
     assert model.requests() == (StopRobot(0),)
     model.receive(FOUND, 0.1)
     assert model.requests() == ()
-    assert model.screen(0.1).banner.text == "Robot 1 was already in room 3 when you called it back."
+    assert model.screen(0.1).banner.text == "Robot 1 was already in room 3 when you stopped it."
     assert model.screen(0.1).popup.room == 3
 
 
@@ -405,7 +405,7 @@ def test_advice_is_asked_for_once():
 def test_a_picture_after_which_nothing_could_be_named_is_warned_of():
     poor = with_robot(FOUND, 0, energy=5.5)
     screen = model_of(poor).screen(0.0)
-    assert screen.popup.take_picture.hint == "Costs 5 of 5.5 energy. Then too little is left to name what it is."
+    assert screen.popup.take_picture.hint == "Costs 5 of 5.5 energy. Too little energy is then left to name it."
     assert model_of(FOUND).screen(0.0).popup.take_picture.hint == "Costs 5 of 100 energy."
     # It cannot go anywhere any more, but there is something left to do.
     assert model_of(with_robot(FOUND, 0, energy=2.0)).screen(0.0).cards[0].state == "found something"
@@ -464,7 +464,7 @@ def test_a_game_that_stands_still_is_said_so_and_no_more_when_it_moves():
     assert model.screen(1.4).banner is None
     assert (
         model.screen(1.6).banner.text
-        == "There is no news of the robots just now. The game goes on as soon as there is."
+        == "There is no news from the robots at the moment. The game goes on as soon as there is."
     )
     model.receive(where(2), 1.7)
     assert model.screen(1.7).banner is None
@@ -475,7 +475,7 @@ def test_robots_that_are_not_there_are_said_so_in_the_middle_of_a_game():
     model.receive(view(ready=False), 1.0)
     screen = model.screen(1.0)
     assert screen.phase is Phase.PLAYING
-    assert screen.banner.text == "The robots are not there just now. The game goes on as soon as they are."
+    assert screen.banner.text == "The robots are not there at the moment. The game goes on as soon as they are."
 
 
 def test_a_refusal_is_shown_for_some_seconds_and_only_once():
@@ -554,7 +554,7 @@ def test_the_end_says_why_and_what_came_of_it():
     assert screen.phase is Phase.OVER
     assert screen.ending.title == "The game is over. Score: 20"
     assert screen.ending.lines == (
-        "No robot has the energy to go any further.",
+        "No robot has the energy for another move.",
         "2 of 3 rooms visited. 1 treasure named, 1 rightly.",
         "Room 1: left where it was.",
         "Room 3: Can is right, 20 points won.",
@@ -587,7 +587,7 @@ def test_the_end_tells_what_was_in_the_rooms_and_what_was_possible_where_the_stu
     assert ending.lines[2:] == (
         "With the same energy, 60 points were possible.",
         "Room 1: left where it was. It was beer bottle, 20 points.",
-        "Room 2: not visited; there was can, 10 points.",
+        "Room 2: not visited; it held can, 10 points.",
         "Room 3: Can is wrong, 30 points lost. It was ball, 30 points.",
         "Thank you.\nPlease fetch the researcher.",
     )
@@ -598,7 +598,7 @@ def test_points_are_told_before_a_name_is_given_where_the_study_tells():
     assert model.screen(0.0).popup.worth == (20, None)
     model.do(PickName("ball"), 0.0)
     hint = model.screen(0.0).popup.name_it.hint
-    assert "If it is right, it wins 20 points. A wrong name loses 50% of the points of what it is." in hint
+    assert "If it is right, it wins 20 points. A wrong name loses 50% of the treasure's points." in hint
     model.do(PickName("can"), 0.0)
     assert "A right name wins points. A wrong name loses 50%" in model.screen(0.0).popup.name_it.hint
 
@@ -720,7 +720,7 @@ def test_a_change_of_goal_is_asked_without_the_price_that_the_room_has_told():
     model.do(SelectRoomAct(1), 0.0)
     text = model.screen(0.0).confirmation.text
     assert text == (
-        "Robot 1 is on its way to room 3. If it stops, the energy for the rest of that path comes back, about 7. "
+        "Robot 1 is on its way to room 3. If it stops, it gets back the energy for the rest of that path, about 7. "
         "Then it asks you about room 1."
     )
 

@@ -15,8 +15,8 @@ def sheet(**fields: object) -> str:
 @pytest.mark.parametrize(
     ("share", "told"),
     [
-        (None, "A wrong name may lose some."),
-        (0.0, "A wrong name loses none."),
+        (None, "A wrong name may lose points."),
+        (0.0, "A wrong name loses no points."),
         (1.0, "A wrong name loses as many."),
         (0.125, "A wrong name loses 12.5% of them."),
         (0.001, "A wrong name loses 0.1% of them."),
@@ -44,4 +44,4 @@ def test_before_a_game_it_is_told_what_moves_priced_by_position_cost_energy_for(
 
 
 def test_what_is_left_for_good_is_what_the_participant_sends_a_robot_on_from() -> None:
-    assert "Once you send its robot on, a treasure not named is left for good." in sheet()
+    assert "When you send the robot on, a treasure that you have not named is left for good." in sheet()

@@ -115,7 +115,7 @@ def test_a_computer_without_a_player_is_said_to_have_none():
 @pytest.mark.parametrize(
     ("can_sound", "sound", "said"),
     [
-        (True, True, "Switch sound off, or on again"),
+        (True, True, "Switch sound off or on"),
         (True, False, "This study is without sound."),
         (False, True, "This computer has no program that plays sounds."),
     ],

@@ -217,7 +217,7 @@ def test_what_is_missing_is_pointed_at_and_what_is_there_stays(opened: Opened, q
     qtbot.mouseClick(form.go_on, Qt.MouseButton.LeftButton)
     assert not any(isinstance(one, WentOn) for one in opened.told)
     assert panel(form, "often").missing.isHidden()
-    assert panel(form, "age").missing.text() == "Please write a number from 18 to 99."
+    assert panel(form, "age").missing.text() == "Please enter a number from 18 to 99."
     assert "Please write a number" in panel(form, "age").accessibleName()
     assert QApplication.focusWidget() is panel(form, "age").field.line
     assert panel(form, "why").missing.isHidden(), "it may be left out"
@@ -393,7 +393,7 @@ def test_no_key_leaves_practice_before_all_is_done(opened: Opened, qtbot: QtBot)
     page = game(opened, "send a robot to a room", "name a treasure")
     assert "Before you go on: send a robot to a room, name a treasure." in labels(page)
     button = next(one for one in page.findChildren(ActionButton) if one.face and one.face.key == "F10")
-    assert button.accessibleName() == "Go on with the study, not possible just now"
+    assert button.accessibleName() == "Go on with the study, not possible at the moment"
     qtbot.keyClick(opened.window, Qt.Key.Key_F10)
     qtbot.mouseClick(button, Qt.MouseButton.LeftButton)
     # Here, unlike on a screen, the tool tip that gives the reason takes keys away from the window.
