@@ -1,9 +1,10 @@
 """Events of a game as JSON, one line each, for the journal and for other programs.
 
-Every line holds the version of the format (`v`) and the kind of event (`event`); rooms are the numbers people use, with
-0 for the corridor, because people read journals. Unknown fields are errors: a journal that this version does not
-fully understand would fold to a wrong game. The properties of a treasure are fields beside its others, so their names
-may not be theirs (`TAKEN`); those of the 2016 dialect go without their declaration, as in journals of old.
+Every line has the version of the format (`v`) and the kind of event (`event`). Rooms have the numbers for people, with
+0 for the corridor, because people read journals. Unknown fields are errors: if a program did not fully understand a
+journal, it would compute a wrong game from it. The properties of a treasure are fields next to its other fields, so
+their names must differ from those (`TAKEN`). The properties of 2016 are written without their declaration, as in old
+journals.
 """
 
 import json
@@ -24,7 +25,7 @@ VERSION = 1
 _OF_A_KIND = frozenset(TreasureKind.__dataclass_fields__) - {"properties"}
 _OF_A_SENSED = frozenset(TreasureSensed.__struct_fields__) - {"properties"} | {"event"}
 TAKEN = _OF_A_KIND.union({"v", "event"}, *(event.__struct_fields__ for event in get_args(Event)))
-"""Names that no property of a treasure may have: those of the fields of events, as columns of tables have them."""
+"""Names that no property of a treasure may have: the fields of events, which are also columns of tables."""
 
 
 def to_json(event: JournalEntry) -> str:
@@ -43,13 +44,13 @@ def to_json(event: JournalEntry) -> str:
 
 
 def from_json(line: str) -> JournalEntry:
-    """Return the event in a line of `to_json`.
+    """Return the event in a line from `to_json`.
 
     Raises:
-        ValueError: with a sentence about the fault: not JSON, another version, an unknown event or field, a
-            missing field, a field of the wrong type or out of its range.
+        ValueError: with a sentence about the fault: not JSON, another version, an unknown event or field, a missing
+            field, or a field with a wrong type or out of its range.
     """
-    # The decoder of msgspec takes the last of two equal fields, and refuses lone surrogates, which a name may hold.
+    # msgspec's decoder uses the last of two equal fields, and refuses lone surrogates, which names may contain.
     try:
         fields = json.loads(line, object_pairs_hook=_unique)
     except RecursionError:
@@ -74,12 +75,12 @@ def from_json(line: str) -> JournalEntry:
 
 
 def treasure_fields(kind: TreasureKind) -> dict[str, str | int | None]:
-    """Return a treasure as JSON holds it."""
+    """Return a treasure as JSON fields."""
     return {**kind.properties, "points": kind.points, "name": kind.name, "image": kind.image}
 
 
 def treasure_of(fields: Mapping[str, object]) -> TreasureKind:
-    """Return the treasure of `treasure_fields`. Raises ValueError for anything else."""
+    """Return the treasure of the fields from `treasure_fields`. Raises ValueError for anything else."""
     try:
         return msgspec.convert(_gathered(fields, _OF_A_KIND), TreasureKind)
     except msgspec.ValidationError as error:
@@ -87,12 +88,12 @@ def treasure_of(fields: Mapping[str, object]) -> TreasureKind:
 
 
 def kind_of(event_class: type[Event]) -> str:
-    """Return the kind of a class of events in recordings: its kind in journals without hyphens."""
+    """Return the kind of a class of events in recordings: its kind in journals, without hyphens."""
     return str(event_class.__struct_config__.tag).replace("-", "")
 
 
 def _without_words(declared: TreasureProperty) -> dict[str, object]:
-    """Return the fields of a property's declaration, without the words for participants."""
+    """Return the fields of a property's declaration, without the texts for participants."""
     fields: dict[str, object] = msgspec.to_builtins(declared)
     del fields["words"]
     return fields
@@ -113,13 +114,13 @@ def _decode_value(kind: type, value: object) -> object:
             return Room(msgspec.convert(value, int))
         rows = msgspec.convert(value, tuple[tuple[Number | None, ...], ...])
     except msgspec.ValidationError as error:
-        # msgspec adds the place in the line to a ValueError alone.
+        # msgspec adds the place in the line only to a ValueError.
         raise ValueError(str(error)) from None
     return CostMatrix(tuple(tuple(math.inf if cost is None else cost for cost in row) for row in rows))
 
 
 def _spread(fields: Mapping[str, object]) -> dict[str, object]:
-    """Return the fields with the properties among them, each a field of its own."""
+    """Return the fields with each property as a field of its own."""
     spread: dict[str, object] = {}
     for name, value in fields.items():
         spread.update(value if name == "properties" and isinstance(value, dict) else {name: value})
@@ -127,7 +128,7 @@ def _spread(fields: Mapping[str, object]) -> dict[str, object]:
 
 
 def _gathered(fields: Mapping[str, object], others: Collection[str]) -> dict[str, object]:
-    """Return the fields with all but these others as properties."""
+    """Return the fields; all except the others are collected as properties."""
     properties = {name: value for name, value in fields.items() if name not in others}
     return {name: value for name, value in fields.items() if name in others} | {"properties": properties}
 

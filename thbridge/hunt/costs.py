@@ -6,18 +6,18 @@ from collections.abc import Sequence
 from thbridge.hunt.rooms import Room, all_rooms
 
 NOT_A_MOVE = 99.0
-"""Number in a cost file that stands for no move."""
+"""Number in a cost file that means that there is no move."""
 
 
 class CostMatrix:
-    """Energy from every place to every place: mean travel time in seconds, which the game takes as energy.
+    """Energy from every place to every place; the game uses mean travel times in seconds as energy.
 
-    Not symmetric. Staying is never a move, nor is going to the corridor unless a cost is given for it. No dataclass,
-    for the reason given at `Room`.
+    The matrix need not be symmetric. Staying is never a move, and going to the corridor is a move only if it has a
+    cost. This is no dataclass, for the reason given at `Room`.
 
     Args:
-        rows: `rows[start][goal]`, indexed by the number people use (0 is the corridor); infinite where there is no
-            move. Square, at least 2 x 2, every entry non-negative and not NaN.
+        rows: `rows[start][goal]`, indexed by the number for people (0 is the corridor); infinite if there is no move.
+            Square, at least 2 x 2, and no entry negative or NaN.
 
     Raises:
         ValueError: the rows are not such a matrix.
@@ -40,10 +40,10 @@ class CostMatrix:
 
     @classmethod
     def of_map_times(cls, rows: tuple[tuple[float, ...], ...]) -> "CostMatrix":
-        """Return the matrix of the numbers in a `mapTimes` file, where exactly 99 stands for no move.
+        """Return the matrix of the numbers in a `mapTimes` file; exactly 99 means that there is no move.
 
-        Numbers above 99 are costs like any other, so that large maps can be written down; only a cost of exactly 99
-        cannot (write 98 or 100). From a place to itself there is no move, whatever number is written.
+        Numbers above 99 are normal costs, so that large maps can be written. Only a cost of exactly 99 cannot be
+        written; write 98 or 100. There is no move from a place to itself, whatever number the file has.
 
         Raises:
             ValueError: the rows are not such a matrix.
@@ -57,11 +57,14 @@ class CostMatrix:
 
     @classmethod
     def of_plain(cls, rows: Sequence[Sequence[float | None]]) -> "CostMatrix":
-        """Return the matrix of rows as JSON holds them: None where there is no move. Raises ValueError as the class."""
+        """Return the matrix of rows from JSON; None means that there is no move.
+
+        Raises ValueError as the class does.
+        """
         return cls(tuple(tuple(math.inf if cost is None else cost for cost in row) for row in rows))
 
     def has_place(self, place: Room) -> bool:
-        """Return True when the matrix has a row for this place."""
+        """Return True if the matrix has a row for this place."""
         return place.people < len(self.rows)
 
     def cost(self, start: Room, goal: Room) -> float:

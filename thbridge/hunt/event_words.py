@@ -1,4 +1,4 @@
-"""Words in which people read the recorded events of a game; what is recorded keeps its codes and names of files."""
+"""Words for the recorded events of a game; the recordings themselves keep their codes and file names."""
 
 from collections.abc import Mapping
 from typing import TypeGuard, get_args
@@ -16,13 +16,13 @@ ENDS = {
 
 _KINDS = {kind_of(event): str(event.__struct_config__.tag).replace("-", " ") for event in get_args(Event)}
 _WHOLE = {kind_of(HandbackRequested): "the participant asks for it"}
-"""Texts of events that hold nothing but the robot."""
+"""Texts of events whose only field is the robot."""
 _NOT_TOLD = frozenset({"v", "event", "robot", "room", "image"})
-"""Fields that people see elsewhere, and the file of a picture."""
+"""Fields that are shown elsewhere, and the file of a picture."""
 
 
 def kind_in_words(kind: str) -> str:
-    """Return a recorded kind of event as people read it: `takenup` is `taken up`."""
+    """Return a recorded kind of event in words: `takenup` is `taken up`."""
     return _KINDS.get(kind, kind)
 
 
@@ -30,9 +30,9 @@ def event_in_words(kind: str, fields: Mapping[str, object], besides: str = "") -
     """Return the plain values among an event's fields: `name beer bottle, points -20`.
 
     Args:
-        kind: as recorded.
-        fields: of the event's JSON.
-        besides: a field that is shown elsewhere.
+        kind: the recorded kind.
+        fields: fields of the event's JSON.
+        besides: name of a field that is shown elsewhere.
     """
     parts = (
         f"{name.replace('_', ' ')} {_value_in_words(kind, name, value)}"
@@ -43,7 +43,7 @@ def event_in_words(kind: str, fields: Mapping[str, object], besides: str = "") -
 
 
 def _value_in_words(kind: str, name: str, value: str | float) -> str:
-    """A value within a list: sentences without full stop, numbers with six digits at most."""
+    """A value within a list: a sentence without its full stop, a number with at most six digits."""
     if not isinstance(value, str):
         return f"{value:g}"
     match kind, name:

@@ -1,4 +1,4 @@
-"""Events of a game. A game is fully described by its events, in order."""
+"""Events of a game. Its events, in order, describe a game completely."""
 
 import sys
 from enum import StrEnum
@@ -35,10 +35,10 @@ class Condition(StrEnum):
 
 
 class Commander(StrEnum):
-    """Commander of a robot: the participant, unless somebody else has taken it over.
+    """Commander of a robot: the participant, unless another party has taken command.
 
-    A ground station keeps a robot until it gives it back. A researcher, or a program beside the game, has it while a
-    goal or manual driving of theirs lasts, whoever had it before.
+    A ground station commands a robot until it gives it back. A researcher, or a program outside the game, commands it
+    while a goal or manual driving of theirs lasts, whatever party had it before.
     """
 
     PARTICIPANT = "participant"
@@ -51,21 +51,21 @@ class _Event(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag_field=
 
 
 class GameStarted(_Event, frozen=True, tag="started"):
-    """A new game: its rules and its numbers. Every robot stands in the corridor.
+    """A new game: its rules and its numbers. Every robot starts in the corridor.
 
     Attributes:
-        seed: of all random numbers of this game.
-        game: number of the game, from 1, unique within a journal folder.
-        robots: size of the team; in events a robot is its index, from 0, as on the wire.
-        energy: of each robot at the start.
+        seed: random seed of this game.
+        game: number of the game, from 1, unique in a journal folder.
+        robots: size of the team; events refer to a robot by its index, from 0, as the wire does.
+        energy: energy of each robot at the start.
         picture_cost: energy of the first picture in a room.
-        identify_cost: energy of identifying.
+        identify_cost: energy of identifying a treasure.
         wrong_share: share of a treasure's points that a wrong name costs; 1 is the rule of 2016.
-        costs: energy of every move; its size determines the number of rooms.
-        properties: of its treasures.
+        costs: energy of every move; its size is the number of rooms plus 1.
+        properties: properties of its treasures.
 
     Raises:
-        ValueError: a team without robots, or a negative number.
+        ValueError: the team has no robots, or a number is negative.
     """
 
     seed: int
@@ -81,13 +81,13 @@ class GameStarted(_Event, frozen=True, tag="started"):
     def __post_init__(self) -> None:
         if self.robots < 1:
             raise ValueError("a team has at least one robot")
-        # Written as a negation so that NaN is refused too.
+        # `not ... >= 0` also refuses NaN.
         if not min(self.energy, self.picture_cost, self.identify_cost, self.wrong_share) >= 0.0:
             raise ValueError("energy, costs and the share of a wrong answer are numbers that are not negative")
 
 
 class TreasuresHidden(_Event, frozen=True, tag="hidden"):
-    """The treasures were hidden, one per room, room 1 first. Never shown to the participant."""
+    """The treasures were hidden, one per room, room 1 first. The participant never sees this."""
 
     treasures: tuple[TreasureKind, ...]
 
@@ -96,24 +96,24 @@ class ConsentGiven(_Event, frozen=True, omit_defaults=True, tag="agreed"):
     """The participant agreed to take part in the study. Recorded again in each later game of the same keeper.
 
     Attributes:
-        at: time of day of the agreement, as `GiveConsent.at`.
+        at: date and time of the agreement, as in `GiveConsent.at`.
     """
 
     at: str = ""
 
 
 class RoomAdvised(_Event, frozen=True, tag="advised"):
-    """A robot suggested a room to a participant who did not know, or a wizard did in its place.
+    """A robot, or a wizard in its place, suggested a room to a participant who did not know where to go.
 
-    The participant is told the room and what the robot says about it, never whether the advice errs.
+    The participant receives the room and the robot's reason, but not whether the advice is wrong.
 
     Attributes:
         robot: index in the team, from 0.
-        room: the room suggested.
-        advice: number of the robot's advice in this game, from 1. Older releases recorded a repeated one again.
-        planned: the room that the robot's planner chose. A wizard may have suggested another one.
-        erred: True when the robot suggested another room than planned because the study has it err.
-        confidence: stated by the robot, 0 to 1; None when it stated none.
+        room: the suggested room.
+        advice: number of the robot's advice in this game, from 1. Older releases recorded a repeated advice again.
+        planned: the room that the robot's planner chose. A wizard can have suggested another one.
+        `erred`: True if the robot suggested another room than planned, because the study makes it give wrong advice.
+        confidence: confidence that the robot stated, 0 to 1; None if it stated none.
     """
 
     robot: int
@@ -125,7 +125,7 @@ class RoomAdvised(_Event, frozen=True, tag="advised"):
 
 
 class RobotDeparted(_Event, frozen=True, tag="departed"):
-    """A robot set out for a room, which is reserved from now on; its energy is paid in advance."""
+    """A robot set out for a room, which is reserved from now on; the energy is paid in advance."""
 
     robot: int
     room: Room
@@ -140,14 +140,14 @@ class RobotArrived(_Event, frozen=True, tag="arrived"):
 
 
 class MoveFailed(_Event, frozen=True, tag="failed"):
-    """A robot did not reach the room it drove to, or was stopped; the room is free again.
+    """A robot did not reach its room, or was stopped; the room is free again.
 
     Attributes:
         robot: index in the team, from 0.
         room: destination of the move.
-        reason: sentence of the navigator or for a stop, for people.
+        reason: sentence for people from the navigator, or about the stop.
         refund: energy given back.
-        at: its place now, from which the cost of its next move counts.
+        at: its present place, from which the cost of its next move counts.
     """
 
     robot: int
@@ -165,11 +165,11 @@ class ConditionChanged(_Event, frozen=True, tag="reported"):
 
 
 class CostsEstimated(_Event, frozen=True, tag="priced"):
-    """The costs of a robot's moves were estimated anew from where it stands, which is none of the game's places.
+    """The costs of a robot's moves were estimated again, for a place that is not in the game's cost matrix.
 
     Attributes:
         robot: index in the team, from 0.
-        costs: energy to each place, by the number people use; None where there is no move.
+        costs: energy to each place, by the number for people; None if there is no move.
     """
 
     robot: int
@@ -182,7 +182,7 @@ class CommanderChanged(_Event, frozen=True, tag="commanded"):
     Attributes:
         robot: index in the team, from 0.
         by: commander from now on.
-        name: of the commander, for example "ground station 255" or a ROS node's name; empty for the participant.
+        name: name of the commander, for example "ground station 255" or a ROS node's name; empty for the participant.
     """
 
     robot: int
@@ -197,7 +197,7 @@ class HandbackRequested(_Event, frozen=True, tag="asked-back"):
 
 
 class TreasureSensed(_Event, frozen=True, tag="sensed"):
-    """Properties of the treasure in a room that the robot there senses as it finds it."""
+    """A robot found a treasure in a room, and sensed these properties at once."""
 
     room: Room
     properties: Properties
@@ -214,7 +214,7 @@ class PropertyMeasured(_Event, frozen=True, tag="measured"):
 
 
 class PropertyTold(_Event, frozen=True, tag="told"):
-    """The participant told a property of the treasure in a room, as it appears to a person."""
+    """The participant reported a property of the treasure in a room, as a person sees it."""
 
     room: Room
     property: str
@@ -222,7 +222,7 @@ class PropertyTold(_Event, frozen=True, tag="told"):
 
 
 class TreasurePictured(_Event, frozen=True, tag="pictured"):
-    """A picture was taken; `image` is a file name without directory. Cost 0 when it was shown again."""
+    """A picture was taken; `image` is a file name without directory. The cost is 0 if the picture was shown again."""
 
     room: Room
     robot: int
@@ -231,13 +231,13 @@ class TreasurePictured(_Event, frozen=True, tag="pictured"):
 
 
 class TreasureIdentified(_Event, frozen=True, tag="identified"):
-    """The treasure in a room was named; points are negative when the name was wrong.
+    """The treasure in a room was named; the points are negative if the name was wrong.
 
     Attributes:
-        room: None if a program of 2016 sent only the points.
+        room: the room; None if a program of 2016 sent only the points.
         robot: the robot that stood there; None if the game knows of none.
-        name: the participant's name for it; None if a program of 2016 sent only the points.
-        points: added to the score.
+        name: the name that the participant gave; None if a program of 2016 sent only the points.
+        points: points that are added to the score.
         cost: energy paid by the robot.
     """
 
@@ -249,13 +249,13 @@ class TreasureIdentified(_Event, frozen=True, tag="identified"):
 
 
 class TreasureLeft(_Event, frozen=True, tag="left"):
-    """The participant gave up the treasure in a room."""
+    """The participant left the treasure in a room undecided."""
 
     room: Room
 
 
 class TreasureTakenUp(_Event, frozen=True, tag="taken-up"):
-    """The participant took back that the treasure in a room was given up."""
+    """The participant took up again the treasure that was left in a room."""
 
     room: Room
 
@@ -268,19 +268,20 @@ class GameEnded(_Event, frozen=True, tag="ended"):
 
 
 class DialogueOpened(_Event, frozen=True, omit_defaults=True, tag="talk"):
-    """A robot and the participant have begun to talk about a decision. Only journals have it: no game depends on it.
+    """A robot and the participant have begun a dialogue about a decision. Only journals have this event; no game needs
+    it.
 
     Attributes:
-        dialogue: its number in this game, from 1.
+        dialogue: number of the dialogue in this game, from 1.
         scenario: the decision.
         robot: index in the team, from 0.
-        room: the room that it is about.
+        room: the room that the dialogue is about.
         at: simulated time, s.
         opener: the side that brings it up.
-        advised: the room that the robot's planner chose; None where it had none.
-        reason: of a suggestion, as part of a sentence.
-        confidence: stated in a suggestion, 0 to 1; None where none was.
-        name: that the treasure there is to be given; empty where none was said.
+        advised: the room that the robot's planner chose; None if it chose none.
+        reason: reason for a suggestion, as part of a sentence.
+        confidence: confidence stated in a suggestion, 0 to 1; None if none was stated.
+        name: proposed name of the treasure there; empty if there is none.
     """
 
     dialogue: int
@@ -296,13 +297,13 @@ class DialogueOpened(_Event, frozen=True, omit_defaults=True, tag="talk"):
 
 
 class DialogueSaid(_Event, frozen=True, tag="said"):
-    """A robot or the participant has said something in a dialogue. Only journals have it.
+    """A robot or the participant has said something in a dialogue. Only journals have this event.
 
     Attributes:
-        dialogue: number of the dialogue; one that was not opened is an announcement.
-        turn: place of the move in it, from 0.
+        dialogue: number of the dialogue; a number that was not opened means an announcement.
+        turn: index of the move in the dialogue, from 0.
         speaker: the side that said it.
-        author: who decided on it: robot, person or wizard.
+        author: the one that decided on it: robot, person or wizard.
         move: the move, as `move_text` writes it.
         text: the sentence.
     """
@@ -316,12 +317,12 @@ class DialogueSaid(_Event, frozen=True, tag="said"):
 
 
 class KeyUsed(_Event, frozen=True, tag="key"):
-    """A key was used: a program joined by it, or whoever has it asked for something. Only journals have it.
+    """A client joined or sent a request with a key. Only journals have this event.
 
     Attributes:
-        key: its name.
-        did: what was done by it, for people.
-        run: name of this game, unlike all others: the game that a participant's key is good for.
+        key: name of the key.
+        did: description of its use, for people.
+        run: unique name of this game; a participant's key is valid for one such game.
     """
 
     key: str
@@ -352,4 +353,4 @@ Event = (
 )
 
 JournalEntry = Event | DialogueOpened | DialogueSaid | KeyUsed
-"""What a journal holds: the events of a game, what was said between them, and by which keys."""
+"""Entries of a journal: the events of a game, the dialogues, and the uses of keys."""

@@ -1,19 +1,18 @@
-"""The state of a game, folded from its events.
+"""The state of a game, computed from its events.
 
-`apply` does not judge: `rules` decides what may happen, and `apply` accepts what did happen. So it also takes
-events that programs of 2016 cause without asking the rules:
+`apply` does not judge events. `rules` decides which events may happen, and `apply` accepts those that did happen. So it
+also accepts events that programs of 2016 cause without the rules:
 
-- `RobotArrived` without a `RobotDeparted` moves the robot and pays nothing; `rules.arrive` puts the missing one before
-  it.
+- `RobotArrived` without a `RobotDeparted` moves the robot and costs nothing; `rules.arrive` adds the missing departure.
 - `RobotArrived` in another room than the destination ends the move in progress and its reservation.
 - `MoveFailed` of a robot that is not moving places it and refunds nothing; no refund exceeds the price paid.
 - `TreasureSensed`, `PropertyMeasured`, `PropertyTold`, `TreasurePictured`, `TreasureIdentified` and `TreasureLeft` are
-  noted for rooms where no robot ever arrived, which stay unvisited.
-- `TreasureIdentified` may come without room, robot or name, more than once, or after `GameEnded`: the score is the sum
-  of them all.
-- Energy may become negative by such events; the robot is then blocked as at 0.
+  accepted for rooms where no robot ever arrived; the rooms stay unvisited.
+- `TreasureIdentified` can come without room, robot or name, more than once, or after `GameEnded`: the score is the sum
+  of all its points.
+- Energy can become negative by such events; the robot is then blocked as at 0.
 
-States are msgspec's structs, which are replaced 25 times as fast as dataclasses.
+States are structs of msgspec, because `replace` is 25 times as fast for them as for dataclasses.
 """
 
 import math
@@ -55,28 +54,28 @@ _Part = TypeVar("_Part")
 
 
 class CommandHolder(msgspec.Struct, frozen=True):
-    """Commander of a robot, with a name unless it is the participant."""
+    """Commander of a robot; it has a name unless it is the participant."""
 
     by: Commander = Commander.PARTICIPANT
     name: str = ""
 
 
 class RobotState(msgspec.Struct, frozen=True):
-    """One robot as the game sees it.
+    """One robot in the game.
 
     Attributes:
         at: the place where it stands; during a move, the place it set out from.
-        energy: energy left; the whole cost of a move is taken at its departure.
+        energy: energy left; the departure takes the whole cost of a move.
         bound_for: destination of the current move, or None.
         paid: price of the current move, the most that can be refunded.
-        condition: as last reported.
-        holder: its commander, who also gets it back after a researcher's intervention.
+        condition: the last reported condition.
+        holder: its commander, who commands it again after a researcher's intervention.
         intervention: the researcher who intervenes now, or None.
         asked_back: number of times the participant has asked its present commander to give it back.
         advice: number of its latest advice in this game; 0 before the first.
-        failure: reason for which the last move that ended did not arrive, for people; empty when it arrived.
-        costs: energy to each place from where it stands, by the number people use; during a move, from where it set
-            out. None: those of the game's matrix.
+        failure: reason why the last completed move did not arrive, for people; empty if it arrived.
+        costs: energy to each place from where it stands, by the number for people; during a move, from where it set
+            out. If None, the game's matrix has the costs.
     """
 
     at: Room
@@ -93,31 +92,31 @@ class RobotState(msgspec.Struct, frozen=True):
 
     @property
     def command(self) -> CommandHolder:
-        """Its commander now: the researcher who intervenes, or else the holder."""
+        """Its present commander: the researcher who intervenes, or otherwise the holder."""
         return self.intervention or self.holder
 
     @property
     def is_blocked(self) -> bool:
-        """True when its energy is used up: it can do nothing any more."""
+        """True if its energy is used up, so that it can do nothing."""
         return self.energy <= 0.0
 
     @property
     def is_silent(self) -> bool:
-        """True while it does not respond: it can do nothing until it does."""
+        """True while it does not respond; it can do nothing during this time."""
         return self.condition is Condition.SILENT
 
 
 class RoomState(msgspec.Struct, frozen=True):
-    """One room as the game sees it.
+    """One room in the game.
 
     Attributes:
-        visited: a robot has arrived there.
-        sensed: what robots sensed of its treasure, or None.
-        told: what the participant told of it.
+        visited: True if a robot has arrived there.
+        sensed: properties of its treasure that robots sensed, or None.
+        `told`: properties of its treasure that the participant reported.
         image: file name of the picture taken, or None.
-        points: won or lost by identifying; None before.
-        name: given at identification; None before, or if only the points are known.
-        left: True when the treasure was given up, and not taken up again.
+        points: points won or lost by identifying; None before.
+        name: name given by identifying; None before, or if only the points are known.
+        left: True if the treasure was left undecided, and not taken up again.
         finder: the robot that arrived there last, or None.
     """
 
@@ -132,29 +131,29 @@ class RoomState(msgspec.Struct, frozen=True):
 
     @property
     def is_decided(self) -> bool:
-        """True when its treasure was identified or given up."""
+        """True if its treasure was identified or left."""
         return self.left or self.points is not None
 
     @property
     def known(self) -> Properties:
-        """Properties of its treasure that are known, by whomever."""
+        """Known properties of its treasure, from all sources."""
         return {**(self.sensed or {}), **self.told}
 
 
 class GameState(msgspec.Struct, frozen=True):
-    """Everything the rules need to know.
+    """The complete state that the rules need.
 
     Attributes:
         started: the rules of this game.
-        treasures: of the rooms, room 1 first; None if a Hider of 2016 hid them.
-        robots: indexed by robot number.
+        treasures: treasures of the rooms, room 1 first; None if a Hider of 2016 hid them.
+        robots: robots by index.
         rooms: indexed by the room's number on the wire; read with `room`.
         score: sum of all identifications.
         ended: the end of the game, or None.
-        agreed: the participant agreed to take part, where the study asks for it.
-        agreed_at: time of day of that agreement; empty where it is unknown.
-        by_position: moves from outside rooms are priced by where the robot stands: the matrix's row of the corridor
-            holds nowhere.
+        agreed: True if the participant agreed to take part; only studies with consent use it.
+        agreed_at: date and time of that agreement; empty if unknown.
+        by_position: True if moves from outside rooms are priced by the place of the robot; the matrix's row of the
+            corridor then applies nowhere.
     """
 
     started: GameStarted
@@ -168,11 +167,11 @@ class GameState(msgspec.Struct, frozen=True):
     by_position: bool = False
 
     def has_robot(self, robot: int) -> bool:
-        """Return True when the team has a robot with this index."""
+        """Return True if the team has a robot with this index."""
         return 0 <= robot < len(self.robots)
 
     def has_room(self, room: Room) -> bool:
-        """Return True when this is one of the game's rooms; the corridor is not."""
+        """Return True if this is one of the game's rooms; the corridor is not."""
         return 0 < room.people <= len(self.rooms)
 
     def room(self, room: Room) -> RoomState:
@@ -180,7 +179,7 @@ class GameState(msgspec.Struct, frozen=True):
         return self.rooms[room.wire]
 
     def treasure(self, room: Room) -> TreasureKind | None:
-        """Return the treasure of a room, or None if a Hider of 2016 hid it. Raises as `room`."""
+        """Return the treasure of a room, or None if a Hider of 2016 hid it. Raises the same errors as `room`."""
         return None if self.treasures is None else self.treasures[room.wire]
 
     def reserved_by(self, room: Room) -> int | None:
@@ -200,7 +199,7 @@ class GameState(msgspec.Struct, frozen=True):
     def decider(self, room: Room) -> int | None:
         """Return the robot that may name the treasure of a room, or None.
 
-        It is the robot that stands there, or the one that found the treasure and was sent on before the decision."""
+        It is the robot that stands there, or the one that found the treasure and was sent on before a decision."""
         stander = self.standing_in(room)
         if stander is not None or not self.has_room(room):
             return stander
@@ -208,24 +207,27 @@ class GameState(msgspec.Struct, frozen=True):
         return known.finder if known.sensed is not None and not known.is_decided else None
 
     def costs_from(self, robot: int) -> tuple[float, ...]:
-        """Return the energy of a robot's moves from where it stands, by the number people use; infinite without one."""
+        """Return the energy of a robot's moves from where it stands, by the number for people.
+
+        Infinite if there is no move.
+        """
         mover = self.robots[robot]
         return self.started.costs.rows[mover.at.people] if mover.costs is None else mover.costs
 
     def cost(self, robot: int, room: Room) -> float:
-        """Return the energy of a robot's move to a room; infinite when there is no way."""
+        """Return the energy of a robot's move to a room; infinite if there is no path."""
         return self.costs_from(robot)[room.people]
 
     @property
     def free_rooms(self) -> tuple[Room, ...]:
-        """Rooms that are neither visited nor reserved, in counting order: where a robot may be sent."""
+        """Rooms that are neither visited nor reserved, by number; a robot may be sent to these."""
         reserved = [robot.bound_for.people for robot in self.robots if robot.bound_for is not None]
         rooms = zip(self.started.costs.rooms, self.rooms, strict=True)
         return tuple([room for room, state in rooms if not state.visited and room.people not in reserved])
 
 
 def begin(started: GameStarted) -> GameState:
-    """Return the state right after the start of a game."""
+    """Return the state directly after the start of a game."""
     return GameState(
         started=started,
         treasures=None,
@@ -238,8 +240,8 @@ def apply(state: GameState, event: Event) -> GameState:
     """Return the state after an event; `GameStarted` begins a new game.
 
     Raises:
-        ValueError: the event belongs to another game: it names a robot or room that this game does not have, or its
-            number of treasures is not the number of rooms.
+        ValueError: the event belongs to another game: its robot or room does not exist in this game, or its number of
+            treasures is not the number of rooms.
     """
     match event:
         case GameStarted():

@@ -1,7 +1,7 @@
-"""Planners of which robot visits which room next: the joint plan, and simpler ones to hold against it.
+"""Planners that decide which robot visits which room next: the joint plan, and simpler planners for comparison.
 
-All stand behind one seam, `PlanTours`: a tour for each robot, which it can pay, and no room in two of them. A robot's
-next room is the first of its tour. `PLANNERS` is the table of them.
+All implement the interface `PlanTours`: they return a tour for each robot, within its energy, and no room is in two
+tours. A robot's next room is the first of its tour. `PLANNERS` is the table of planners.
 """
 
 import math
@@ -17,7 +17,7 @@ from thbridge.hunt.team_tour_search import search_team_tours
 from thbridge.hunt.tour import Tour
 
 PLANNING_ALONE = frozenset({TeamPlanner.NEAREST, TeamPlanner.TOUR})
-"""Planners by which a robot chooses its next room as if there were no other robot."""
+"""Planners by which a robot chooses its next room without regard to other robots."""
 
 
 class PlanTours(Protocol):
@@ -31,11 +31,11 @@ class PlanTours(Protocol):
         visit: float = 0.0,
         sent: int = -1,
     ) -> tuple[Tour, ...]:
-        """Return one tour a robot.
+        """Return one tour per robot.
 
         Args:
             costs: energy from room to room.
-            starts: one a robot.
+            starts: one start per robot.
             unvisited: rooms still to visit, in any order.
             visit: energy that a robot spends in each room before its next move; not part of a tour's cost.
             sent: index of the robot that is about to be sent: its tour has at least one room, if it can pay for any.
@@ -46,7 +46,10 @@ class PlanTours(Protocol):
 def joint_tours(
     costs: CostMatrix, starts: Sequence[TourStart], unvisited: Collection[Room], visit: float = 0.0, sent: int = -1
 ) -> tuple[Tour, ...]:
-    """Return the best tours of the team; of more rooms than can be compared, good ones. See `PlanTours`."""
+    """Return the best tours of the team, or good tours if there are too many rooms for a full search.
+
+    See `PlanTours`.
+    """
     if len(set(unvisited)) <= most_rooms_shared_out(len(starts)):
         return best_team_tours(costs, starts, unvisited, visit, sent)
     return searched_tours(costs, starts, unvisited, visit, sent)
@@ -55,7 +58,7 @@ def joint_tours(
 def searched_tours(
     costs: CostMatrix, starts: Sequence[TourStart], unvisited: Collection[Room], visit: float = 0.0, sent: int = -1
 ) -> tuple[Tour, ...]:
-    """Return good tours of any number of rooms, nearly always the best, and not proven to be; see `PlanTours`."""
+    """Return good tours of any number of rooms: nearly always the best ones, but without proof; see `PlanTours`."""
     return _sending(search_team_tours, costs, starts, unvisited, visit, sent)
 
 
@@ -71,7 +74,7 @@ def tours_begun_with(
 def nearest_tours(
     costs: CostMatrix, starts: Sequence[TourStart], unvisited: Collection[Room], visit: float = 0.0, sent: int = -1
 ) -> tuple[Tour, ...]:
-    """Return tours on which each robot always goes to the room nearest to it; see `PlanTours` and `_in_turns`."""
+    """Return tours on which each robot always goes to its nearest room; see `PlanTours` and `_in_turns`."""
 
     def nearest(start: TourStart, left: Collection[Room]) -> Room | None:
         payable = filter(start.can_pay, left)
@@ -83,9 +86,9 @@ def nearest_tours(
 def own_tours(
     costs: CostMatrix, starts: Sequence[TourStart], unvisited: Collection[Room], visit: float = 0.0, sent: int = -1
 ) -> tuple[Tour, ...]:
-    """Return tours on which each robot plans anew for itself before each move; see `PlanTours` and `_in_turns`.
+    """Return tours on which each robot plans for itself again before each move; see `PlanTours` and `_in_turns`.
 
-    Of more rooms than can be compared, its own tour is a good one.
+    If there are too many rooms for a full search, its own tour is a good one.
     """
 
     def first_of_tour(start: TourStart, left: Collection[Room]) -> Room | None:
@@ -99,7 +102,7 @@ def own_tours(
 def greedy_tours(
     costs: CostMatrix, starts: Sequence[TourStart], unvisited: Collection[Room], visit: float = 0.0, sent: int = -1
 ) -> tuple[Tour, ...]:
-    """Return the tours that grow by the cheapest next move of any robot; see `PlanTours`."""
+    """Return tours that grow by the cheapest next move of any robot; see `PlanTours`."""
     return _sending(_grown_by_moves, costs, starts, unvisited, visit, sent)
 
 
@@ -108,8 +111,9 @@ def auction_tours(
 ) -> tuple[Tour, ...]:
     """Return the tours of a sequential single-item auction (Lagoudakis et al. 2005); see `PlanTours`.
 
-    In each round every robot bids for every room left the energy that the room adds to its tour, put in where it adds
-    least; the lowest bid wins its room. With this bidding rule the auction is cheapest insertion for the whole team.
+    In each round, every robot bids for every room left. Its bid is the energy that the room adds to its tour at the
+    cheapest position. The lowest bid wins its room. With this bidding rule, the auction is cheapest insertion for the
+    whole team.
     """
     return _sending(_grown_by_bids, costs, starts, unvisited, visit, sent)
 
@@ -134,10 +138,10 @@ def _in_turns(
     visit: float,
     sent: int,
 ) -> tuple[Tour, ...]:
-    """Return the tours of robots that choose their next room one after the other.
+    """Return the tours of robots that choose their next rooms one after the other.
 
-    Costs are travel times, so it is the turn of whoever has spent least on moves so far, as in the game; of equals the
-    robot to be sent, and then the one with the lowest number.
+    Costs are travel times, so the next robot is the one that has spent least on moves so far, as in the game. Of equal
+    robots, the robot to send comes first, then the one with the lowest number.
     """
     here, orders = list(starts), [list[Room]() for _ in starts]
     spent, left, going = [0.0] * len(starts), set(unvisited), set(range(len(starts)))
@@ -162,7 +166,7 @@ def _sending(
     visit: float,
     sent: int,
 ) -> tuple[Tour, ...]:
-    """Return the tours of a plan; a robot to be sent that would stay goes to its nearest room, and the rest is planned
+    """Return the tours of a plan. If the robot to send would stay, it goes to its nearest room, and the rest is planned
     from there."""
     tours = plan(costs, starts, unvisited, visit)
     if sent < 0 or tours[sent].rooms:
@@ -208,7 +212,7 @@ def _grown_by_bids(
 def _lowest_bid(
     costs: CostMatrix, start: TourStart, order: list[Room], left: Sequence[Room], visit: float
 ) -> tuple[float, list[Room]]:
-    """Return a robot's lowest bid, infinite when it can add no room, and its tour with the room that it bids for."""
+    """Return a robot's lowest bid, infinite if it can add no room, and its tour with the room of this bid."""
     lowest, best = math.inf, order
     rows = [start.costs, *(costs.rows[room.people] for room in order)]
     for room in left:

@@ -1,4 +1,4 @@
-"""Properties of treasures: what a set of treasures declares of each, and how values are said."""
+"""Properties of treasures: their declaration in a set of treasures, and the words for their values."""
 
 import re
 from collections.abc import Mapping, Sequence
@@ -11,14 +11,14 @@ Properties: TypeAlias = Mapping[str, str]
 
 
 class Teller(StrEnum):
-    """Side that can tell a property of a treasure."""
+    """Side that can report a property of a treasure."""
 
     ROBOT = "robot"
     PERSON = "person"
 
 
 class PropertyDrawing(StrEnum):
-    """Drawing beside a value: a patch of that color, an outline of that shape (round or square), or none."""
+    """Drawing next to a value: a patch of that color, an outline of that shape (round or square), or none."""
 
     NONE = "none"
     COLOUR = "colour"
@@ -29,19 +29,19 @@ class PropertyDrawing(StrEnum):
 class TreasureProperty:
     """Declaration of one property.
 
-    A robot senses a property without cost when it finds the treasure, and one with a cost when it is asked to. What a
-    person can tell is told from the picture.
+    A robot senses a property without cost when it finds the treasure, and a property with a cost on request. A person
+    reports a property from the picture.
 
     Attributes:
-        name: in files, recordings and between the pound signs of sentences: small letters and underscores.
-        label: as people read it above a value, e.g. `Weight`.
-        values: all that it can be, in their order; empty: any text.
-        told_by: the side that can tell it.
-        sensor: of a robot, for people, e.g. `scale`; may be empty.
+        name: name in files, recordings and between the pound signs of sentences: lower-case letters and underscores.
+        label: heading above a value, e.g. `Weight`.
+        values: all possible values, in their order; if empty, any text.
+        told_by: the side that can report it.
+        sensor: name of the robot's sensor, for people, e.g. `scale`; may be empty.
         cost: energy of sensing it.
-        drawn: beside the value.
-        said: of a treasure within a sentence, with the name between pound signs: `weighing £weight£`.
-        words: of values within a sentence, in the participant's language; recordings have none.
+        drawn: drawing next to the value.
+        said: phrase about a treasure within a sentence, with the name between pound signs: `weighing £weight£`.
+        words: words for the values within a sentence, in the participant's language; not in recordings.
     """
 
     name: str
@@ -56,24 +56,24 @@ class TreasureProperty:
 
     @property
     def is_found(self) -> bool:
-        """True when a robot senses it as it finds a treasure."""
+        """True if a robot senses it when it finds a treasure."""
         return self.told_by is Teller.ROBOT and self.cost == 0.0
 
     @property
     def is_measured(self) -> bool:
-        """True when a robot senses it on request, for energy."""
+        """True if a robot senses it on request, for energy."""
         return self.told_by is Teller.ROBOT and self.cost > 0.0
 
     def shown(self, value: str) -> str:
-        """Return a value of it as it stands by itself."""
+        """Return a value of it for display by itself."""
         return self.words.get(value) or value
 
     def word(self, value: str) -> str:
-        """Return a value of it as it is said within a sentence."""
+        """Return the word for a value of it within a sentence."""
         return self.words.get(value) or value_in_words(value)
 
     def phrase(self, value: str) -> str:
-        """Return a value of it as part of a sentence about a treasure."""
+        """Return the phrase for a value of it in a sentence about a treasure."""
         return self.said.replace(f"£{self.name}£", self.word(value)) if self.said else self.word(value)
 
 
@@ -81,7 +81,7 @@ OF_2016 = (
     TreasureProperty("colour", "Colour", drawn=PropertyDrawing.COLOUR),
     TreasureProperty("footprint", "Footprint", drawn=PropertyDrawing.SHAPE),
 )
-"""Properties in the dialect of 2016, whose files and lines have these two and declare none."""
+"""Properties of 2016, for files and lines of 2016, which have these two and do not declare them."""
 
 
 def property_named(properties: Sequence[TreasureProperty], name: str) -> TreasureProperty | None:
@@ -90,26 +90,26 @@ def property_named(properties: Sequence[TreasureProperty], name: str) -> Treasur
 
 
 def value_in_words(value: str) -> str:
-    """Return a value as it is said within a sentence: plain words without their capitals, `Round` but not `USB`."""
+    """Return a value for use within a sentence: plain words without their capitals, `Round` but not `USB`."""
     return re.sub(r"\w\w+", lambda word: word[0].lower() if word[0].istitle() else word[0], value)
 
 
 def values_in_words(properties: Sequence[TreasureProperty], known: Properties) -> str:
-    """Return what is known of a treasure as people read it within a sentence: `orange, round and large`."""
+    """Return the known properties of a treasure for use within a sentence: `orange, round and large`."""
     return ", ".join(each.phrase(known[each.name]) for each in properties if each.name in known)
 
 
 def properties_in_words(properties: Sequence[TreasureProperty], known: Properties) -> str:
-    """Return what is known of a treasure in English: `something orange, round and large`."""
+    """Return the known properties of a treasure in English: `something orange, round and large`."""
     return f"something {values_in_words(properties, known)}".rstrip()
 
 
 def labelled(properties: Sequence[TreasureProperty], values: Properties) -> tuple[tuple[str, str], ...]:
-    """Return label and value of what a robot senses as it finds a treasure, as lines of 2016 tell it."""
+    """Return label and value of each property that a robot senses when it finds a treasure, as in lines of 2016."""
     return tuple((each.label, values[each.name]) for each in properties if each.is_found and each.name in values)
 
 
 def named_by_labels(properties: Sequence[TreasureProperty], senses: Sequence[tuple[str, str]]) -> Properties:
-    """Return the values of a line of 2016 by the names of their properties; labels of no property are left out."""
+    """Return the values in a line of 2016 by the names of their properties; unknown labels are left out."""
     names = {each.label: each.name for each in properties}
     return {names[label]: value for label, value in senses if label in names}

@@ -1,4 +1,4 @@
-"""Rooms: their numbers, which nothing else converts between the wire's counting and people's, and their names."""
+"""Rooms: their numbers on the wire and for people, the only conversion between these, and their names."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
@@ -8,14 +8,14 @@ from typing import Self
 
 @total_ordering
 class Room:
-    """A place a robot can stand in: the corridor or a room. Ordered as people count.
+    """A place where a robot can stand: the corridor or a room. Rooms are ordered by their number for people.
 
-    People count the corridor as 0 and the rooms from 1, and so do the rows and columns of the cost matrix. The text
-    protocol counts rooms from 0 and has no number for the corridor: `of_wire` and `wire` convert, nothing else does. No
-    dataclass: msgspec would write one as an object, and JSON holds the bare number.
+    For people, the corridor is 0 and the rooms count from 1; the rows and columns of the cost matrix are the same. The
+    text protocol counts rooms from 0 and has no number for the corridor. Only `of_wire` and `wire` convert between the
+    two. This is no dataclass, because msgspec would write one as an object, and JSON has the bare number.
 
     Args:
-        people: the number people use, 0 is the corridor.
+        people: the number for people; 0 is the corridor.
 
     Raises:
         ValueError: the number is negative.
@@ -30,7 +30,7 @@ class Room:
 
     @classmethod
     def of_wire(cls, number: int) -> "Room":
-        """Return the room of a number of the text protocol; 0 is room 1. Raises ValueError below 0."""
+        """Return the room of a number in the text protocol; 0 is room 1. Raises ValueError below 0."""
         if number < 0:
             raise ValueError(f"there is no room {number} on the wire: rooms count from 0 there")
         return cls(number + 1)
@@ -73,21 +73,21 @@ def all_rooms(count: int) -> tuple[Room, ...]:
 
 @dataclass(frozen=True, slots=True)
 class RoomNames:
-    """Names of a map's rooms, which people read beside the numbers.
+    """Names of a map's rooms, which people read next to the numbers.
 
     Attributes:
-        named: the name of each room that has one of its own, by its number.
+        named: by number, the name of each room that has a name of its own.
     """
 
     named: Mapping[int, str] = field(default_factory=dict)
 
     @classmethod
     def of(cls, names: Iterable[tuple[int, str]]) -> Self:
-        """Keep the names that say more than the number does, as "Room 3" does not."""
+        """Keep the names with more information than the number; "Room 3" has none."""
         return cls({room: name for room, name in names if _says_more(name, room)})
 
     def name(self, room: int | None) -> str:
-        """Return the room's own name; empty where it has none."""
+        """Return the room's own name; empty if it has none."""
         return "" if room is None else self.named.get(room, "")
 
     def numbered(self, room: int) -> str:
@@ -95,7 +95,7 @@ class RoomNames:
         return f"{room} ({self.named[room]})" if room in self.named else str(room)
 
     def titled(self, room: int) -> str:
-        """Return the room within a sentence: "room 3 (Kitchen)", "room 4", "the corridor"."""
+        """Return the room for use within a sentence: "room 3 (Kitchen)", "room 4", "the corridor"."""
         return str(CORRIDOR) if room == CORRIDOR.people else f"room {self.numbered(room)}"
 
 

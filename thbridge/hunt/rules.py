@@ -1,4 +1,4 @@
-"""Rules of the game: each takes the state and a request, and returns the events that follow, or a refusal.
+"""Rules of the game: each has arguments for state and request, and returns the resulting events, or a refusal.
 
 No rule changes the state; the caller applies the events (`game.apply`), journals them, and then asks `ending`.
 """
@@ -37,11 +37,11 @@ from thbridge.hunt.rooms import CORRIDOR, Room
 from thbridge.hunt.treasures import same_name
 
 MOST_ROBOTS = 250
-"""Greatest size of a team: MAVLink system ids up to 250 are for vehicles, those above for ground stations."""
+"""Largest size of a team: MAVLink uses system ids up to 250 for vehicles, and those above for ground stations."""
 
 
 class RuleReason(StrEnum):
-    """Reason of a rule for a refusal."""
+    """Reason for which a rule refuses a request."""
 
     GAME_OVER = "game-over"
     UNKNOWN_ROBOT = "unknown-robot"
@@ -65,10 +65,10 @@ Ruling = tuple[Event, ...] | RequestRefused
 
 
 def command(state: GameState, robot: int, by: CommandHolder) -> Ruling:
-    """Give a robot to the participant or to a ground station; a researcher's intervention goes on.
+    """Give a robot to the participant or to a ground station; a researcher's intervention continues.
 
-    Allowed after the end of a game too: robots still drive, and the game's result does not depend on it. A moving
-    robot goes on. A repeated request gives no event.
+    Also allowed after the end of a game, because robots still drive and the game's result does not depend on it. A
+    moving robot continues its move. A repeated request gives no event.
     """
     if not state.has_robot(robot):
         return _no_robot(state, robot)
@@ -80,7 +80,7 @@ def command(state: GameState, robot: int, by: CommandHolder) -> Ruling:
 
 
 def intervene(state: GameState, robot: int, researcher: str | None) -> Ruling:
-    """Begin the intervention of a researcher of this name; None ends it, and the robot is its holder's again.
+    """Begin the intervention of a researcher of this name; None ends it, and the holder commands the robot again.
 
     A repeated request gives no event.
     """
@@ -94,7 +94,7 @@ def intervene(state: GameState, robot: int, researcher: str | None) -> Ruling:
 
 
 def request_handback(state: GameState, robot: int) -> Ruling:
-    """Ask back a robot that somebody else commands; one that the participant commands gives no event."""
+    """Ask another commander to give a robot back. If the participant commands it, there is no event."""
     refused = _over(state)
     if refused:
         return refused
@@ -104,7 +104,7 @@ def request_handback(state: GameState, robot: int) -> Ruling:
 
 
 def commanded_by_other(state: GameState, robot: int, asker: Commander) -> RequestRefused | None:
-    """Return the refusal for a robot that somebody else than the asker commands now, or None."""
+    """Return the refusal for a robot that another party than the asker commands now, or None."""
     now = state.robots[robot].command
     if now.by is asker:
         return None
@@ -114,7 +114,7 @@ def commanded_by_other(state: GameState, robot: int, asker: Commander) -> Reques
 
 
 def unable(state: GameState, robot: int) -> RequestRefused | None:
-    """Return the reason why a robot can do nothing at all just now, whoever commands it; or None."""
+    """Return the reason why a robot can do nothing at all at the moment, for any commander; or None."""
     worker = state.robots[robot]
     if state.ended is not None:
         return _over(state)
@@ -124,7 +124,7 @@ def unable(state: GameState, robot: int) -> RequestRefused | None:
 
 
 def commander_name(by: Commander, name: str) -> str:
-    """Return the name of a commander for use in a sentence; the names of researchers' programs are left out."""
+    """Return the name of a commander for use in a sentence; the names of researchers' programs are omitted."""
     match by:
         case Commander.PARTICIPANT:
             return "the participant"
@@ -135,9 +135,9 @@ def commander_name(by: Commander, name: str) -> str:
 
 
 def move(state: GameState, robot: int, room: Room, asker: Commander = Commander.PARTICIPANT) -> Ruling:
-    """Send a robot to a room. A participant thereby gives up an undecided treasure in the room where it stands.
+    """Send a robot to a room. A participant thereby leaves an undecided treasure in the room where it stands.
 
-    Another commander does not decide in the participant's place: the treasure may still be named (`GameState.decider`).
+    Another commander does not decide for the participant: the treasure can still be named (`GameState.decider`).
     """
     refused = _over(state) or _unknown(state, robot, room) or commanded_by_other(state, robot, asker)
     if refused:
@@ -168,8 +168,8 @@ def move(state: GameState, robot: int, room: Room, asker: Commander = Commander.
 def arrive(state: GameState, robot: int, room: Room) -> Ruling:
     """Record that a robot has reached a room.
 
-    If the game has no departure (a program of 2016 sent the robot), one is added, paid by the matrix whether or not the
-    energy suffices; if the robot had another destination, that move fails without refund.
+    If the game has no departure (a program of 2016 sent the robot), a departure is added. Its price is from the matrix,
+    even if the energy does not suffice. If the robot had another destination, that move fails without refund.
     """
     refused = _over(state) or _unknown(state, robot, room)
     if refused:
@@ -184,15 +184,16 @@ def arrive(state: GameState, robot: int, room: Room) -> Ruling:
 
 
 def fail(state: GameState, robot: int, reason: str, share_done: float, at: Room | None = None) -> Ruling:
-    """End a robot's move without arrival: the navigator failed, or a person stopped it.
+    """End a robot's move without arrival: the navigator failed, or a person stopped the robot.
 
     Args:
         state: the game.
         robot: index in the team, from 0.
         reason: for people, e.g. "cancelled" or the navigator's sentence.
         share_done: driven share of the path, clipped to [0, 1]; the rest of the price is refunded.
-        at: the room it stands in now. By default the place it set out from if it has not moved, else the corridor. A
-            robot that stopped in an unvisited room counts as in the corridor too, or it could not be sent there again.
+        at: the room where it stands now. The default is the place where it set out if it has not moved, otherwise the
+            corridor. A robot that stopped in an unvisited room also counts as in the corridor; otherwise it could not
+            be sent there again.
     """
     if not state.has_robot(robot):
         return _no_robot(state, robot)
@@ -218,7 +219,7 @@ def report(state: GameState, robot: int, condition: Condition) -> Ruling:
 
 
 def price(state: GameState, robot: int, costs: Sequence[float | None]) -> Ruling:
-    """Record the costs of a standing robot's moves from where it stands. Costs that are known give no event."""
+    """Record the costs of a standing robot's moves from where it stands. Known costs give no event."""
     refused = _over(state)
     if refused:
         return refused
@@ -229,19 +230,20 @@ def price(state: GameState, robot: int, costs: Sequence[float | None]) -> Ruling
         return RequestRefused(RuleReason.UNDER_WAY, f"{_name(robot)} is under way, and its move is already paid.")
     if len(costs) != len(state.rooms) + 1 or any(cost is not None and not cost >= 0.0 for cost in costs):
         return RequestRefused(RuleReason.UNKNOWN_ROOM, f"{len(state.rooms) + 1} costs of 0 or more are needed.")
-    # In a room that it was sent to there is no move to this room itself, whatever that would cost from beside its goal.
+    # In a room that it was sent to, there is no move to this room, even if the robot stands at some distance from the
+    # goal.
     row = tuple(None if place == mover.at.people else cost for place, cost in enumerate(costs))
     estimated = CostsEstimated(robot, row)
     return () if apply(state, estimated).costs_from(robot) == state.costs_from(robot) else (estimated,)
 
 
 def sense(state: GameState, room: Room, reported: Properties | None = None) -> Ruling:
-    """Sense what a robot senses of a treasure as it finds it. Sensing again gives no event.
+    """Sense the properties that a robot senses when it finds a treasure. Sensing them again gives no event.
 
     Args:
         state: the game.
         room: the room.
-        reported: properties as a Hider of 2016 reported them; None takes them from the state.
+        reported: properties from a Hider of 2016; None uses the properties in the state.
     """
     found = _standing_robot(state, room)
     if isinstance(found, RequestRefused):
@@ -258,7 +260,7 @@ def sense(state: GameState, room: Room, reported: Properties | None = None) -> R
 
 
 def measure(state: GameState, room: Room, name: str) -> Ruling:
-    """Sense one more property of a treasure that was found, for its energy. Sensing it again gives no event."""
+    """Sense one more property of a found treasure, for its energy. Sensing it again gives no event."""
     robot = _standing_robot(state, room)
     if isinstance(robot, RequestRefused):
         return robot
@@ -278,9 +280,9 @@ def measure(state: GameState, room: Room, name: str) -> Ruling:
 
 
 def tell(state: GameState, room: Room, name: str, value: str) -> Ruling:
-    """Take down what the participant tells of a treasure by its picture, free of charge, until it is decided.
+    """Record a property that the participant reports from the picture; it is free, and possible until the decision.
 
-    A new value replaces the one before; the same again gives no event.
+    A new value replaces the previous one; the same value again gives no event.
     """
     refused = _over(state) or _no_room(state, room)
     if refused:
@@ -298,12 +300,12 @@ def tell(state: GameState, room: Room, name: str, value: str) -> Ruling:
 
 
 def picture(state: GameState, room: Room, reported: str | None = None) -> Ruling:
-    """Take a picture where a robot stands. Energy is paid for the first in a room; showing it again is free.
+    """Take a picture where a robot stands. The first picture in a room costs energy; showing it again is free.
 
     Args:
         state: the game.
         room: the room.
-        reported: file name as a Hider of 2016 reported it; None takes it from the state.
+        reported: file name from a Hider of 2016; None uses the name in the state.
     """
     robot = _standing_robot(state, room)
     if isinstance(robot, RequestRefused):
@@ -321,18 +323,18 @@ def picture(state: GameState, room: Room, reported: str | None = None) -> Ruling
 
 
 def identify(state: GameState, room: Room, name: str, reported: int | None = None) -> Ruling:
-    """Name the treasure of a room, once: right wins its points, wrong costs `wrong_share` of them.
+    """Name the treasure of a room, once. A right name wins its points, a wrong one costs `wrong_share` of them.
 
-    The robot that pays is the one that stands there, or that found it and was sent on by a ground station.
+    The paying robot is the one that stands there, or the one that found it and was sent on by a ground station.
 
-    A lost share of points is rounded to the nearest whole number, half away from zero, because the wire carries whole
-    points. Differs: the 2016 Hider took a name for right that merely contained the right one.
+    A lost share of points is rounded to the nearest whole number, half away from zero, because the wire has whole
+    points. Difference: the Hider of 2016 also accepted a name that merely contained the right one.
 
     Args:
         state: the game.
         room: the room.
-        name: one of the treasures' names; case and blanks do not count.
-        reported: points as a Hider of 2016 reported them; None judges the name by the state.
+        name: one of the treasures' names; case and spaces are ignored.
+        reported: points from a Hider of 2016; None judges the name by the state.
     """
     robot = _present(state, room, state.decider)
     if isinstance(robot, RequestRefused):
@@ -352,7 +354,7 @@ def identify(state: GameState, room: Room, name: str, reported: int | None = Non
 
 
 def leave(state: GameState, room: Room) -> Ruling:
-    """Give up the treasure in a room. One that was given up gives no event."""
+    """Leave the treasure in a room undecided. A treasure that was already left gives no event."""
     refused = _over(state) or _no_room(state, room)
     if refused:
         return refused
@@ -364,9 +366,9 @@ def leave(state: GameState, room: Room) -> Ruling:
 
 
 def take_up(state: GameState, room: Room) -> Ruling:
-    """Take back that the treasure in a room was given up, while a robot still stands there.
+    """Take up again a treasure that was left in a room, while a robot still stands there.
 
-    One that was not given up gives no event.
+    A treasure that was not left gives no event.
     """
     refused = _over(state) or _no_room(state, room)
     if refused:
@@ -382,7 +384,7 @@ def take_up(state: GameState, room: Room) -> Ruling:
 
 
 def end_game(state: GameState) -> Ruling:
-    """End the game early. Moving robots have to arrive or be stopped first."""
+    """End the game early. Moving robots must arrive or be stopped first."""
     refused = _over(state)
     if refused:
         return refused
@@ -393,16 +395,16 @@ def end_game(state: GameState) -> Ruling:
 
 
 def ending(state: GameState, *, wait_for_decisions: bool = True) -> tuple[Event, ...]:
-    """Return one `GameEnded` if the game is over, else no event.
+    """Return one `GameEnded` if the game is over, otherwise no event.
 
-    It is over when every room is visited, or no robot has a move left that it can pay, and no robot is moving. Silent
-    robots do not count; the game does not wait until they respond again.
+    It is over if no robot is moving, and every room is visited or no robot can pay for another move. Silent robots do
+    not count; the game does not wait for them.
 
     Args:
         state: the game.
         wait_for_decisions: also wait while there is a treasure (sensed or about to be) that a robot could still
-            identify and that is not given up. Pass False for participants of 2016, who never give a treasure up. For
-            a ground station that commands a robot beside such a treasure the game waits in any case: it gives the
+            identify and that was not left. Pass False for participants of 2016, who never leave a treasure. The game
+            always waits for a ground station that commands a robot at such a treasure, because the station gives the
             robot back when it is done.
     """
     if state.ended is not None or any(robot.bound_for is not None for robot in state.robots):
@@ -418,7 +420,7 @@ def ending(state: GameState, *, wait_for_decisions: bool = True) -> tuple[Event,
 
 
 def affordable(state: GameState, robot: int) -> tuple[Room, ...]:
-    """Return the free rooms that this robot has the energy to reach; none if it is blocked or silent."""
+    """Return the free rooms for which this robot has enough energy; none if it is blocked or silent."""
     mover = state.robots[robot]
     if mover.is_blocked or mover.is_silent:
         return ()

@@ -1,18 +1,18 @@
-"""The planners of a team that there are, by name."""
+"""Names of the planners of a team."""
 
 from enum import StrEnum
 
 
 class TeamPlanner(StrEnum):
-    """Planner of which robot visits which room next."""
+    """Planner that decides which robot visits which room next."""
 
     JOINT = "joint"
     """The joint plan of the team: most rooms, then least energy."""
     NEAREST = "nearest"
-    """Each robot goes to the room nearest to it."""
+    """Each robot goes to its nearest room."""
     GREEDY = "greedy"
-    """Of all moves of all robots the cheapest is made first."""
+    """The cheapest of all robots' moves comes first."""
     TOUR = "tour"
-    """Each robot plans the best tour of all rooms left for itself alone, as in 2016."""
+    """Each robot plans the best tour of all rooms left for itself, as in 2016."""
     AUCTION = "auction"
-    """Robots bid for rooms what these add to their tours; the lowest bid wins, room by room."""
+    """Robots bid for rooms with the energy that these add to their tours; the lowest bid wins, room by room."""

@@ -1,10 +1,10 @@
-"""Joint plan of a team: which robot visits which of the rooms that are left, and in which order.
+"""Joint plan of a team: which robot visits which of the rooms left, and in which order.
 
-An assignment of rooms to robots that visits most rooms within the robots' energies, and of those the one with the
-least energy for all moves. Each robot's cheapest tour of every subset comes from the subset dynamic program of
-`thbridge.hunt.tour`; robots are then joined one by one, each taking any subset of what those before it leave. That
-compares 3^n pairs of a set and a subset of it: exact, and with three robots a matter of 15 ms for twelve rooms and of
-half a second for sixteen.
+The plan assigns rooms to robots so that the team visits most rooms within the robots' energies, and of such plans it is
+the one with the least energy for all moves. The subset dynamic program of `thbridge.hunt.tour` gives each robot's
+cheapest tour of every subset. Robots are then added one by one; each takes any subset of the rooms that the others
+leave. This compares 3^n pairs of a set and a subset of it. The result is exact; with three robots it takes 15 ms for
+twelve rooms, and half a second for sixteen.
 """
 
 import math
@@ -20,34 +20,34 @@ from thbridge.hunt.rooms import Room
 from thbridge.hunt.tour import MOST_ROOMS, Tour, cost_to_go, first_order
 
 MOST_ROOMS_OF_A_TEAM = 16
-"""Greatest number of rooms of which all plans of a team are compared: seconds, for four robots."""
+"""Largest number of rooms for which all plans of a team are compared: this takes seconds for four robots."""
 _LOW_ROOMS = 9
-"""Number of rooms of which all pairs of a set and a subset are compared at once: 3^9 of them."""
+"""Number of rooms for which all 3^9 pairs of a set and a subset are compared in one block."""
 
 
 @dataclass(frozen=True, slots=True)
 class TourStart:
-    """Start of one robot's tour, and the energy it may spend.
+    """Start of one robot's tour, and the energy available for it.
 
     Attributes:
-        costs: energy from there to every place, by the number people use, as a row of `CostMatrix`.
-        energy: of the robot; a tour may use all of it.
+        costs: energy from there to every place, by the number for people, as a row of `CostMatrix`.
+        energy: energy of the robot; a tour may use all of it.
     """
 
     costs: tuple[float, ...]
     energy: float
 
     def can_pay(self, room: Room) -> bool:
-        """Return True when the robot can go to this room first."""
+        """Return True if the robot can go to this room first."""
         return self.costs[room.people] <= self.energy and self.costs[room.people] < math.inf
 
     def after(self, costs: CostMatrix, room: Room, visit: float) -> "TourStart":
-        """Return the start of the rest of a tour whose first room is this one; its energy may be below 0."""
+        """Return the start of the rest of a tour with this first room; its energy can be below 0."""
         return TourStart(costs.rows[room.people], self.energy - self.costs[room.people] - visit)
 
 
 def paid_tour(costs: CostMatrix, start: TourStart, order: Iterable[Room], visit: float) -> Tour:
-    """Return the tour through rooms in this order, up to the first that the robot cannot pay for."""
+    """Return the tour through rooms in this order, up to the first one that the robot cannot pay for."""
     rooms, cost = [], 0.0
     for room in order:
         if not start.can_pay(room):
@@ -59,30 +59,30 @@ def paid_tour(costs: CostMatrix, start: TourStart, order: Iterable[Room], visit:
 
 
 def most_rooms_shared_out(robots: int) -> int:
-    """Return the greatest number of rooms of which the best tours of a team are found."""
+    """Return the largest number of rooms for which the best tours of a team can be found."""
     return MOST_ROOMS if robots == 1 else MOST_ROOMS_OF_A_TEAM
 
 
 def best_team_tours(
     costs: CostMatrix, starts: Sequence[TourStart], unvisited: Collection[Room], visit: float = 0.0, sent: int = -1
 ) -> tuple[Tour, ...]:
-    """Return a tour for each robot: together they visit most rooms, with the least energy for moves.
+    """Return a tour for each robot; together they visit most rooms, with the least energy for moves.
 
-    Among equals the earlier robots take the rooms with the lower numbers; the result depends on the arguments alone.
+    Among equal plans, the earlier robots get the rooms with the lower numbers; only the arguments determine the result.
 
     Args:
         costs: energy from room to room.
-        starts: one a robot.
+        starts: one start per robot.
         unvisited: rooms still to visit, at most `MOST_ROOMS_OF_A_TEAM`, or `MOST_ROOMS` for one robot; in any order.
-        visit: energy that a robot spends in each room before its next move; counted against its energy, and not part
-            of a tour's cost.
+        visit: energy that a robot spends in each room before its next move; counted against its energy, but not part of
+            a tour's cost.
         sent: index of the robot that is about to be sent: its tour has at least one room, if it can pay for any.
 
     Returns:
-        One tour a robot; an empty one stays where it is.
+        One tour per robot; a robot with an empty tour stays where it is.
 
     Raises:
-        ValueError: more rooms than can be compared.
+        ValueError: there are too many rooms to compare.
     """
     rooms = _comparable(unvisited, starts)
     step = _steps(costs, rooms, starts)
@@ -113,13 +113,13 @@ class PlanValue:
 def alternatives(
     costs: CostMatrix, starts: Sequence[TourStart], unvisited: Collection[Room], visit: float = 0.0
 ) -> tuple[dict[Room, PlanValue], ...]:
-    """Return for each robot what each room as its next one is worth: the value of the best plan that begins so.
+    """Return, for each robot and each possible next room, the value of the best plan that begins with it.
 
-    The others go on as is best then. Rooms that a robot cannot pay for are left out. The arguments are those of
-    `best_team_tours`.
+    The other robots follow the best plan in that case. Rooms that a robot cannot pay for are left out. The arguments
+    are those of `best_team_tours`.
 
     Raises:
-        ValueError: more rooms than can be compared.
+        ValueError: there are too many rooms to compare.
     """
     rooms = _comparable(unvisited, starts)
     step = _steps(costs, rooms, starts)
@@ -144,16 +144,16 @@ def alternatives(
 
 
 def best_score(costs: CostMatrix, starts: Sequence[TourStart], points: Mapping[Room, int], visit: float) -> int:
-    """Return the most points that a team can win by naming every treasure it finds.
+    """Return the highest score of a team that names every treasure it finds.
 
     Args:
         costs: energy from room to room.
-        starts: one a robot.
-        points: of each room's treasure, of so many rooms as can be shared out.
-        visit: energy of naming.
+        starts: one start per robot.
+        points: points of each room's treasure; at most as many rooms as can be shared out.
+        visit: energy of naming a treasure.
 
     Raises:
-        ValueError: more rooms than can be compared.
+        ValueError: there are too many rooms to compare.
     """
     rooms = _comparable(points, starts)
     to_go, sizes = cost_to_go(_steps(costs, rooms, starts))
@@ -166,7 +166,7 @@ def best_score(costs: CostMatrix, starts: Sequence[TourStart], points: Mapping[R
 
 
 def _comparable(unvisited: Collection[Room], starts: Sequence[TourStart]) -> list[Room]:
-    """Return the rooms in order. Raises ValueError when they are too many."""
+    """Return the rooms in order. Raises ValueError if there are too many."""
     rooms = sorted(set(unvisited))
     limit = most_rooms_shared_out(len(starts))
     if len(rooms) > limit:
@@ -182,18 +182,18 @@ def _steps(costs: CostMatrix, rooms: Sequence[Room], starts: Sequence[TourStart]
 
 
 def _payable(to_go: NDArray[np.float64], sizes: NDArray[np.int64], energy: float, visit: float) -> NDArray[np.float64]:
-    """Return the energy for the moves of one robot's cheapest tour, by subset; infinite where it cannot pay for it.
+    """Return the energy for the moves of one robot's cheapest tour, by subset; infinite if it cannot pay for it.
 
-    To stay costs nothing, so that a robot whose energy is below 0 keeps no other one from going.
+    Staying costs nothing, so that a robot with energy below 0 does not prevent the others from going.
     """
     spent = to_go + visit * np.maximum(sizes - 1, 0)
     return np.where((spent <= energy) | (sizes == 0), to_go, np.inf)
 
 
 def _shared_out(spent: Sequence[NDArray[np.float64]], worth: NDArray[np.int64], rooms: int) -> list[int]:
-    """Return the subset of so many rooms that each robot takes.
+    """Return, for each robot, its subset of `rooms` rooms.
 
-    The first robot comes last and so chooses first, among equals the rooms with the lowest numbers.
+    The first robot is added last and so chooses first; among equal subsets, it takes the rooms with the lowest numbers.
     """
     plans = _plans(spent[1:], worth, rooms)
     taken = [_first_of_best(plans[-1], spent[0], worth, len(worth) - 1)]
@@ -206,14 +206,14 @@ def _shared_out(spent: Sequence[NDArray[np.float64]], worth: NDArray[np.int64], 
 
 @dataclass(frozen=True, slots=True)
 class _Plan:
-    """Best plan of some robots within every set of rooms: most worth, then least energy, both sums over robots.
+    """Best plan of some robots within every set of rooms: highest worth, then least energy, both summed over robots.
 
-    So a part of a best plan is a best plan of its part.
+    Because both are sums, each part of a best plan is a best plan for its part.
 
     Attributes:
-        most: (2^rooms,) worth; -1 where no plan can be paid for.
+        most: (2^rooms,) worth; -1 if no plan can be paid for.
         least: (2^rooms,) energy.
-        taken: (2^rooms,) the subset that the last robot joined takes.
+        taken: (2^rooms,) the subset of the robot that was added last.
     """
 
     most: NDArray[np.int64]
@@ -222,7 +222,7 @@ class _Plan:
 
 
 def _plans(spent: Sequence[NDArray[np.float64]], worth: NDArray[np.int64], rooms: int) -> list[_Plan]:
-    """Return the plan of no robot, of the last, of the last two, and so on."""
+    """Return the plans of no robot, of the last one, of the last two, and so on."""
     nothing = np.zeros(len(worth), dtype=np.int64)
     plans = [_Plan(nothing, np.zeros(len(worth)), nothing)]
     for of_robot in reversed(spent):
@@ -232,7 +232,7 @@ def _plans(spent: Sequence[NDArray[np.float64]], worth: NDArray[np.int64], rooms
 
 
 def _best_within(spent: NDArray[np.float64], worth: NDArray[np.int64], rooms: int) -> _Plan:
-    """Return the plan of one robot: of each set the best subset, found room by room."""
+    """Return the plan of one robot: the best subset of each set, found room by room."""
     can_pay = np.isfinite(spent)
     most, least, taken = np.where(can_pay, worth, -1), spent.copy(), np.arange(len(worth))
     for room in range(rooms):
@@ -246,7 +246,7 @@ def _best_within(spent: NDArray[np.float64], worth: NDArray[np.int64], rooms: in
 
 
 def _first_of_best(plan: _Plan, spent: NDArray[np.float64], worth: NDArray[np.int64], left: int) -> int:
-    """Return the subset of these rooms that a robot takes beside the others' plan: of equals the lowest."""
+    """Return the subset of these rooms for a robot next to the others' plan; among equal subsets, the lowest."""
     rest = left ^ np.arange(len(worth))
     energy = plan.least[rest] + spent
     number = np.where(np.isfinite(energy), plan.most[rest] + worth, -1)
@@ -257,7 +257,7 @@ def _joined(plan: _Plan, spent: NDArray[np.float64], worth: NDArray[np.int64], r
     """Return the plan with one more robot, which takes any subset of each set and leaves the rest to the others.
 
     Rooms are split into low and high bits. For each pair of a set of high rooms and a subset of it, all pairs of low
-    ones are compared at once: 3^n comparisons in all, in blocks that stay in the processor's cache.
+    rooms are compared at once: 3^n comparisons in all, in blocks that fit into the processor's cache.
     """
     low = min(rooms, _LOW_ROOMS)
     whole, part, begins = _subsets_of_sets(low)
@@ -277,7 +277,7 @@ def _joined(plan: _Plan, spent: NDArray[np.float64], worth: NDArray[np.int64], r
         best = np.maximum.reduceat(number, begins)
         energy[number < np.repeat(best, lengths)] = np.inf
         cheapest = np.minimum.reduceat(energy, begins)
-        # Subsets come in ascending order, in a block and from block to block: of equals the first one stays.
+        # Subsets come in ascending order within a block and between blocks, so the first of equal ones stays.
         position = np.where(energy == np.repeat(cheapest, lengths), positions, len(whole))
         subset = part[np.minimum.reduceat(position, begins)] | (int(high_part) << low)
         better = (best > most[high]) | ((best == most[high]) & (cheapest < least[high]))
@@ -290,7 +290,7 @@ def _subsets_of_sets(rooms: int) -> tuple[NDArray[np.int64], NDArray[np.int64], 
     """Return all pairs of a set of rooms and a subset of it, ordered by set and then by subset.
 
     Returns:
-        (3^rooms,) the sets, (3^rooms,) the subsets, and (2^rooms,) where the pairs of each set begin.
+        (3^rooms,) the sets, (3^rooms,) the subsets, and (2^rooms,) the index of the first pair of each set.
     """
     whole = part = np.zeros(1, dtype=np.int64)
     for room in range(rooms):

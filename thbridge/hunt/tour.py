@@ -1,8 +1,9 @@
-"""The exact cheapest open tour of the rooms that are left.
+"""The exact cheapest open tour of the rooms left.
 
 The subset dynamic program of Bellman (1962) and Held and Karp (1962), in its cost-to-go form: `to_go[S, j]` is the
-least energy that visits every room of the set S starting at place j. It is filled by the size of S, so that all sets of
-one size are one array operation, and it also answers for every subset what a robot with too little energy can still do.
+least energy that visits every room of the set S starting at place j. The table is filled in order of the size of S, so
+that all sets of one size are one array operation. It also gives, for every subset, the best tour within too little
+energy.
 """
 
 import math
@@ -18,11 +19,11 @@ from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rooms import Room
 
 MOST_ROOMS = 18
-"""Greatest number of rooms of one robot's best tour: the table takes 8 bytes x 2^n x (n + 1), 40 MB for 18."""
+"""Largest number of rooms in one robot's best tour: the table needs 8 bytes x 2^n x (n + 1), 40 MB for 18."""
 
 
 class NoTour(StrEnum):
-    """Reason for no suggestion."""
+    """Reason why there is no suggestion."""
 
     NOTHING_LEFT = "nothing-left"
     NOT_REACHABLE = "not-reachable"
@@ -32,7 +33,7 @@ class NoTour(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Tour:
-    """Rooms in the order of visiting them, and the energy of all moves. Ends in its last room."""
+    """Rooms in the order of visits, and the energy of all moves. The tour ends in its last room."""
 
     rooms: tuple[Room, ...]
     cost: float
@@ -43,22 +44,22 @@ def best_tour(
 ) -> Tour | RequestRefused:
     """Return the cheapest of the tours from `at` that visit most of `unvisited` within `energy`.
 
-    With energy enough for all of them this is the cheapest tour of all. Among equals the tour with the lowest room
-    numbers first is taken, so the result depends on the arguments alone.
+    If the energy suffices for all rooms, this is the cheapest tour of all. Among equal tours, the one with the lowest
+    room numbers first is returned, so only the arguments determine the result.
 
     Args:
         costs: energy from place to place.
-        at: place of the robot; not counted as unvisited even if it is among `unvisited`.
+        at: place of the robot; does not count as unvisited even if it is in `unvisited`.
         unvisited: rooms still to visit, in any order.
-        energy: of the robot; a tour may use all of it.
-        visit: energy that is spent in each room before the next move; counted against `energy`, and not part of the
+        energy: energy of the robot; a tour may use all of it.
+        visit: energy that is spent in each room before the next move; counted against `energy`, but not part of the
             tour's cost.
 
     Returns:
         A tour of at least one room, or a refusal with a reason (`NoTour`).
 
     Raises:
-        IndexError: a place that the matrix does not know.
+        IndexError: a place is not in the matrix.
     """
     rooms = sorted(set(unvisited) - {at})
     if len(rooms) > MOST_ROOMS:
@@ -82,13 +83,13 @@ def best_tour(
 def why_no_tour(
     row: Sequence[float], at: Room, unvisited: Collection[Room], energy: float = math.inf
 ) -> RequestRefused | None:
-    """Return why a robot can go to none of any number of rooms, or None, without comparing any tours.
+    """Return the reason why a robot can go to no room at all, or None; no tours are compared, so rooms can be many.
 
     Args:
-        row: energy from where the robot stands to each place, as a row of `CostMatrix`.
-        at: as for `best_tour`, and so the others.
+        row: energy from the place of the robot to each place, as a row of `CostMatrix`.
+        at: place of the robot, as for `best_tour`.
         unvisited: rooms still to visit.
-        energy: of the robot.
+        energy: energy of the robot.
     """
     rooms = sorted(set(unvisited) - {at})
     if not rooms:
@@ -113,8 +114,8 @@ def cost_to_go(step: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[
         step: (n + s, n) energy from place to room; the rows after the rooms' own are starts.
 
     Returns:
-        (2^n, n + s) least energy to visit all of subset S from place j, infinite when impossible (bit k of S is
-        room k), and (2^n,) the sizes of the subsets. Entries where j is in S are not used.
+        (2^n, n + s) least energy to visit all of subset S from place j, infinite if impossible (bit k of S is room k),
+        and (2^n,) the sizes of the subsets. Entries with j in S are not used.
     """
     places, count = step.shape
     subsets = np.arange(1 << count)
@@ -135,13 +136,16 @@ def cost_to_go(step: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[
 def first_order(
     step: NDArray[np.float64], to_go: NDArray[np.float64], place: int, subsets: NDArray[np.int64]
 ) -> tuple[int, ...]:
-    """Return the cheapest order of any of these subsets (all of one size) from this place; of equals the lowest."""
+    """Return the cheapest order for any of these subsets (all of one size) from this place.
+
+    Of equal ones, the lowest.
+    """
     order: list[int] = []
     while subsets.any():
         for room in range(step.shape[1]):
             having = subsets[(subsets >> room) & 1 == 1]
             without = having ^ (1 << room)
-            # The same sums as in the table, so comparing for equality is exact.
+            # The sums are the same as in the table, so the comparison for equality is exact.
             going_on = without[step[place, room] + to_go[without, room] == to_go[having, place]]
             if going_on.size:
                 order.append(room)

@@ -1,9 +1,9 @@
-"""Least energy that any tour of some rooms can take, found without finding the best tour.
+"""Lower bound for the energy of any tour of some rooms, found without the best tour.
 
-The greater of two relaxations. In the *assignment*, every room is entered from a place of its own, but not all from one
-tour. In the *1-tree* (Held and Karp, The traveling-salesman problem and minimum spanning trees, 1970 and 1971), the
-places are joined by a tree instead of a path, and places that have too many or too few neighbors are made dearer or
-cheaper until the tree is nearly a path; a move costs the lesser of its two directions there.
+The bound is the greater of two relaxations. In the *assignment*, every room is entered from a different place, but not
+all in one tour. In the *1-tree* (Held and Karp, The traveling-salesman problem and minimum spanning trees, 1970 and
+1971), a tree instead of a path joins the places. Places with too many or too few neighbors get dearer or cheaper until
+the tree is nearly a path; a move costs the lesser of its two directions there.
 """
 
 from collections.abc import Collection
@@ -16,24 +16,24 @@ from thbridge.hunt.costs import CostMatrix
 from thbridge.hunt.rooms import Room
 
 ROUNDS = 300
-"""Rounds in which prices of places change; some 0.1 s for fifty rooms."""
-_PATIENCE = 20
-"""Rounds without a better bound after which prices change by half as much."""
+"""Rounds in which prices of places change; about 0.1 s for fifty rooms."""
+_ROUNDS_WITHOUT_PROGRESS = 20
+"""Rounds without a better bound after which the price changes are halved."""
 
 
 def least_tour_cost(costs: CostMatrix, at: Room, unvisited: Collection[Room], known: float) -> float:
-    """Return energy that no tour of all these rooms undercuts; the tour may end in any of them.
+    """Return a lower bound for the energy of all tours of all these rooms; a tour may end in any of them.
 
     Args:
         costs: energy from place to place.
         at: place of the robot.
         unvisited: rooms to visit, at least one.
-        known: energy of a tour that is known.
+        known: energy of a known tour.
     """
     rooms = sorted(set(unvisited) - {at})
     moves = np.array([[costs.cost(start, goal) for goal in rooms] for start in (*rooms, at)])
     np.fill_diagonal(moves, np.inf)
-    # A move that there is not becomes a dear one: that can only lower what is found.
+    # A missing move gets a high cost, which can only lower the result.
     moves[np.isinf(moves)] = known + 1.0
     entered, left = linear_sum_assignment(moves.T)
     least = max(float(moves.T[entered, left].sum()), _tree_bound(moves, known))
@@ -42,7 +42,7 @@ def least_tour_cost(costs: CostMatrix, at: Room, unvisited: Collection[Room], kn
 
 
 def _tree_bound(moves: FloatArray, known: float) -> float:
-    """Bound by 1-trees; (n + 1, n) moves from each room, and in the last row from the start, to each room."""
+    """Bound by 1-trees, from (n + 1, n) moves to each room from each room and, in the last row, from the start."""
     count = moves.shape[1]
     between = np.full((count + 1, count + 1), np.inf)
     between[:, :count] = moves
@@ -50,14 +50,14 @@ def _tree_bound(moves: FloatArray, known: float) -> float:
     prices, best, step, waited = np.zeros(count + 1), 0.0, 2.0, 0
     for _ in range(ROUNDS):
         neighbours, cost = _tree(between + prices[:, np.newaxis] + prices)
-        # One more place of no cost closes the path to a round: next to the start, and to the cheapest end.
+        # One more place at no cost closes the path to a round trip: next to the start, and to the cheapest end.
         end = int(prices[:count].argmin())
         neighbours[[end, count]] += 1
         bound = cost + prices[end] + prices[count] - 2.0 * float(prices.sum())
         waited += 1
         if bound > best:
             best, waited = bound, 0
-        elif waited >= _PATIENCE:
+        elif waited >= _ROUNDS_WITHOUT_PROGRESS:
             step, waited = 0.5 * step, 0
         excess = neighbours - 2
         if not excess.any() or best >= known:

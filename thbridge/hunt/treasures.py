@@ -9,12 +9,12 @@ from thbridge.hunt.properties import Properties
 
 @dataclass(frozen=True, slots=True)
 class TreasureKind:
-    """One kind of a treasures file.
+    """One kind of treasure in a file of treasures.
 
     Attributes:
         properties: the value of each property that its set declares.
-        points: won by naming it rightly, never negative.
-        name: by which people identify it.
+        points: points for naming it correctly, never negative.
+        name: name by which people identify it.
         image: file name of its picture without a directory; None in the participant's copy.
     """
 
@@ -28,8 +28,8 @@ def hide(kinds: Sequence[TreasureKind], uniforms: Sequence[float]) -> tuple[Trea
     """Hide one treasure in each room; all kinds are equally likely, rooms independent of each other.
 
     Args:
-        kinds: at least one.
-        uniforms: one number in [0, 1) per room, room 1 first. Same numbers, same treasures.
+        kinds: the kinds, at least one.
+        uniforms: one number in [0, 1) per room, room 1 first. The same numbers give the same treasures.
 
     Returns:
         One kind per room, room 1 first. A kind may occur more than once or not at all.
@@ -45,9 +45,9 @@ def hide(kinds: Sequence[TreasureKind], uniforms: Sequence[float]) -> tuple[Trea
 
 
 def same_name(left: str, right: str) -> bool:
-    """Return True for two equal names of treasures: case and blanks around or between words do not count.
+    """Return True for equal names of treasures; case, and the number of spaces around or between words, are ignored.
 
-    Nor does it count whether a letter with marks was typed as one character or as two (NFC, NFD).
+    Letters with marks are equal whether they are one character or two (NFC, NFD).
     """
     if left == right:
         return True
@@ -56,5 +56,5 @@ def same_name(left: str, right: str) -> bool:
 
 
 def name_in_words(name: str) -> str:
-    """Return a treasure's name as people read it: `beer_bottle` of a file is `beer bottle`."""
+    """Return a treasure's name in words for people: `beer_bottle` becomes `beer bottle`."""
     return " ".join(name.replace("_", " ").split())

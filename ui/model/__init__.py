@@ -1,1 +1,1 @@
-"""View models of all windows: what they show and what people may do in them, as values and without Qt."""
+"""View models of all windows, as values and without Qt: the contents of windows, and the acts of people in them."""

@@ -1,14 +1,14 @@
-"""Answers to the question whether somebody takes part, for people who type."""
+"""Typed answers to the question whether a person takes part."""
 
 from thbridge.dialogue.wording.texts import Texts
 
 _YES = frozenset({"yes", "y"})
 _NO = frozenset({"no", "n"})
-"""Answers in each language beside its own."""
+"""Answers that mean no in all languages, in addition to those of the language."""
 
 
 def answer_in(texts: Texts, line: str) -> bool | None:
-    """Return the answer in a typed line, True for yes; None when it is neither yes nor no."""
+    """Return the answer in a typed line: True for yes, False for no, None for anything else."""
     words = " ".join(line.split()).casefold().rstrip(".!")
     if words in _YES | _listed(texts.text("terminal.yes")):
         return True

@@ -1,7 +1,7 @@
-"""Messages between the program that takes people through a study (host) and the window in which they go through it.
+"""Messages between the program that runs a study with people (host) and the window that shows them its pages (kiosk).
 
-The window is a process of its own. It knows what its page shows and nothing of the study's log: each page has a number,
-and what is said of another page than the one shown is void.
+The window is a process of its own. It has the contents of its page, but no access to the study's log. Each page has a
+number, and messages about any other page are ignored.
 """
 
 from collections.abc import Sequence
@@ -13,17 +13,17 @@ from thbridge.roles.shared.notices import GameTexts
 from ui.model.shared.window_protocol import WindowProtocol
 
 Answer: TypeAlias = float | str | tuple[str, ...] | None
-"""Answer to an item: a number, words or an option, several options; None: not answered."""
+"""Answer to an item: a number, words or an option, or several options. If None, there is no answer."""
 
 
 class StudyTexts(msgspec.Struct, frozen=True, tag=True):
-    """Host: the texts of the study's language, before all else. A window shows nothing before they come."""
+    """Host: the texts of the study's language, before all other messages; without them, a window shows nothing."""
 
     texts: GameTexts
 
 
 class StudyProgress(msgspec.Struct, frozen=True):
-    """Place of a page in a person's way through the study: `step` of `steps`; 0 steps: none to show."""
+    """Position of a page in a person's run: `step` of `steps`; with 0 steps, there is nothing to show."""
 
     step: int = 0
     steps: int = 0
@@ -36,11 +36,12 @@ class TextToRead(msgspec.Struct, frozen=True, tag=True):
         page: number of the page.
         heading: above the text; empty: none.
         text: in paragraphs, or Markdown.
-        button: what leads on; None: the usual word; empty: nothing does, and the page is there until another comes.
+        button: label of the button that leads on. If None, it is the usual word; if empty, there is no button, and the
+            page stays until another one comes.
         markdown: True where the text is Markdown.
         code: completion code to copy down; empty: none.
-        anew: True where the next person begins: what the one before chose for themselves (size of text, sound) is over.
-        progress: of the person.
+        `anew`: True when the next person begins: the preferences of the person before (size of text, sound) are reset.
+        progress: position in the person's run.
     """
 
     page: int
@@ -54,7 +55,7 @@ class TextToRead(msgspec.Struct, frozen=True, tag=True):
 
 
 class ConsentToAsk(msgspec.Struct, frozen=True, tag=True):
-    """Host: ask for the agreement to a text; `markdown` where it is Markdown."""
+    """Host: ask for consent to a text; `markdown` is True if it is Markdown."""
 
     page: int
     text: str
@@ -63,11 +64,11 @@ class ConsentToAsk(msgspec.Struct, frozen=True, tag=True):
 
 
 class FormItem(msgspec.Struct, frozen=True):
-    """An item of a form as people see it; most attributes are those of `questionnaires.form.Item`.
+    """An item of a form in the window; most attributes are those of `questionnaires.form.Item`.
 
     Attributes:
-        labels: of the options, in their order; empty: the options themselves.
-        one_line: True where a text is a word or a code, and Enter leads on.
+        labels: labels of the options, in their order; if empty, the options themselves are shown.
+        one_line: True if the answer is a word or a code, and Enter leads on.
     """
 
     id: str
@@ -90,20 +91,20 @@ class FormItem(msgspec.Struct, frozen=True):
 
 
 class FormToFill(msgspec.Struct, frozen=True, tag=True):
-    """Host: have a page of a form filled in.
+    """Host: show a page of a form to fill in.
 
     Attributes:
         page: number of the page.
         title: of the form.
         instructions: above the items; empty: none.
         items: of this page, in their order.
-        answers: given or begun before, by the item's id.
+        answers: answers so far, complete or begun, by the item's id.
         timed_out: ids of items that were closed by their time limits.
-        missing: ids of required items without an answer, to be pointed at.
+        missing: ids of required items without an answer, to be marked.
         part: number of the page within the form, from 1.
-        parts: pages of the form.
-        back: True where the person may go back to the page before.
-        progress: of the person.
+        parts: number of pages of the form.
+        back: True if the person may go back to the previous page.
+        progress: position in the person's run.
     """
 
     page: int
@@ -120,7 +121,7 @@ class FormToFill(msgspec.Struct, frozen=True, tag=True):
 
 
 class AnswerKept(msgspec.Struct, frozen=True, tag=True):
-    """Host: an answer is in the log; `timed_out` where the time limit of its item was over."""
+    """Host: an answer is in the log; `timed_out` is True if the time limit of its item was over."""
 
     page: int
     item: str
@@ -129,7 +130,7 @@ class AnswerKept(msgspec.Struct, frozen=True, tag=True):
 
 
 class GamePrepared(msgspec.Struct, frozen=True, tag=True):
-    """Host: a game is being prepared, or ends; `sentence` tells people so."""
+    """Host: a game is being prepared, or ends; `sentence` says so to the person."""
 
     page: int
     sentence: str
@@ -137,7 +138,7 @@ class GamePrepared(msgspec.Struct, frozen=True, tag=True):
 
 
 class GameToJoin(msgspec.Struct, frozen=True, tag=True):
-    """Host: the game waits at this address.
+    """Host: join the game at this address.
 
     Attributes:
         page: number of the page.
@@ -145,9 +146,9 @@ class GameToJoin(msgspec.Struct, frozen=True, tag=True):
         port: port of its text server.
         token: secret by which the server recognizes this participant.
         practice: True for the practice game.
-        agreed_at: time of day at which the person agreed to take part; empty: nothing was asked.
-        progress: of the person.
-        to_do: as in `GameNews`, when the game begins.
+        agreed_at: date and time at which the person gave consent; empty if the study did not ask.
+        progress: position in the person's run.
+        to_do: as in `GameNews`, at the beginning of the game.
     """
 
     page: int
@@ -161,12 +162,12 @@ class GameToJoin(msgspec.Struct, frozen=True, tag=True):
 
 
 class GameNews(msgspec.Struct, frozen=True, tag=True):
-    """Host: how far the game is.
+    """Host: progress of the game.
 
     Attributes:
         page: number of the game's page.
-        seconds_left: real time until the game ends, s, rounded up.
-        to_do: what must still be done in a practice game before the person may go on, each in words.
+        seconds_left: real time until the game ends in seconds, rounded up.
+        to_do: tasks that the person must still do in a practice game before going on, each in words.
     """
 
     page: int
@@ -175,20 +176,20 @@ class GameNews(msgspec.Struct, frozen=True, tag=True):
 
 
 class InstructionText(msgspec.Struct, frozen=True):
-    """A text of the study's instructions; `markdown` where it is Markdown."""
+    """A text of the study's instructions; `markdown` is True if it is Markdown."""
 
     text: str
     markdown: bool = False
 
 
 class InstructionsSoFar(msgspec.Struct, frozen=True, tag=True):
-    """Host: the instructions that the person has read so far, and may read again on any page."""
+    """Host: the instructions that the person has read so far and may read again on any page."""
 
     texts: tuple[InstructionText, ...]
 
 
 class GameRecorded(msgspec.Struct, frozen=True, tag=True):
-    """Host: the game has ended and is recorded; a window that does not show its end shows this text instead."""
+    """Host: the game has ended and is recorded; a window that does not show the game's end shows this text instead."""
 
     page: int
     heading: str
@@ -197,13 +198,13 @@ class GameRecorded(msgspec.Struct, frozen=True, tag=True):
 
 
 class CloseKiosk(msgspec.Struct, frozen=True, tag=True):
-    """Host: close; it ends in good order, and nobody is in the middle of the study."""
+    """Host: close; the host ends in good order, and no run is under way."""
 
 
 class HostStops(msgspec.Struct, frozen=True, tag=True):
-    """Host: it ends in the middle of somebody's run; the window stays and shows this until another one opens.
+    """Host: it ends during a person's run; the window stays and shows this text until another window opens.
 
-    A window whose host ends without this or `CloseKiosk` says so with the study's texts.
+    If the host ends without this message or `CloseKiosk`, the window says so in the study's language.
     """
 
     heading: str
@@ -217,13 +218,13 @@ class WentOn(msgspec.Struct, frozen=True, tag=True):
 
 
 class WentBack(msgspec.Struct, frozen=True, tag=True):
-    """Window: the person went back from a page of a form to the one before."""
+    """Window: the person went back to the previous page of a form."""
 
     page: int
 
 
 class ConsentReply(msgspec.Struct, frozen=True, tag=True):
-    """Window: the person agrees to take part, or does not."""
+    """Window: the person gives consent, or declines."""
 
     page: int
     agrees: bool
@@ -236,11 +237,12 @@ class ItemNews(msgspec.Struct, frozen=True, tag=True):
     Attributes:
         page: number of the page.
         item: its id.
-        what: it came wholly into sight, was begun, has another answer, was gone on from, got pasted text, or was closed
-            because its time limit was over.
+        what: "shown": it came into full view; "touched": its answer was begun; "changed": it has another answer;
+            "given": the person went on from it; "pasted": text was pasted into it; "timed out": its time limit was
+            over.
         window_ns: monotonic time of the window, nanoseconds.
-        answer: in force; of no meaning for an item that is shown, touched or pasted into.
-        characters: number of those pasted.
+        answer: the present answer; meaningless for an item that is shown, touched or pasted into.
+        characters: number of pasted characters.
     """
 
     page: int
@@ -252,7 +254,7 @@ class ItemNews(msgspec.Struct, frozen=True, tag=True):
 
 
 class FocusNews(msgspec.Struct, frozen=True, tag=True):
-    """Window: keys and clicks go elsewhere, or come here again."""
+    """Window: keys and clicks go to another window, or to this one again."""
 
     has_focus: bool
     window_ns: int
@@ -266,21 +268,21 @@ class InstructionsNews(msgspec.Struct, frozen=True, tag=True):
 
 
 class GameSeenOver(msgspec.Struct, frozen=True, tag=True):
-    """Window: it shows the end of the game, and needs the game no more."""
+    """Window: the window shows the end of the game, and no longer needs the game."""
 
     page: int
 
 
 class StoppedTakingPart(msgspec.Struct, frozen=True, tag=True):
-    """Window: the person wants to stop, and has confirmed that."""
+    """Window: the person wants to stop, and has confirmed it."""
 
 
 class BeginNext(msgspec.Struct, frozen=True, tag=True):
-    """Window: the researcher begins the run of the next person, by their key combination."""
+    """Window: the researcher starts the run of the next person, with their key combination."""
 
 
 class KioskClosed(msgspec.Struct, frozen=True, tag=True):
-    """Window: it was closed on purpose."""
+    """Window: a person closed it on purpose."""
 
 
 ToKiosk: TypeAlias = (
@@ -319,7 +321,7 @@ def _answered(form: FormToFill, kept: AnswerKept) -> FormToFill:
 
 
 def _kept(before: Sequence[ToKiosk], message: ToKiosk) -> Sequence[ToKiosk]:
-    """The texts, the last page, with a form's answers that are in the log, a game's last news, and the instructions."""
+    """Keep the texts, the last page with the logged answers of its form, a game's last news, and the instructions."""
     match message:
         case GameNews() | InstructionsSoFar():
             return [*(one for one in before if type(one) is not type(message)), message]

@@ -1,6 +1,6 @@
 """Messages between the program that runs the games (host) and the participant's window, before and after a game.
 
-The window is a process of its own, so that nothing of a game can be in it that the game has not told.
+The window is a process of its own, so it contains nothing of a game that the game has not sent to it.
 """
 
 from collections.abc import Mapping, Sequence
@@ -16,13 +16,13 @@ class Offer(msgspec.Struct, frozen=True, tag=True):
     """Host: show the start page.
 
     Attributes:
-        texts: of the study's language, for all pages from now on.
-        least: smallest number of robots that may be chosen.
-        most: largest number.
-        usual: number in the study.
-        rules: of the game, in sentences.
-        consent: text to agree to before anything else; empty: nothing, or no more.
-        languages: languages that the participant may choose from, by their names; empty: the study has chosen.
+        texts: texts of the study's language, for all pages from now on.
+        least: smallest number of robots that the participant may choose.
+        most: largest number of robots.
+        usual: number of robots in the study.
+        rules: rules of the game, in sentences.
+        consent: text that needs consent before anything else; empty if there is none, or consent was given.
+        languages: names of the languages that the participant may choose from; empty if the study sets the language.
     """
 
     texts: Texts
@@ -35,20 +35,20 @@ class Offer(msgspec.Struct, frozen=True, tag=True):
 
 
 class Preparing(msgspec.Struct, frozen=True, tag=True):
-    """Host: the requested game is being prepared; `sentence` tells people so."""
+    """Host: the requested game is being prepared; `sentence` says so to the participant."""
 
     sentence: str
 
 
 class Join(msgspec.Struct, frozen=True, tag=True):
-    """Host: the game waits at this address.
+    """Host: join the game at this address.
 
     Attributes:
         host: host of its text server.
         port: port of its text server.
         token: secret by which the server recognizes this participant.
         practice: True for the practice game.
-        agreed_at: time of day at which the participant agreed to take part; empty: nothing was asked.
+        agreed_at: date and time at which the participant gave consent; empty if the study did not ask.
     """
 
     host: str
@@ -59,25 +59,25 @@ class Join(msgspec.Struct, frozen=True, tag=True):
 
 
 class Thanks(msgspec.Struct, frozen=True, tag=True):
-    """Host: thank the participant, who does not take part; nothing more is asked of them.
+    """Host: thank the participant, who does not take part, and ask nothing more.
 
     Attributes:
-        texts: of the study's language.
+        texts: texts of the study's language.
     """
 
     texts: Texts
 
 
 class Agreed(msgspec.Struct, frozen=True, tag=True):
-    """Window: the participant agrees to take part."""
+    """Window: the participant gives consent."""
 
 
 class Declined(msgspec.Struct, frozen=True, tag=True):
-    """Window: the participant does not take part."""
+    """Window: the participant declines."""
 
 
 class Begin(msgspec.Struct, frozen=True, tag=True):
-    """Window: play with so many robots."""
+    """Window: play with this number of robots."""
 
     robots: int
 
@@ -105,7 +105,7 @@ FromWindow: TypeAlias = Agreed | Declined | Begin | Practise | ChooseLanguage | 
 
 
 def _kept(before: Sequence[FromHost], message: FromHost) -> Sequence[FromHost]:
-    """A page that begins anew takes the place of all before it."""
+    """Keep the last page, which replaces all messages before it."""
     return [message] if isinstance(message, Offer | Thanks) else [*before, message]
 
 

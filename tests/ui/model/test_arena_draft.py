@@ -34,7 +34,7 @@ def names(draft: ArenaDraft) -> list[str]:
 def test_a_name_is_given_once(draft: ArenaDraft) -> None:
     assert draft.rename(2, "  Tea   kitchen ") is None
     assert names(draft) == ["West", "Tea kitchen", "East"]
-    assert refused(draft.rename(1, "East")) == "Another room is called East already."
+    assert refused(draft.rename(1, "East")) == "Another room is already called East."
     assert refused(draft.rename(1, " ")) == "A room needs a name."
 
 
@@ -92,7 +92,7 @@ def test_faults_are_those_that_keep_games_from_being_played() -> None:
     cells = GRID.cells.copy()
     cells[20, 94:106] = OCCUPIED
     draft = ArenaDraft(OccupancyGrid(cells, 0.1, IDENTITY), FOUND)
-    assert draft.floor.faults(draft.arena) == ("No way leads from the start of robot 1 to room 3 (East).",)
+    assert draft.floor.faults(draft.arena) == ("No path leads from the start of robot 1 to room 3 (East).",)
     for _ in FOUND.starts:
         draft.remove_start(0)
     assert draft.floor.faults(draft.arena) == ("There is no start pose yet.",)

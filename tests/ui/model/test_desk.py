@@ -106,7 +106,7 @@ def test_a_run_that_is_excluded_later_took_no_longer_for_it(study: RehearsedStud
     before, now = seen(study, len(study.entries) - 2)[0], seen(study, len(study.entries))[0]
     assert before.runs[0].state != now.runs[0].state == "excluded"
     assert before.runs[0].minutes == now.runs[0].minutes
-    assert before.no_next == "All runs that count are there."
+    assert before.no_next == "Enough runs count already."
     assert (now.no_next == "") == (before.runs[0].state == "complete")
 
 
@@ -115,7 +115,7 @@ def test_sentences(study: RehearsedStudy) -> None:
     counted = f"{state.counted} of 8 runs count"
     assert count_words(state).startswith(f"A rehearsal by simulated people. {counted}")
     assert count_words(structs.replace(state, rehearsal=False)).startswith(counted)
-    assert freeze_words(state) == "Frozen, and as it was."
+    assert freeze_words(state) == "Frozen and unchanged."
     assert [row[1] for row in note_rows(state.notes)] == ["the study", state.runs[0].participant]
 
 

@@ -320,7 +320,7 @@ class TestWhatADialogueMayName:
     def test_programs_that_are_installed_and_are_not_loaded_for_it(
         self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     ) -> None:
-        own = {"manner": "the strategy that robots come with, as their manner has it"}
+        own = {"manner": "the built-in strategy of robots, according to their manner"}
         assert named("dialogue.strategy", tmp_path) == own
         assert named("dialogue.author", tmp_path) == {}
         folder = tmp_path / "lab_of_forms-1.0.dist-info"

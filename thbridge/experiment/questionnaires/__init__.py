@@ -1,1 +1,1 @@
-"""Questionnaires as data: forms in YAML, answers item by item, scores by the declared key, and their reliability."""
+"""Questionnaires as data: forms in YAML, answers to items, scores by the declared key, and their reliability."""

@@ -1,4 +1,4 @@
-"""Scores of answers by a form's key, and how reliable the scores are."""
+"""Scores of answers by a form's key, and the reliability of the scores."""
 
 import math
 import unicodedata
@@ -11,18 +11,18 @@ from sim.numerics.float_array import FloatArray
 from thbridge.experiment.questionnaires.form import MEASURED, Form, Item, Scale, Scoring
 
 NOT_APPLICABLE = "not applicable"
-"""Answer of its own, apart from one that is missing."""
+"""Answer that an item does not apply; it differs from a missing answer."""
 
 Answer = float | str | tuple[str, ...]
 """Answer to one item: a number, text, one option, or several."""
 
 
 def right_answer(item: Item, levels: Mapping[str, str]) -> Answer | None:
-    """Return the right answer to an item of a check, as an answer is stored; None where none is right or wrong.
+    """Return the right answer to an item of a check, in stored form; None if no answer is right or wrong.
 
     Args:
-        item: of a form.
-        levels: the level of each factor that the participant meets.
+        item: item of a form.
+        levels: level of each factor in the participant's condition.
     """
     correct = item.correct_at(levels)
     if correct is None or item.scale not in {*MEASURED, Scale.NUMBER}:
@@ -34,7 +34,7 @@ def right_answer(item: Item, levels: Mapping[str, str]) -> Answer | None:
 
 
 def is_right(item: Item, answer: object, levels: Mapping[str, str]) -> bool | None:
-    """Return whether an answer is the right one; None where none is right or wrong. Text may differ in case."""
+    """Return True for a right answer and False for a wrong one; None if neither exists. Text may differ in case."""
     right = right_answer(item, levels)
     if right is None:
         return None
@@ -45,18 +45,18 @@ def is_right(item: Item, answer: object, levels: Mapping[str, str]) -> bool | No
 
 
 def keyed(item: Item, answer: Answer | None) -> float:
-    """Return an answer as the number that counts for the score, reversed where the key says so; NaN without one."""
+    """Return the value of an answer for the score, reversed if the key says so; NaN without an answer."""
     if not isinstance(answer, int | float) or isinstance(answer, bool):
         return math.nan
     return item.least + item.greatest - answer if item.reverse else float(answer)
 
 
 def scores_of(form: Form, answers: Mapping[str, Answer]) -> dict[str, float]:
-    """Return the score of each subscale; NaN where too few of its items were answered.
+    """Return the score of each subscale; NaN if too few of its items were answered.
 
     Args:
         form: the form.
-        answers: the answer to each item that was answered, by the item's id.
+        answers: answers by the item's id; unanswered items are missing.
     """
     scores = {}
     for name, items in form.subscales.items():
@@ -65,7 +65,7 @@ def scores_of(form: Form, answers: Mapping[str, Answer]) -> dict[str, float]:
             scores[name] = math.nan
         else:
             mean = math.fsum(values) / len(values)
-            # The sum of what would have been answered, at the mean of what was.
+            # Missing answers count as the mean of the given answers.
             scores[name] = mean * len(items) if form.scoring is Scoring.SUM else mean
     return scores
 
@@ -75,10 +75,11 @@ class Reliability:
     """Internal consistency of a subscale.
 
     Attributes:
-        people: number of people who answered all of its items; only they count.
+        people: number of people who answered all of its items; others do not count.
         items: number of its items.
-        alpha: Cronbach's; NaN for fewer than two people or items, or without any variance.
-        omega: McDonald's omega total, of one factor fitted by least squares of residual correlations; NaN likewise.
+        alpha: Cronbach's alpha; NaN for fewer than two people or items, or without any variance.
+        omega: McDonald's omega total, of one factor fitted by least squares of residual correlations; NaN in the same
+            cases.
     """
 
     people: int
@@ -91,8 +92,8 @@ def reliability_of(items: Sequence[Item], people: Sequence[Mapping[str, Answer]]
     """Return the reliability of a subscale.
 
     Args:
-        items: those of the subscale.
-        people: the answers of each person, by the item's id.
+        items: items of the subscale.
+        people: answers of each person, by the item's id.
 
     Sources: Cronbach, Coefficient alpha and the internal structure of tests (1951); McDonald, Test theory (1999),
         chapter 6; Harman and Jones, Factor analysis by minimizing residuals (1966).
@@ -115,7 +116,7 @@ def reliability_of(items: Sequence[Item], people: Sequence[Mapping[str, Answer]]
 def _omega(covariance: FloatArray) -> float:
     deviations = np.sqrt(np.diag(covariance))
     if (deviations == 0.0).any() or len(deviations) < 3:
-        # Of two items one correlation does not tell two loadings.
+        # For two items, one correlation does not determine two loadings.
         return math.nan
     loadings = _one_factor(covariance / (deviations[:, np.newaxis] * deviations)) * deviations
     common = loadings.sum() ** 2
@@ -124,9 +125,9 @@ def _omega(covariance: FloatArray) -> float:
 
 
 def _one_factor(correlation: FloatArray) -> FloatArray:
-    """(k,) loadings of the one factor that leaves the least squares of residual correlations.
+    """(k,) loadings of the one factor with the least sum of squared residual correlations.
 
-    One loading after the other is set to its best value given the others, until none changes.
+    One loading after the other is set to its best value for given other loadings, until none changes.
     """
     k = len(correlation)
     between = correlation - np.diag(np.diag(correlation))

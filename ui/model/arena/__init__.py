@@ -1,1 +1,1 @@
-"""An arena as it is drawn: its rooms and start poses, and the floor that they need."""
+"""An arena that a person draws: rooms, start poses, and the free floor for them."""

@@ -1,4 +1,4 @@
-"""An arena as it is drawn: rooms and start poses, the changes to them, and undo."""
+"""An arena that a person draws: rooms and start poses, changes of them, and undo."""
 
 import dataclasses
 import math
@@ -33,12 +33,13 @@ class ArenaTool(StrEnum):
 
 
 class ArenaDraft:
-    """An arena that is being drawn.
+    """An arena that a person is drawing.
 
-    Each change returns None, or a refusal with a sentence for people, and then changes nothing.
+    Each method that changes the arena returns None. If the change is impossible, it changes nothing, and returns a
+    refusal with a sentence for people.
 
     Attributes:
-        floor: for rooms and the robot's footprint.
+        floor: the free floor, for checks of rooms and of the robot's footprint.
         arena: rooms and start poses as they are now.
     """
 
@@ -69,17 +70,17 @@ class ArenaDraft:
         return bool(self._future)
 
     def saved(self) -> None:
-        """Take the arena for saved."""
+        """Mark the present arena as saved."""
         self._saved = self.arena
 
     def undo(self) -> None:
-        """Take the last change back."""
+        """Undo the last change."""
         if self._past:
             self._future.append(self.arena)
             self.arena = self._past.pop()
 
     def redo(self) -> None:
-        """Make the change again that was taken back last."""
+        """Make the change again that was undone last."""
         if self._future:
             self._past.append(self.arena)
             self.arena = self._future.pop()
@@ -101,11 +102,11 @@ class ArenaDraft:
         if not name:
             return RequestRefused(ArenaRefusalReason.NAME, "A room needs a name.")
         if any(room.name == name and room.room.people != number for room in self.arena.rooms):
-            return RequestRefused(ArenaRefusalReason.NAME, f"Another room is called {name} already.")
+            return RequestRefused(ArenaRefusalReason.NAME, f"Another room is already called {name}.")
         return self._take(with_room(self.arena, dataclasses.replace(self.arena.rooms[number - 1], name=name)))
 
     def renumber(self, number: int, wanted: int) -> RequestRefused | None:
-        """Give a room another number; those between move up or down."""
+        """Give a room another number; the numbers of the rooms in between move up or down."""
         rooms = list(self.arena.rooms)
         if not 1 <= wanted <= len(rooms):
             return RequestRefused(ArenaRefusalReason.NUMBER, f"Rooms are numbered 1 to {len(rooms)}.")
@@ -113,11 +114,11 @@ class ArenaDraft:
         return self._take(_numbered(self.arena, rooms))
 
     def remove_room(self, number: int) -> RequestRefused | None:
-        """Make a room corridor."""
+        """Remove a room, so that its floor becomes corridor."""
         return self._take(_numbered(self.arena, [room for room in self.arena.rooms if room.room.people != number]))
 
     def draw_room(self, one: Point, other: Point) -> RequestRefused | None:
-        """Make a room of the free floor in a box, between walls and other rooms."""
+        """Make a room of the free floor in a box; walls and other rooms limit it."""
         (left, right), (low, high) = (sorted(pair) for pair in zip(one, other, strict=True))
         x, y = self.floor.map.centres(self.floor.map.everywhere)
         within = (x >= left) & (x <= right) & (y >= low) & (y <= high)
@@ -129,7 +130,7 @@ class ArenaDraft:
         return self._take(_numbered(self.arena, [*self.arena.rooms, made]))
 
     def cut_room(self, one: Point, other: Point) -> RequestRefused | None:
-        """Divide the room in which the middle of a line lies by that line, made longer on both sides."""
+        """Divide a room by a line. The line's middle selects the room; the line is extended at both ends."""
         middle = (one[0] + other[0]) / 2, (one[1] + other[1]) / 2
         room = next((room for room in self.arena.rooms if room.holds(*middle)), None)
         if room is None:
@@ -149,7 +150,7 @@ class ArenaDraft:
         return self._take(_numbered(self.arena, [*with_room(self.arena, first).rooms, second]))
 
     def merge_rooms(self, one: int, other: int) -> RequestRefused | None:
-        """Make one room of two neighbors; it has the lower number and its name."""
+        """Merge two neighboring rooms; the result has the lower number and its name."""
         keep, gone = sorted((one, other))
         if keep == gone:
             return RequestRefused(ArenaRefusalReason.MERGE, "Choose two rooms to merge.")
@@ -179,7 +180,7 @@ class ArenaDraft:
         return self._take(self.floor.moved(self.arena, handle, x, y))
 
     def turn(self, handle: ArenaHandle, angle: float) -> RequestRefused | None:
-        """Turn a goal or a start pose; radians, anticlockwise."""
+        """Turn a goal or a start pose, counterclockwise, in radians."""
         if handle.is_start:
             starts = list(self.arena.starts)
             starts[handle.index] = _turned(starts[handle.index], angle)
@@ -188,13 +189,13 @@ class ArenaDraft:
         return self._take(with_room(self.arena, dataclasses.replace(room, goal=_turned(room.goal, angle))))
 
     def remove_start(self, index: int) -> RequestRefused | None:
-        """Take a start pose away; later robots move up."""
+        """Remove a start pose; later robots move up."""
         starts = self.arena.starts
         return self._take(dataclasses.replace(self.arena, starts=(*starts[:index], *starts[index + 1 :])))
 
 
 def room_at(arena: Arena, x: float, y: float) -> int | None:
-    """Number of the room with a point of the map frame."""
+    """Number of the room that contains a point of the map frame."""
     return next((room.room.people for room in arena.rooms if room.holds(x, y)), None)
 
 
@@ -216,12 +217,12 @@ class ArenaPointer:
     """The pointer on an arena: a press, a drag and a release, with each tool.
 
     Attributes:
-        tool: the tool in hand.
-        chosen: number of the chosen room, or None.
-        start: index of the chosen start pose, or None.
-        stroke: both ends of a box or line that is being drawn, map frame; else None.
+        tool: the selected tool.
+        chosen: number of the selected room, or None.
+        start: index of the selected start pose, or None.
+        stroke: both ends of the box or line that a person is drawing, in the map frame; otherwise None.
         shown: the arena as it would be if the pointer were released here.
-        refusal: why it would not be changed; empty where it would.
+        refusal: reason why the arena would not change; empty if it would.
     """
 
     def __init__(self, draft: ArenaDraft) -> None:
@@ -236,7 +237,7 @@ class ArenaPointer:
         self._at: Point | None = None
 
     def press(self, x: float, y: float, reach: float) -> None:
-        """Begin; `reach` is how far from a handle it is still hit, meters."""
+        """Begin a stroke or grab a handle within `reach` meters of the point."""
         self.refusal, self._at = "", None
         match self.tool:
             case ArenaTool.MOVE:
@@ -251,7 +252,7 @@ class ArenaPointer:
                 self._told(self.draft.add_start(x, y))
 
     def drag(self, x: float, y: float) -> None:
-        """Go on."""
+        """Continue to this point."""
         if self.stroke is not None:
             self.stroke = (self.stroke[0], (x, y))
         elif self._held is not None:
@@ -261,7 +262,7 @@ class ArenaPointer:
                 self.shown, self._at = outcome, (x, y)
 
     def release(self) -> None:
-        """End: make the change, where it can be made."""
+        """End the drag, and make the change if possible."""
         stroke, held = self.stroke, self._held
         self.stroke = self._held = None
         if stroke is not None and stroke[0] != stroke[1]:
@@ -275,7 +276,7 @@ class ArenaPointer:
         self.shown = self.draft.arena
 
     def _handle_at(self, x: float, y: float, reach: float) -> ArenaHandle | None:
-        """The nearest handle within some meters of a point; corners are those of the chosen room alone."""
+        """The nearest handle within `reach` meters of a point; only the selected room has corners."""
         arena = self.draft.arena
         near = [
             (math.hypot(start.x - x, start.y - y), ArenaHandle(0, index)) for index, start in enumerate(arena.starts)
@@ -291,18 +292,18 @@ class ArenaPointer:
         return handle if distance <= reach else None
 
     def choose(self, room: int | None, start: int | None = None) -> None:
-        """Choose a room, a start pose, or nothing."""
+        """Select a room, a start pose, or nothing."""
         self.chosen, self.start = room, start
 
     @property
     def handle(self) -> ArenaHandle | None:
-        """The chosen goal or start pose."""
+        """The selected goal or start pose."""
         if self.start is not None:
             return ArenaHandle(0, self.start)
         return None if self.chosen is None else ArenaHandle(self.chosen)
 
     def change(self, made: Callable[[], RequestRefused | None]) -> None:
-        """Make a change, and keep to what there is of what was chosen."""
+        """Make a change; keep the selection if its object still exists."""
         self._told(made())
         if self.chosen is not None and self.chosen > len(self.draft.arena.rooms):
             self.chosen = None

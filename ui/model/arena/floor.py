@@ -1,4 +1,4 @@
-"""Floor of an arena for the robot's footprint: rooms that can be made of it, places where robots fit, and faults."""
+"""Floor of an arena for the robot's footprint: possible rooms, places where robots fit, and faults."""
 
 import dataclasses
 from dataclasses import dataclass
@@ -19,7 +19,7 @@ from thbridge.offline.map_survey import Doorway, doorways
 
 
 class ArenaRefusalReason(StrEnum):
-    """Reasons why an arena is not changed, by what would have been changed."""
+    """Reasons why an arena is not changed, by the part that would have changed."""
 
     NAME = "name"
     NUMBER = "number"
@@ -33,11 +33,11 @@ class ArenaRefusalReason(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class ArenaHandle:
-    """Something that can be chosen, moved and turned: a room's goal, one of its corners, or a start pose.
+    """Something that can be selected, moved and turned: a room's goal, one of its corners, or a start pose.
 
     Attributes:
         room: number of the room; 0 for a start pose.
-        index: of the start pose, or of the room's corner; -1 for its goal.
+        index: index of the start pose, or of the room's corner; -1 for a room's goal.
     """
 
     room: int
@@ -53,7 +53,7 @@ Outcome = Arena | RequestRefused
 
 
 class ArenaFloor:
-    """The floor of a map, as rooms and robots can use it.
+    """The floor of a map for rooms and robots.
 
     Args:
         grid: the map.
@@ -70,7 +70,7 @@ class ArenaFloor:
         self._faults: tuple[Arena, tuple[str, ...]] | None = None
 
     def doors(self, arena: Arena) -> tuple[Doorway, ...]:
-        """The openings of the rooms that a robot fits through: they follow from the outlines and the walls."""
+        """The openings of the rooms that are wide enough for a robot, computed from the outlines and the walls."""
         if self._doors is None or self._doors[0] is not arena:
             owners = np.zeros(self.map.grid.cells.shape, dtype=np.int32)
             for room in arena.rooms:
@@ -79,7 +79,7 @@ class ArenaFloor:
         return self._doors[1]
 
     def faults(self, arena: Arena) -> tuple[str, ...]:
-        """Sentences about all that keeps games from being played."""
+        """Sentences about all faults that make games impossible."""
         if self._faults is None or self._faults[0] is not arena:
             self._faults = arena, self._found_faults(arena)
         return self._faults[1]
@@ -94,11 +94,11 @@ class ArenaFloor:
             for pose, what in places:
                 cell = self.map.grid.cell_of(pose.x, pose.y)
                 if not (self.map.grid.contains(*cell) and reach[cell]):
-                    told.append(f"No way leads from the start of robot 1 to {what}.")
+                    told.append(f"No path leads from the start of robot 1 to {what}.")
         return tuple(told)
 
     def taken(self, arena: Arena, *but: int) -> Mask:
-        """Cells of all rooms but these."""
+        """Cells of all rooms except those in `but`."""
         taken = np.zeros(self.map.grid.cells.shape, dtype=np.bool_)
         for room in arena.rooms:
             if room.room.people not in but:
@@ -106,7 +106,7 @@ class ArenaFloor:
         return taken
 
     def room_in(self, mask: Mask, taken: Mask, number: int, name: str) -> MapRoom | RequestRefused:
-        """Return a room of the largest piece of some cells without those taken, with a goal."""
+        """Return a room with a goal, made of the largest connected piece of `mask` without the cells `taken`."""
         outline = simple_outline(mask, taken, self.map)
         if outline is None:
             return RequestRefused(ArenaRefusalReason.ROOM, "There is no free floor for a room.")
@@ -150,7 +150,7 @@ class ArenaFloor:
         return made if isinstance(made, RequestRefused) else with_room(arena, made)
 
     def with_starts(self, arena: Arena, starts: tuple[Pose2, ...], index: int) -> Outcome:
-        """Return the arena with other start poses, of which one is new or moved."""
+        """Return the arena with other start poses; the one at `index` is new or moved."""
         start, needed = starts[index], self.map.circumscribed
         if self.map.clearance_at(start) <= needed:
             return self._too_narrow(ArenaRefusalReason.START)
@@ -167,6 +167,6 @@ class ArenaFloor:
 
 
 def with_room(arena: Arena, room: MapRoom) -> Arena:
-    """Return an arena in which a room takes the place of the one of its number."""
+    """Return an arena with this room in place of the room of the same number."""
     rooms = tuple(room if other.room == room.room else other for other in arena.rooms)
     return dataclasses.replace(arena, rooms=rooms)

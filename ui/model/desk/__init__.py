@@ -1,1 +1,1 @@
-"""The researcher's desk beside a study with people: where everybody is, and what is asked of the host."""
+"""The researcher's desk during a study with people: the state of all runs, and requests to the host."""

@@ -1,6 +1,6 @@
-"""Messages between the program that runs a study with people (host) and the researcher's window beside it (desk).
+"""Messages between the program that runs a study with people (host) and the researcher's window (desk).
 
-A `DeskState` is a level: it says all that is to be seen, and the latest counts.
+Each `DeskState` contains all that the desk shows; the latest one replaces those before it.
 """
 
 from typing import TypeAlias
@@ -11,13 +11,13 @@ from ui.model.shared.window_protocol import WindowProtocol
 
 
 class DeskCell(msgspec.Struct, frozen=True):
-    """A combination of levels between people.
+    """A combination of between-person levels.
 
     Attributes:
         name: its levels in words.
-        planned: runs that are to count.
-        counted: runs that count.
-        under_way: runs that may yet count.
+        planned: number of planned runs that count.
+        counted: number of runs that count so far.
+        under_way: number of runs under way that can still count.
     """
 
     name: str
@@ -30,20 +30,20 @@ class DeskRun(msgspec.Struct, frozen=True):
     """A person's run.
 
     Attributes:
-        participant: their id.
-        cell: the name of their cell.
-        order: their conditions in words, in their order.
-        state: how far the run is, as `RunState` has it.
-        reason: for being excluded, or for leaving.
-        step: number of the step that comes next or is under way, from 1; that of the last when all are done.
-        steps: number of the person's steps, without those that are passed over in their condition.
-        step_name: its name; empty beyond the last.
-        step_kind: its kind; empty beyond the last.
-        under_way: True while it is.
-        since: date and time of day at which that began, or the run ended; ISO 8601 in UTC.
-        minutes: from the beginning of the run until now, or until its end.
-        missing: ids of the items of the form under way that must be answered and are not.
-        lag: largest lag of the person's games behind real time in seconds; None if none is known.
+        participant: id of the person.
+        cell: name of the person's cell.
+        order: the person's conditions in words, in their order.
+        state: state of the run, as in `RunState`.
+        reason: reason for the exclusion or for leaving.
+        step: number of the next or current step, from 1; after the end, the number of the last step.
+        steps: number of the person's steps, without those that their condition skips.
+        step_name: name of the step; empty after the last.
+        step_kind: kind of the step; empty after the last.
+        under_way: True while the step is under way.
+        since: date and time at which the step began or the run ended; ISO 8601 in UTC.
+        minutes: minutes from the beginning of the run until now, or until its end.
+        missing: ids of required items of the current form that have no answer.
+        lag: largest lag of the person's games behind real time in seconds; None if unknown.
     """
 
     participant: str
@@ -63,13 +63,13 @@ class DeskRun(msgspec.Struct, frozen=True):
 
 
 class DeskEvent(msgspec.Struct, frozen=True):
-    """An event of the log in words; an answer itself is not among them.
+    """An event of the log in words, without answers.
 
     Attributes:
         sequence: its number in the log.
         wall: date and time of day, ISO 8601 in UTC.
-        actor: who did it.
-        words: for people.
+        actor: the one who did it.
+        words: the event in words for people.
     """
 
     sequence: int
@@ -83,7 +83,7 @@ class DeskNote(msgspec.Struct, frozen=True):
 
     Attributes:
         wall: date and time of day, ISO 8601 in UTC.
-        participant: id of the person that it is about; empty: nobody's.
+        participant: id of the person that the note is about; empty for a note on the study.
         text: the note.
     """
 
@@ -93,24 +93,24 @@ class DeskNote(msgspec.Struct, frozen=True):
 
 
 class DeskState(msgspec.Struct, frozen=True, tag=True):
-    """Host: all that the desk shows.
+    """Host: the contents of the desk.
 
     Attributes:
-        title: of the study.
-        planned: runs that are to count.
-        counted: runs that count.
-        cells: by combinations of levels between people.
-        changed: what has changed since the study was frozen, in sentences; None: it is not frozen.
+        title: title of the study.
+        planned: number of planned runs that count.
+        counted: number of runs that count so far.
+        cells: by combinations of between-person levels.
+        changed: sentences about changes since the study was frozen. If None, it is not frozen.
         runs: in the order in which they began.
-        kiosk: what people see at the kiosk now, in words; empty: it is not known.
-        troubles: sentences about what somebody has to look at.
-        notes: the experimenter's, in their order.
-        shown: id of the person whose events are told; empty: nobody's.
+        kiosk: in words, what people see at the kiosk now; empty if unknown.
+        troubles: sentences about troubles that need attention.
+        notes: notes of the experimenter, in their order.
+        shown: id of the person whose events are listed; empty for none.
         events: of that person, in their order.
-        no_next: why nobody can begin now; empty: somebody can.
+        no_next: reason why the next person cannot begin now; empty if they can.
         rehearsal: True when the people are simulated.
-        read_only: why nothing can be asked from here; empty: it can.
-        pace: sentence on how far games were behind real time; empty: no game has a real time.
+        read_only: reason why the desk cannot send requests; empty if it can.
+        pace: sentence on the lag of games behind real time; empty if no game has a real time.
     """
 
     title: str
@@ -135,34 +135,34 @@ class NextParticipant(msgspec.Struct, frozen=True, tag=True):
 
 
 class ShowRun(msgspec.Struct, frozen=True, tag=True):
-    """Desk: tell the events of this person."""
+    """Desk: show the events of this person."""
 
     participant: str
 
 
 class WriteNote(msgspec.Struct, frozen=True, tag=True):
-    """Desk: take down a note, about a person unless `participant` is empty."""
+    """Desk: write a note, about a person unless `participant` is empty."""
 
     text: str
     participant: str = ""
 
 
 class ExcludeRun(msgspec.Struct, frozen=True, tag=True):
-    """Desk: this run does not count, for this reason."""
+    """Desk: exclude this run, for this reason."""
 
     participant: str
     reason: str
 
 
 class EndRun(msgspec.Struct, frozen=True, tag=True):
-    """Desk: this run ends where it is, for this reason."""
+    """Desk: end this run at its present step, for this reason."""
 
     participant: str
     reason: str
 
 
 class WithdrawRun(msgspec.Struct, frozen=True, tag=True):
-    """Desk: delete everything of this participant, who withdraws."""
+    """Desk: delete everything about this participant, who withdraws."""
 
     participant: str
 

@@ -1,4 +1,4 @@
-"""Rows and sentences of the desk, as people read them."""
+"""Rows and sentences of the desk."""
 
 from collections.abc import Iterator
 from datetime import datetime
@@ -14,7 +14,7 @@ _STATES = {"complete": "counts"}
 
 
 def local_time(wall: str, form: str = "%d %b %H:%M") -> str:
-    """A time in ISO 8601 as the clock on the wall here shows it."""
+    """Return a time in ISO 8601 as local time."""
     return datetime.fromisoformat(wall).astimezone().strftime(form)
 
 
@@ -58,7 +58,7 @@ def note_rows(notes: tuple[DeskNote, ...]) -> Iterator[tuple[str, ...]]:
 
 
 def count_words(state: DeskState) -> str:
-    """A sentence about the runs that count, are missing and under way."""
+    """Return a sentence about the numbers of runs that count, are missing and are under way."""
     under_way = sum(run.state == "under way" for run in state.runs)
     missing = state.planned - state.counted
     left = "none is missing" if missing <= 0 else f"{missing} missing"
@@ -67,16 +67,16 @@ def count_words(state: DeskState) -> str:
 
 
 def freeze_words(state: DeskState) -> str:
-    """A sentence about the freeze; what has changed since stands in it."""
+    """Return a sentence about the freeze and the changes since."""
     if state.changed is None:
         return "The study is not frozen."
     if not state.changed:
-        return "Frozen, and as it was."
+        return "Frozen and unchanged."
     return f"Frozen, and changed since then: {'; '.join(state.changed)}."
 
 
 def run_words(run: DeskRun) -> str:
-    """A run in sentences."""
+    """Return a description of a run, in sentences."""
     group = f"In {run.cell}." if run.cell != "everybody" else ""
     order = f"Order: {', then '.join(run.order)}." if run.order else ""
     where = " ".join(filter(None, (group, order)))

@@ -1,4 +1,4 @@
-"""The desk's view of a study with people, made of its design and log, and of what the program that runs it tells."""
+"""The desk's view of a study with people, made of its design, its log and the reports of its host."""
 
 from collections import Counter, defaultdict
 from collections.abc import Collection, Iterable, Sequence
@@ -12,26 +12,26 @@ from thbridge.experiment.store.events import EventKind, LogEntry, LoggedEvent, N
 from ui.model.desk.messages import DeskCell, DeskEvent, DeskNote, DeskRun, DeskState
 
 NO_PLACE = {
-    NoPlace.FULL: "All runs that count are there.",
-    NoPlace.TAKEN: "All places are taken. One opens again when a run under way ends without counting.",
+    NoPlace.FULL: "Enough runs count already.",
+    NoPlace.TAKEN: "All places are taken. One becomes free when a run under way ends without counting.",
 }
 _BEGINNINGS = frozenset({EventKind.STEP_BEGUN, EventKind.STEP_RESUMED})
 _BY_ITSELF = frozenset(EventKind) - {EventKind.NOTE, EventKind.FAREWELL_READ, EventKind.RUN_EXCLUDED}
-"""Kinds of events of which the last ends a run; it may be excluded weeks later."""
+"""Kinds of events that can end a run by itself. An exclusion can follow weeks later."""
 _BUT_NOTES = _BY_ITSELF | {EventKind.RUN_EXCLUDED}
 
 
 @dataclass(frozen=True, slots=True)
 class ToldToDesk:
-    """All that a desk is told beside design and log.
+    """All data of a desk in addition to design and log.
 
     Attributes:
         now: date and time of day, ISO 8601 in UTC.
-        changed: what has changed since the study was frozen; None: it is not frozen.
-        kiosk: what people see at the kiosk now, in words.
-        troubles: sentences about what somebody has to look at.
-        shown: id of the person whose events are wanted.
-        read_only: why nothing can be asked from the desk; empty: it can.
+        changed: changes since the study was frozen. If None, it is not frozen.
+        kiosk: in words, what people see at the kiosk now.
+        troubles: sentences about troubles that need attention.
+        shown: id of the person whose events the desk shows.
+        read_only: reason why the desk cannot send requests; empty if it can.
     """
 
     now: str
@@ -45,13 +45,13 @@ class ToldToDesk:
 def desk_state(
     design: ExperimentDesign, progress: Progress, entries: Sequence[LogEntry], told: ToldToDesk
 ) -> DeskState:
-    """Return all that the desk shows.
+    """Return the contents of the desk.
 
     Args:
         design: the study.
-        progress: where everybody is after these entries.
+        progress: progress of all people after these entries.
         entries: the whole log.
-        told: what else there is to say.
+        `told`: all other data.
     """
     own: defaultdict[str, list[LoggedEvent]] = defaultdict(list)
     notes = []
@@ -130,12 +130,12 @@ def _run(progress: Progress, run: Run, events: Sequence[LoggedEvent], now: str) 
 
 
 def _last(events: Sequence[LoggedEvent], kinds: Collection[str]) -> str:
-    """The time of the last event of these kinds, or of the first of all."""
+    """Return the time of the last event of these kinds, or else of the first event."""
     return next((e.event.clocks.wall for e in reversed(events) if e.event.kind in kinds), events[0].event.clocks.wall)
 
 
 def _minutes(begin: str, end: str) -> float:
-    """Minutes between two times of day; 0 where the clock was put back meanwhile."""
+    """Minutes between two times; 0 if the clock was set back in between."""
     seconds = (datetime.fromisoformat(end) - datetime.fromisoformat(begin)).total_seconds()
     return max(seconds, 0.0) / 60.0
 
@@ -146,7 +146,10 @@ def _told_event(progress: Progress, entry: LoggedEvent) -> DeskEvent:
 
 
 def _named(progress: Progress, event: NewEvent) -> str:
-    """The step of an event, numbered as at the kiosk and in the table of runs: without steps that are passed over."""
+    """Return the step of an event, with the number that the kiosk and the table of runs show.
+
+    Skipped steps do not count.
+    """
     plan = progress.runs[event.participant].plan
     if not 0 < event.step <= len(plan):
         return ""
@@ -156,7 +159,7 @@ def _named(progress: Progress, event: NewEvent) -> str:
 
 
 def _words(progress: Progress, event: NewEvent) -> str:
-    """An event in words; of an answer only that it was given."""
+    """Return an event in words, without the answer itself."""
     data = event.data or {}
     step = _named(progress, event)
     item = f"{step}: {data.get('item', '')}"
@@ -166,7 +169,7 @@ def _words(progress: Progress, event: NewEvent) -> str:
         case EventKind.STEP_BEGUN:
             return f"{step}, begins" + (f" ({event.condition})" if event.condition else "")
         case EventKind.STEP_RESUMED:
-            return f"{step}, goes on after a crash, from: {data.get('from', '')}"
+            return f"{step}, resumes after a crash, from: {data.get('from', '')}"
         case EventKind.ITEM_SHOWN:
             return f"{item} is shown"
         case EventKind.ITEM_TOUCHED:
@@ -180,13 +183,13 @@ def _words(progress: Progress, event: NewEvent) -> str:
         case EventKind.TEXT_PASTED:
             return f"{item}: text is pasted, {data.get('characters', '')} characters"
         case EventKind.GAME_BROKEN_OFF:
-            return f"{step}: the game broke off; another begins in its place"
+            return f"{step}: the game was interrupted; another begins in its place"
         case EventKind.RECORDING_CUT_OFF:
-            return f"{step}: the recording was cut off; the game goes on, and is recorded whole"
+            return f"{step}: the recording was cut off; the game continues, and is recorded as a whole"
         case EventKind.CONSENT_ANSWERED:
             return "agrees to take part" if data.get("agrees") else "does not agree to take part"
         case EventKind.RECRUITING_CODE:
-            return "tells the code of the recruiting service"
+            return "gives the code of the recruiting service"
         case EventKind.FOCUS_LOST:
             return f"{step}: looks at another window"
         case EventKind.FOCUS_REGAINED:

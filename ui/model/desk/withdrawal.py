@@ -1,4 +1,4 @@
-"""Sentences on what a withdrawal deletes."""
+"""Sentences about the data that a withdrawal deletes."""
 
 from collections.abc import Iterator
 
@@ -7,7 +7,7 @@ from thbridge.experiment.withdrawal import WithdrawalPlan
 
 
 def plan_lines(place: ExperimentFolder, plan: WithdrawalPlan) -> Iterator[str]:
-    """Yield what is going to be deleted, a line for each place."""
+    """Yield a line for each place where data will be deleted."""
     who = plan.withdrawal.participant
     yield f"This withdraws {who} for good:"
     yield f"  {place.log}: {_counted(plan.log_entries, 'entry', 'entries')} will be deleted."
@@ -18,7 +18,7 @@ def plan_lines(place: ExperimentFolder, plan: WithdrawalPlan) -> Iterator[str]:
     for path in plan.backups:
         yield f"  {path}: this backup will be brought up to date, without {who}."
     for path in plan.missing:
-        yield f"  {path}: it is not there now, and the withdrawal is not finished before it is."
+        yield f"  {path}: this is missing now, and the withdrawal cannot finish before it is back."
 
 
 def _counted(number: int, one: str, several: str) -> str:

@@ -1,1 +1,1 @@
-"""Parts of the participant's view model, one concern a module."""
+"""Parts of the participant's view model, one per module."""

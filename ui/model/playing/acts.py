@@ -1,4 +1,4 @@
-"""Effects of the participant's acts. Each act is judged against the screen that the participant saw."""
+"""Effects of the participant's acts; each act applies to the screen that the participant saw."""
 
 from thbridge.hunt.events import TreasureLeft
 from thbridge.hunt.rooms import Room
@@ -83,11 +83,11 @@ from ui.model.playing.sounds import why_silent
 from ui.model.playing.view_update import is_open, note, settle
 
 TYPING = 4.0
-"""Seconds after which a digit waits no longer for the next one."""
+"""Seconds that a typed digit waits for the next one."""
 
 
 def do(memory: ParticipantMemory, act: Act, now: float) -> None:
-    """Do an act of the participant."""
+    """Carry out an act of the participant."""
     match act:
         case ShowHelp():
             memory.help_open = not memory.help_open
@@ -139,7 +139,7 @@ def _in_play(memory: ParticipantMemory, hunt: HuntMemory, act: Act, now: float) 
         case Cancel():
             _cancel(memory, hunt)
         case CloseWindow(ends):
-            # It replaces any other question and the sheet of rules, which would keep its answers' keys.
+            # It replaces the sheet of rules and any other question, because these would keep its answers' keys.
             hunt.pending_step, memory.help_open = LeaveWindow(ends), False
         case _ if hunt.pending_step is not None:
             note(memory, hunt.texts.text("hints.answer_first"), now)
@@ -171,7 +171,7 @@ def _in_play(memory: ParticipantMemory, hunt: HuntMemory, act: Act, now: float) 
 
 
 def _in_popup(memory: ParticipantMemory, hunt: HuntMemory, act: Act, now: float) -> None:
-    """Do an act meant for the pop-up that was on the screen, if it is still the same."""
+    """Do an act meant for the pop-up that was on the screen, if that pop-up is still shown."""
     item = memory.last_drawn.item
     if item is None or item != hunt.popups.shown:
         return
@@ -243,14 +243,14 @@ def _pick(memory: ParticipantMemory, hunt: HuntMemory, choice: NameChoice) -> No
 
 
 def _argues(view: View) -> bool:
-    """Return True where robots argue."""
+    """Return True if robots argue."""
     return view.has_last_word is not None
 
 
 def _discuss(hunt: HuntMemory, request: OpenDialogue) -> None:
-    """Open a dialogue about it, unless that is agreed on already."""
+    """Request a dialogue about it, unless both sides already agree on it."""
     agreed = [each for each in hunt.view.consents if (each.matter, each.room) == (request.matter, request.room)]
-    # An agreement on another name is none on this one.
+    # An agreement on another name does not count.
     if all(each.name not in {"", request.name} for each in agreed):
         hunt.pending.ask(request, hunt.view)
 
@@ -283,7 +283,7 @@ def _select(memory: ParticipantMemory, hunt: HuntMemory, robot: int) -> None:
 
 
 def _show_talk(hunt: HuntMemory, robot: int) -> None:
-    """Show the dialogue with a robot that argues, or how the last one has ended."""
+    """Show the dialogue with a robot that argues, or the end of the last one."""
     words = hunt.last_words(robot)
     if words is not None:
         hunt.read.discard(words.dialogue)
@@ -317,7 +317,7 @@ def _ask_advice(memory: ParticipantMemory, hunt: HuntMemory, now: float) -> None
 
 
 def _ask_to_go(memory: ParticipantMemory, hunt: HuntMemory, request: SelectRoom | RequestSuggestion) -> None:
-    """Ask a robot to go, unless it would leave something behind that it can still name: then ask for confirmation."""
+    """Ask a robot to go. If it would leave a treasure behind that it can still name, ask for confirmation first."""
     view, robot = hunt.view, request.robot
     room = undecided_beside(hunt.known, robot)
     if room is not None and view.room(room).found and why_not_name(hunt.texts, hunt.known, robot, room) is None:
@@ -402,7 +402,7 @@ def _put_aside(memory: ParticipantMemory, hunt: HuntMemory) -> None:
     if isinstance(item, DestinationItem) and hunt.pending.destination_request(item.robot) is not None:
         hunt.pending.forget_destination(item.robot)
     elif hunt.reading is not None:
-        if memory.last_drawn.dialogue is None:  # else it was meant for the dialogue, which has ended since
+        if memory.last_drawn.dialogue is None:  # Otherwise it was meant for the dialogue, which ended.
             hunt.read.add(hunt.reading)
     else:
         hunt.popups.put_aside()
@@ -416,7 +416,7 @@ def _show(hunt: HuntMemory, robot: int, room: int | None) -> None:
 
 
 def _refused(memory: ParticipantMemory, reason: str | None, now: float) -> bool:
-    """Show the reason why something is not possible just now; return True if there is one."""
+    """Show the reason why something is not possible at the moment; return True if there is one."""
     if reason is None:
         return False
     note(memory, reason, now)

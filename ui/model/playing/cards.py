@@ -1,4 +1,4 @@
-"""Cards of the robots, and the sentences that describe a robot's activity."""
+"""Cards of the robots, and sentences about their activities."""
 
 from collections.abc import Collection, Sequence
 from dataclasses import replace
@@ -31,7 +31,7 @@ def cards(memory: ParticipantMemory, hunt: HuntMemory) -> tuple[RobotCard, ...]:
 def moved_cards(
     hunt: HuntMemory, team: Sequence[RobotCard], motions: Sequence[RobotMotion], moved: Collection[int]
 ) -> tuple[RobotCard, ...]:
-    """Cards with the new motions of these robots; everything else on them is as before."""
+    """Return the cards with the new motions of these robots; all other contents are unchanged."""
     return tuple(_moved_card(hunt, card, motions[card.robot]) if card.robot in moved else card for card in team)
 
 
@@ -42,12 +42,12 @@ def _moved_card(hunt: HuntMemory, card: RobotCard, motion: RobotMotion) -> Robot
 
 
 def is_in_trouble(robot: RobotView) -> bool:
-    """Return True when something is wrong with a robot that people should worry about."""
+    """Return True if something is wrong with a robot that needs the participant's attention."""
     return robot.blocked or robot.condition is not Condition.WELL
 
 
 def card_sentence(memory: ParticipantMemory, hunt: HuntMemory, robot: int) -> str:
-    """The card of a robot as a sentence to be read out."""
+    """The card of a robot as a sentence for screen readers."""
     texts, card = hunt.texts, _card(memory, hunt, hunt.view.robots[robot])
     energy = texts.clause("cards.energy", energy=card.energy)
     things = (card.place, card.state, energy, card.warning, card.commanded)
@@ -207,12 +207,12 @@ def _resting(hunt: HuntMemory, robot: RobotView, motion: RobotMotion) -> str:
 
 
 def nothing_waits(texts: Texts, team: Sequence[RobotCard], *, answering: bool) -> str:
-    """Return the sentence for people for whom no pop-up waits: which robots they may send.
+    """Return the sentence for a participant for whom no pop-up waits: it names robots that can be sent.
 
     Args:
-        texts: of the game's language.
+        texts: texts of the game's language.
         team: the cards of all robots.
-        answering: True while a pop-up is shown, which waits for them.
+        answering: True while a pop-up is shown, which waits for the participant.
     """
     is_ready = texts.text("cards.ready")
     ready = [card.robot for card in team if card.state == is_ready]
@@ -234,7 +234,7 @@ def _warning(hunt: HuntMemory, robot: RobotView) -> str:
 
 
 def _is_stranded(hunt: HuntMemory, robot: RobotView) -> bool:
-    """Return True when rooms are left, and this robot at rest can reach none of them for want of energy alone."""
+    """Return True if rooms are left, and this robot at rest lacks the energy to reach any of them."""
     view, state = hunt.view, hunt.known.state
     if robot.moving_to is not None or is_in_trouble(robot) or view.over is not None:
         return False

@@ -1,4 +1,4 @@
-"""The whole screen, made from the participant's memory."""
+"""The whole screen, computed from the participant's memory."""
 
 from collections.abc import Collection, Sequence
 from dataclasses import replace
@@ -40,7 +40,7 @@ from ui.model.playing.words import outcome_of, progress_of, verdict_words
 
 
 def compose(memory: ParticipantMemory, now: float) -> Screen:
-    """The screen at this moment; announcements are not in it yet."""
+    """The screen at this moment, without announcements."""
     texts, hunt = memory.texts, memory.hunt
     phase = phase_of(memory)
     playing = hunt if phase is Phase.PLAYING else None
@@ -85,7 +85,7 @@ def compose(memory: ParticipantMemory, now: float) -> Screen:
 
 
 def with_motions(screen: Screen, memory: ParticipantMemory, moved: Collection[int]) -> Screen:
-    """Return a screen with the new motions of these robots and the time played; everything else in it is as before."""
+    """Return a screen with the new motions of these robots and the time played; all other contents are unchanged."""
     hunt = memory.hunt
     if hunt is None:
         return screen
@@ -104,19 +104,19 @@ def _progress(hunt: HuntMemory) -> str:
 
 
 def _enlarged(hunt: HuntMemory | None, screen: Screen) -> bytes | None:
-    """The picture of the pop-up, if it is to be shown large and nothing else lies above it."""
+    """The picture of the pop-up, if it is to be shown enlarged and nothing lies above it."""
     if hunt is None or hunt.enlarged is None or screen.popup is None or screen.confirmation is not None or screen.help:
         return None
     return screen.popup.picture
 
 
 def _without_digits(screen: Screen) -> Screen:
-    """The screen without the numbers of rooms printed as keys: its pop-up has the digits for its answers."""
+    """The screen without numbers of rooms printed as keys, because the digits belong to the answers of its pop-up."""
     return replace(screen, tiles=tuple(replace(tile, choose=replace(tile.choose, key="")) for tile in screen.tiles))
 
 
 def _without_letters(screen: Screen) -> Screen:
-    """The screen without letters printed beside its pop-up, which has the letters for its list of names."""
+    """The screen without letters printed next to its pop-up, because the letters belong to its list of names."""
 
     def bare(action: Action) -> Action:
         return replace(action, key="") if is_letter(action.key) else action
@@ -135,7 +135,7 @@ def _without_letters(screen: Screen) -> Screen:
 
 
 def phase_of(memory: ParticipantMemory) -> Phase:
-    """The page to be shown."""
+    """The page to show."""
     if memory.hunt is None:
         return Phase.CONNECTING
     if memory.hunt.view.consent is not None:
@@ -144,7 +144,7 @@ def phase_of(memory: ParticipantMemory) -> Phase:
 
 
 def next_change(memory: ParticipantMemory, now: float) -> float:
-    """Time at which the screen changes if nothing happens until then; infinite if never."""
+    """Time at which the screen changes without any event; infinite if never."""
     due = [memory.connection.next_change(now), memory.typed_until]
     if memory.note is not None:
         due.append(memory.note.until)
@@ -172,7 +172,7 @@ def _banner(memory: ParticipantMemory, now: float) -> Banner | None:
     if trouble is not None and view is not None and view.over is None:
         return Banner(trouble, "bad")
     if memory.note is not None and now < memory.note.until:
-        # The card of the end says already that the game is over.
+        # The card of the end already says that the game is over.
         twice = (
             view is not None and view.over is not None and memory.note.sentence == texts.text("hints.refused_game_over")
         )

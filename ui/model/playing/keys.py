@@ -1,9 +1,9 @@
-"""Table of keys: buttons get their labels from it, and the help sheet its lines.
+"""Table of keys; the labels of buttons and the lines of the help sheet come from it.
 
 Keys are named as on the keyboard: "Tab", "Shift+Tab", "Enter", "Esc", "Space", "Up", "Down", "Home", "End", "F1", a
 digit, a capital letter, "Ctrl+" and a capital letter, "?".
 
-While a pop-up asks for the name of a treasure, letters belong to its list, wherever the focus is; see `is_for_list`.
+While a pop-up asks for the name of a treasure, letters go to its list, whatever has the focus; see `is_for_list`.
 """
 
 import string
@@ -48,15 +48,15 @@ from ui.model.playing.screen import (
 )
 
 SETTINGS_KEYS = "Ctrl+,"
-"""Keys that open the settings in each window."""
+"""Keys that open the settings in all windows."""
 
 
 @dataclass(frozen=True, slots=True)
 class KeyBinding:
-    """Keys that do one act.
+    """Keys of one act.
 
     Attributes:
-        keys: the first is the one printed on the button.
+        keys: the keys; the first is printed on the button.
         act: the act.
         does: key of the text about the act, for the help sheet.
     """
@@ -85,7 +85,7 @@ PLAYING = (
     KeyBinding((SETTINGS_KEYS,), ShowSettings(), "keys.settings"),
     KeyBinding(("E",), EndGameAct(), "keys.end"),
 )
-"""Keys while the game goes on. While letters belong to a list, Ctrl and the letter does what the letter does."""
+"""Keys during a game. While letters belong to a list, Ctrl plus the letter does what the letter usually does."""
 
 CONSENT = (
     KeyBinding(("A",), GiveConsentAct(), "keys.agree"),
@@ -95,23 +95,23 @@ OVER = (
     KeyBinding(("A",), PlayAgainAct(), "keys.play_again"),
     KeyBinding(("Enter",), GoOnFromGame(), "keys.go_on"),
 )
-"""Keys once the game is over, one for each of the ways on; the page offers one of them."""
+"""Keys after the game, one for each way to continue; the page offers one of them."""
 HELP = KeyBinding(("F1", "H"), ShowHelp(), "keys.help")
 
 WAITING_KEY = "W"
-"""The second key of `ShowNext`: for a button that shows what waits, "Esc" would be a riddle."""
+"""The second key of `ShowNext`, printed on the button that shows what waits, because "Esc" would be unclear there."""
 
 _TABLES = (PLAYING, CONSENT, OVER, (HELP,))
 _CTRL = "Ctrl+"
 _TAKEN = frozenset((*(key for binding in (*PLAYING, HELP) for key in binding.keys), "L", "N", "P"))
-"""Keys that no answer gets: with Ctrl, L, N and P are keys of the pop-up that dialogues take the place of."""
+"""Keys that no answer gets: with Ctrl, L, N and P are keys of the pop-up that dialogues replace."""
 BACK = "close-questions"
 """Word for the answer that leads from the questions back to the other answers."""
 _STEPS = ("Up", "Down", "Home", "End")
 
 
 def question_keys(texts: Texts) -> tuple[KeyBinding, KeyBinding]:
-    """Keys while the program asks for confirmation, letters of the language; all others are ignored then."""
+    """Keys while the program asks for confirmation, letters of the language; all other keys are ignored."""
     return (
         KeyBinding((texts.text("keys.letter_of_yes"),), Confirm(), "keys.yes"),
         KeyBinding((texts.text("keys.letter_of_no"), "Esc"), Cancel(), "keys.no"),
@@ -119,7 +119,7 @@ def question_keys(texts: Texts) -> tuple[KeyBinding, KeyBinding]:
 
 
 def key_of(act: Act) -> str:
-    """The key to print on the button of an act; empty when it has none of its own."""
+    """The key to print on the button of an act; empty if it has no key of its own."""
     return next((binding.keys[0] for table in _TABLES for binding in table if binding.act == act), "")
 
 
@@ -129,11 +129,12 @@ def keyed(act: Act, label: str, enabled: bool = True, hint: str = "", pending: b
 
 
 def choice_keys(choices: Sequence[str], acts: Sequence[str] = ()) -> tuple[str, ...]:
-    """A key for each answer that may be given.
+    """Return a key for each possible answer.
 
     Args:
-        choices: sentences. Each gets a letter of its first word if one is free: C for Continue.
-        acts: words for what the choices do, of robots that argue: their answers are numbered, and Esc leads back.
+        choices: sentences. Each gets a letter of its first word if one is free, such as C for Continue.
+        acts: words for the effects of the choices, for robots that argue: their answers are numbered, and Esc leads
+            back.
     """
     if acts:
         return tuple("Esc" if act == BACK else str(number) for number, act in enumerate(acts, start=1))
@@ -148,10 +149,10 @@ def choice_keys(choices: Sequence[str], acts: Sequence[str] = ()) -> tuple[str, 
 
 
 def act_for(key: str, screen: Screen) -> Act | None:
-    """The act of a key while a screen is shown; None if it has none.
+    """The act of a key on a screen; None if the key has none.
 
     Args:
-        key: as the module names keys.
+        key: name of the key, as in the docstring of this module.
         screen: the screen that the participant sees.
     """
     if is_for_list(key, screen):
@@ -159,7 +160,7 @@ def act_for(key: str, screen: Screen) -> Act | None:
     if key in HELP.keys or (screen.help and key == "Esc"):
         return HELP.act
     if screen.help:
-        # The sheet covers what the other keys are for.
+        # The sheet covers the contents that the other keys are for.
         return None
     if screen.confirmation is not None:
         answers = screen.confirmation.yes, screen.confirmation.no
@@ -179,7 +180,7 @@ def act_for(key: str, screen: Screen) -> Act | None:
 
 
 def is_for_list(key: str, screen: Screen) -> bool:
-    """Return True when a key is a letter of a name in the list shown, or a blank within one."""
+    """Return True if a key is a letter of a name in the list shown, or a space within one."""
     pop = screen.popup
     if not isinstance(pop, TreasurePopup) or not pop.asks_for_name or _is_covered(screen):
         return False
@@ -192,18 +193,18 @@ def _is_covered(screen: Screen) -> bool:
 
 
 def is_letter(key: str) -> bool:
-    """Return True for the key of a letter alone."""
+    """Return True for the key of a single letter."""
     return len(key) == 1 and key.isalpha()
 
 
 def shown_key(texts: Texts, key: str) -> str:
-    """Return a key as people read it, such as "Strg+P" for "Ctrl+P"."""
+    """Return the name of a key in the language, such as "Strg+P" for "Ctrl+P"."""
     *held, last = [key] if len(key) == 1 else key.split("+")
     return "+".join(_key_name(texts, each) for each in (*held, last))
 
 
 def help_line(texts: Texts, binding: KeyBinding) -> tuple[str, str]:
-    """Return a line of the help sheet: (keys, what they do)."""
+    """Return a line of the help sheet: (keys, effect)."""
     keys = [shown_key(texts, key) for key in binding.keys]
     both = keys[0] if len(keys) == 1 else texts.text("keys.one_or_other", key=keys[0], other_key=keys[1])
     return both, texts.text(binding.does)
@@ -212,14 +213,14 @@ def help_line(texts: Texts, binding: KeyBinding) -> tuple[str, str]:
 def help_lines(
     texts: Texts, rooms: int, silent: str = "", *, properties: bool = False, numbered: bool = False
 ) -> tuple[tuple[str, str], ...]:
-    """The help sheet: (keys, what they do).
+    """The help sheet, as pairs (keys, effect).
 
     Args:
-        texts: of the window's language.
+        texts: texts of the window's language.
         rooms: number of rooms; 0 before there is a game.
-        properties: True when robots can be asked to sense more, or the participant to tell it.
-        numbered: True when answers to robots are numbered.
-        silent: why there can be no sound, which stands in place of what its key does; empty when there can be.
+        properties: True if the participant can ask robots to sense more, or can report a property.
+        numbered: True if answers to robots are numbered.
+        silent: reason why there is no sound, shown instead of the effect of its key; empty if there is sound.
     """
     enter, ctrl = shown_key(texts, "Enter"), shown_key(texts, "Ctrl")
 
@@ -284,7 +285,7 @@ def _playing(key: str, screen: Screen) -> Act | None:
 
 
 def _digit(digit: int, screen: Screen) -> Act | None:
-    """A digit of a room's number; while answers are numbered, an answer, unless a number has been begun before."""
+    """Act of a digit: part of a room's number, or an answer if answers are numbered and no number was begun."""
     pop = screen.popup
     if not isinstance(pop, DialoguePopup) or not pop.numbered or screen.typed:
         return TypeDigit(digit)

@@ -15,7 +15,7 @@ from ui.model.shared.scene import RobotMark, RoomMark
 
 
 class MapMarks:
-    """Makes marks from the shapes in a floor plan.
+    """Maker of marks from the shapes in a floor plan.
 
     Args:
         floor_plan: the rooms, and the robots' footprint.
@@ -26,7 +26,7 @@ class MapMarks:
         self._footprint = _corners(floor_plan.footprint)
 
     def rooms(self, tiles: tuple[RoomTile, ...]) -> tuple[RoomMark, ...]:
-        """Marks of the rooms as their tiles show them; rooms that the floor plan does not have are left out."""
+        """Marks of the rooms, with the state that their tiles show; rooms that the floor plan lacks are left out."""
         return tuple(
             RoomMark(
                 room=tile.room,
@@ -46,7 +46,7 @@ class MapMarks:
     def robots(
         self, texts: Texts, moving: tuple[DisplayedRobot, ...], view: View, selected: int
     ) -> tuple[RobotMark, ...]:
-        """Marks of the robots where they are in this frame."""
+        """Marks of the robots at their places in this frame."""
         return tuple(
             RobotMark(
                 robot=robot.robot,

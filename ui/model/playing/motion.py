@@ -1,8 +1,9 @@
-"""Poses of robots between two messages of pose telemetry: smooth, a little behind, and never jumping back.
+"""Poses of robots between two messages of pose telemetry: smooth, slightly delayed, and never jumping back.
 
-A simulation tells many times a second where its robots are. Each message travels by a network and comes late, early or
-not at all; the simulation itself may run at another rate, stand still or begin anew. `MotionPlayback` keeps the last
-messages as samples, runs a clock of simulated time a little behind the newest, and reads the poses at that clock.
+A simulation reports the places of its robots many times a second. A message travels over a network and can arrive late,
+early or not at all. The simulation itself can run at another rate, stand still or restart. `MotionPlayback` keeps the
+last messages as samples, runs a clock of simulated time slightly behind the newest sample, and reads the poses at that
+clock.
 """
 
 import math
@@ -20,49 +21,49 @@ from ui.model.playing.playback_clock import PlaybackClock
 from ui.model.playing.trails import PathAhead, Trail
 
 TICK = 0.02
-"""Simulated seconds a tick."""
+"""Simulated seconds per tick."""
 
 KEPT_SAMPLES = 64
-"""Samples kept: 2.5 s of them at 25 Hz."""
+"""Number of samples kept: 2.5 s at 25 Hz."""
 
 JUMP = 0.5
-"""A robot that is found this far, in meters, from where it should be was carried: it moves at once."""
+"""A robot this far, in meters, from its expected place was moved by hand; the screen shows the new place at once."""
 
 MAX_SPEED = 1.5
-"""Greatest speed of robots, m/s: samples that are far apart in time may be so much farther apart in space."""
+"""Greatest speed of robots, m/s; it limits the plausible distance between samples."""
 
 MAX_ACCELERATION = 10.0
-"""Greatest acceleration of robots, m/s²; a robot that seems to exceed it twice has corrected its estimate instead."""
+"""Greatest acceleration of robots, m/s². A robot that seems to exceed it twice has corrected its estimate instead."""
 
 MAX_TURN_ACCELERATION = 25.0
 """Greatest acceleration of turning, rad/s²."""
 
 GAP = 2.0
-"""A sample so much later than the one before, in simulated seconds, begins anew: a seek, or a lost connection."""
+"""Simulated seconds between two samples after which playback restarts, as after a seek or a lost connection."""
 
 MAX_EXTRAPOLATION = 0.1
-"""Robots are driven on for so long without a new sample, simulated seconds, slower and slower."""
+"""Simulated seconds for which robots are extrapolated without a new sample, at decreasing speed."""
 
 BLEND = 0.07
 """Time constant of blending, seconds: 95 % in 0.2 s."""
 
 MAX_HELD_CORRECTION = 0.2
-"""A correction by less than this, in meters, does not move a driving robot backwards."""
+"""A correction smaller than this, in meters, never moves a driving robot backwards."""
 
 MOVING_SPEED = 0.03
-"""A robot counts as driving when it is faster than this, m/s."""
+"""A robot counts as driving above this speed, m/s."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class DisplayedRobot:
-    """One robot at the moment shown; map frame, meters and radians.
+    """One robot at the displayed moment, in the map frame, meters and radians.
 
     Attributes:
         pose: its estimated pose.
-        trail: (k, 2) places where it was shown, oldest first; its own place is not in it.
-        path: (m, 2) rest of its planned path, its own place first; (0, 2) without one.
+        trail: (k, 2) places where it was shown, oldest first, without its own place.
+        path: (m, 2) rest of its planned path, its own place first; (0, 2) without a path.
         ellipse: uncertainty of its place, if the telemetry has it.
-        truth: its true pose, likewise.
+        truth: its true pose, if the telemetry has it.
     """
 
     pose: Pose2
@@ -74,7 +75,7 @@ class DisplayedRobot:
 
 @dataclass(slots=True, eq=False)
 class _Sample:
-    """One message of pose telemetry: simulated time, (n, 3) poses, and the rest of it."""
+    """One message of pose telemetry: simulated time, (n, 3) poses, and its other contents."""
 
     time: float
     poses: FloatArray
@@ -83,14 +84,14 @@ class _Sample:
 
 
 class MotionPlayback:
-    """Interpolates all robots' poses from pose telemetry.
+    """Interpolator of all robots' poses from pose telemetry.
 
-    Times called `now` are monotonic seconds of this program. A message that came before the last look at the robots may
-    be received after that look; otherwise times must not run backwards.
+    Times called `now` are monotonic seconds of this program. A message that arrived before the last call of `at` may be
+    received after that call; otherwise times must not run backwards.
 
-    The past is always kept in the frame of the newest estimate: when a robot corrects its estimate, the correction is
-    added to its past samples, and an offset as large, which fades within 0.2 s, keeps the robot on the screen from
-    jumping. The same offset takes up the error of extrapolation.
+    The past is always kept in the frame of the newest estimate. When a robot corrects its estimate, the correction is
+    added to its past samples. An offset of the same size, which fades within 0.2 s, keeps the robot on the screen from
+    jumping. The same offset absorbs the error of extrapolation.
     """
 
     def __init__(self) -> None:
@@ -104,7 +105,7 @@ class MotionPlayback:
         self._faded = 0.0
 
     def receive(self, notice: PoseTelemetry | PlannedPaths, now: float) -> None:
-        """Take pose telemetry or planned paths that came at this moment."""
+        """Process pose telemetry or planned paths that arrived at this moment."""
         if isinstance(notice, PlannedPaths):
             before = self._paths
             self._paths = [
@@ -159,11 +160,11 @@ class MotionPlayback:
         self._faded = now
 
     def _correct(self, sample: _Sample, newest: _Sample) -> NDArray[np.bool_]:
-        """Move the kept samples into the frame of a new one; return (n,) True for each robot that was carried off.
+        """Move the kept samples into the frame of a new one; return (n,) True for each robot that was moved by hand.
 
-        A robot whose motion changes has either changed its speed or corrected its estimate. The larger the change
-        beyond what motors can do, the larger the share of it that counts as a correction; unless the step before was
-        just as odd, because a speed lasts and a correction does not.
+        If a robot's motion changes, it has either changed its speed or corrected its estimate. The share of the change
+        that counts as a correction grows with the part that motors cannot do. If the step before was just as odd, the
+        change is no correction, because a speed lasts and a correction does not.
         """
         passed = sample.time - newest.time
         moved = sample.poses - newest.poses
@@ -202,7 +203,7 @@ class MotionPlayback:
         )
 
     def _bracket(self, time: float) -> tuple[_Sample, _Sample]:
-        """The samples before and after a simulated time; twice the same at an end."""
+        """The samples before and after a simulated time; at an end, the same sample twice."""
         later = self._samples[-1]
         if time >= later.time:
             return later, later
@@ -223,7 +224,7 @@ class MotionPlayback:
     def _read_truth(self, time: float) -> FloatArray | None:
         one, other = self._bracket(time)
         if one is other and len(self._samples) > 1:
-            # Past the last sample it goes on as between the last two.
+            # After the last sample, the motion between the last two samples continues.
             one = self._samples[-2]
             time = other.time + _driven_on(time - other.time)
         if one.truth is None or other.truth is None or one.time == other.time or len(one.truth) != len(other.truth):
@@ -234,10 +235,10 @@ class MotionPlayback:
         return read
 
     def _fade(self, now: float) -> None:
-        """Reduce the offsets by what fades until now.
+        """Reduce the offsets by the part that fades until now.
 
-        A robot that drives, and corrects its place a little back along its path, is held where it is until the
-        correction is made up for: nobody sees it drive backwards.
+        If a driving robot corrects its place slightly back along its path, it is held in place until the correction has
+        faded, so that it never seems to drive backwards.
         """
         passed = max(now - self._faded, 0.0)
         self._faded = max(self._faded, now)
@@ -256,13 +257,13 @@ class MotionPlayback:
 
 
 def _driven_on(late: float) -> float:
-    """Seconds at full speed by which robots are extrapolated after so many seconds without a sample."""
+    """Seconds at full speed by which robots are extrapolated, `late` seconds after the last sample."""
     late = min(max(late, 0.0), MAX_EXTRAPOLATION)
     return late - late * late / (2.0 * MAX_EXTRAPOLATION)
 
 
 def _between(one: FloatArray, other: FloatArray, share: float) -> FloatArray:
-    """Poses at a share of the way from one to the other, angles by the shorter turn."""
+    """Poses at a share of the distance from one to the other; angles take the shorter turn."""
     change = other - one
     change[:, 2] = _wrapped(change[:, 2])
     between: FloatArray = one + share * change
@@ -270,7 +271,7 @@ def _between(one: FloatArray, other: FloatArray, share: float) -> FloatArray:
 
 
 def _oddity(speeds: FloatArray, others: FloatArray, passed: float) -> FloatArray:
-    """(n,) implausibility of a change between (n, 3) speeds in so many seconds: 0 possible, 1 impossible."""
+    """(n,) implausibility of a change between (n, 3) speeds in `passed` seconds: 0 possible, 1 impossible."""
     change = np.abs(speeds - others)
     moves, turns = np.hypot(change[:, 0], change[:, 1]) / MAX_ACCELERATION, change[:, 2] / MAX_TURN_ACCELERATION
     odd: FloatArray = np.clip(np.maximum(moves, turns) / passed - 1.0, 0.0, 1.0)

@@ -1,4 +1,4 @@
-"""All acts that a screen offers."""
+"""All acts on a screen."""
 
 from collections.abc import Iterator
 
@@ -17,7 +17,7 @@ from ui.model.playing.screen import (
 
 
 def offers(screen: Screen) -> Iterator[Action]:
-    """All actions on a screen, in no order that matters."""
+    """Yield all actions on a screen, in arbitrary order."""
     match screen.phase:
         case Phase.CONSENT:
             yield from (screen.agree, screen.decline)
@@ -33,9 +33,9 @@ def offers(screen: Screen) -> Iterator[Action]:
 
 
 def offer(screen: Screen, act: Act) -> Action | None:
-    """The action that offers this act, if any. Acts on a robot mean the selected one by default.
+    """Return the action for this act, if any. By default, acts on a robot mean the selected one.
 
-    A request for the pop-ups of a robot need not name a room.
+    A request for the pop-ups of a robot may omit the room.
     """
     if act == StopRobotAct():
         return next((card.stop for card in screen.cards if card.selected), None)

@@ -1,4 +1,4 @@
-"""View model of the participant's window: messages of the game become a screen, and acts become requests."""
+"""View model of the participant's window: it turns messages of the game into a screen, and acts into requests."""
 
 import math
 from collections.abc import Callable
@@ -26,16 +26,16 @@ from ui.model.shared.scene import RobotMark, RoomMark
 class Participant:
     """The view model of the participant's window.
 
-    It takes messages of the game and acts of the participant, and gives the screen to show and the requests to send.
-    Times called `now` are monotonic seconds that never run backwards, with one exception: a message may have come a
-    little before the last look at the screen.
+    It receives messages of the game and acts of the participant, and returns the screen to show and the requests to
+    send. Times called `now` are monotonic seconds that never run backwards, with one exception: a message may have
+    arrived slightly before the last call of `screen`.
 
     Args:
-        time_of_day: returns the time of day, for the record of an agreement to take part.
-        sound_on: True when the participant wants sounds.
-        can_sound: True where there is something to play them with.
-        once: True where one game is played, and something else follows.
-        texts: until the game has told its own; None: English.
+        time_of_day: function that returns the time of day, for the record of consent.
+        sound_on: True if the participant wants sounds.
+        can_sound: True if the computer can play sounds.
+        once: True if one game is played, and something else follows.
+        texts: texts until the game sends its own. If None, they are English.
     """
 
     def __init__(
@@ -58,39 +58,42 @@ class Participant:
         self._marks: MapMarks | None = None
         self._screen: Screen | None = None
         self._rooms: tuple[RoomMark, ...] = ()
-        # Tiles and shapes of the last marks of the rooms.
+        # Tiles and shapes at the last computation of the rooms' marks.
         self._marked: tuple[tuple[RoomTile, ...], MapMarks | None] = ((), None)
-        # Time by which the screen is made again; at once after a message or an act.
+        # Time at which the screen is computed again; at once after a message or an act.
         self._due = -math.inf
-        # Robots whose motions are newer than the screen, and whether the time played is. Both come many times a second
-        # and change little in it.
+        # Robots with motions newer than the screen, and whether the time played is newer. Both arrive many times a
+        # second and change little on the screen.
         self._moved: set[int] = set()
         self._ticked = False
 
     @property
     def floor_plan(self) -> FloorPlan | None:
-        """Floor plan of the game; None until it has come."""
+        """Floor plan of the game; None until it has arrived."""
         return self._memory.floor_plan
 
     @property
     def texts(self) -> Texts:
-        """All that is read in the window: in the game's language, once it is known."""
+        """All texts of the window, in the game's language once it is known."""
         return self._memory.texts
 
     @property
     def followed(self) -> int | None:
-        """The robot to keep in the middle of the map."""
+        """The robot that the map follows."""
         return self._memory.followed
 
     @property
     def why_silent(self) -> str:
-        """The reason why there can be no sound, as a sentence; empty when there can be, or nobody knows yet."""
+        """The reason why there is no sound, as a sentence.
+
+        Empty if there can be sound, or the game is not known yet.
+        """
         memory = self._memory
         return "" if memory.hunt is None else why_silent(memory, memory.hunt)
 
     @property
     def leaving(self) -> bool:
-        """True once the participant has agreed to close the window."""
+        """True after the participant has agreed to close the window."""
         return self._memory.leaving
 
     @property
@@ -99,7 +102,7 @@ class Participant:
         return self._memory.sound_on
 
     def receive(self, level: ParticipantUpdate, now: float) -> None:
-        """Take a message of the game."""
+        """Process a message of the game."""
         memory = self._memory
         match level:
             case View():
@@ -125,15 +128,15 @@ class Participant:
         self._due = -math.inf
 
     def connected(self, now: float) -> None:
-        """Note that the game is reached, for the first time or again."""
+        """Record that the game is reached, for the first time or again."""
         self._memory.connection.connected(now)
         self._due = -math.inf
 
     def lost(self, sentence: str, now: float) -> None:
-        """Note that the game is not reached, or not any more.
+        """Record that the game is not reached, or no longer reached.
 
         Args:
-            sentence: why, for people; may be empty.
+            sentence: reason, for people; may be empty.
             now: monotonic seconds.
         """
         memory = self._memory
@@ -144,10 +147,10 @@ class Participant:
         self._due = -math.inf
 
     def do(self, act: Act, now: float) -> None:
-        """Do an act of the participant, who looks at the last screen.
+        """Carry out an act of the participant on the last screen.
 
-        An act that this screen does not offer, or whose object has gone since, does nothing; an act that is offered but
-        not possible just now shows the reason.
+        An act that this screen does not offer, or whose object has disappeared since, does nothing. An act that is
+        offered but not possible at the moment shows the reason.
         """
         offered = None if self._screen is None else offer(self._screen, act)
         if offered is not None and offered.pending:
@@ -156,7 +159,7 @@ class Participant:
         self._due = -math.inf
 
     def screen(self, now: float) -> Screen:
-        """The screen to show now: the very same object while nothing changed."""
+        """The screen to show now; the same object as long as nothing changes."""
         memory = self._memory
         if self._screen is not None and now < self._due:
             if self._moved or self._ticked:
@@ -180,7 +183,7 @@ class Participant:
         return self._screen or fresh
 
     def rooms(self, now: float) -> tuple[RoomMark, ...]:
-        """The rooms on the map, as the last screen has them: the very same object while nothing changed."""
+        """The rooms on the map of the last screen; the same object as long as nothing changes."""
         tiles = (self._screen or self.screen(now)).tiles
         if self._marked[0] is not tiles or self._marked[1] is not self._marks:
             self._marked = (tiles, self._marks)
@@ -195,11 +198,11 @@ class Participant:
         return self._marks.robots(hunt.texts, self._playback.at(now), hunt.view, self._memory.selected)
 
     def requests(self) -> tuple[ParticipantRequest, ...]:
-        """All requests to the game, oldest first; each is to be sent again until it is not in here any more."""
+        """All requests to the game, oldest first; each must be sent again until it is no longer listed."""
         return () if self._memory.hunt is None else open_requests(self._memory.hunt)
 
     def _receive_motions(self, motions: tuple[RobotMotion, ...], now: float) -> bool:
-        """Take the robots' motions; return True when they change more of the screen than cards."""
+        """Process the robots' motions; return True if they change more of the screen than cards."""
         memory = self._memory
         was_still = memory.connection.is_still(now)
         memory.connection.receive(now)
@@ -208,11 +211,14 @@ class Participant:
             return True
         moved = [robot for robot, pair in enumerate(zip(before, memory.motions, strict=True)) if _differ(*pair)]
         self._moved.update(moved)
-        # A question may be about the energy that comes back to a robot on its way.
+        # A question may mention the energy that a robot gets back if it stops.
         return bool(moved) and self._screen is not None and self._screen.confirmation is not None
 
     def _until_arrived(self, motions: tuple[RobotMotion, ...]) -> tuple[RobotMotion, ...]:
-        """The motions, but a robot that came to rest is at the end of its path until the view shows it at its goal."""
+        """Return the motions.
+
+        A robot that came to rest is at the end of its path until the view shows it at its goal.
+        """
         hunt, before = self._memory.hunt, self._memory.motions
         if hunt is None or not len(motions) == len(before) == len(hunt.view.robots):
             return motions
@@ -222,14 +228,14 @@ class Participant:
         )
 
     def _announcing(self, fresh: Screen) -> Screen:
-        """Return the screen with the newest announcement, or else with the last one."""
+        """Return the screen with the newest announcement, or with the last one if there is no new one."""
         announcement = self._memory.history.take_announcements()
         before = ("", 0) if self._screen is None else (self._screen.announcement, self._screen.announcement_number)
         announcement, number = (announcement, before[1] + 1) if announcement else before
         return replace(fresh, announcement=announcement, announcement_number=number)
 
     def _sounding(self, fresh: Screen) -> Screen:
-        """Return the screen with the most important of the newest sounds, or else with the last one."""
+        """Return the screen with the most important new sound, or with the last one if there is no new one."""
         memory = self._memory
         heard = memory.sounds if memory.sound_on and memory.hunt is not None and memory.hunt.view.sound else []
         before = (None, 0) if self._screen is None else (self._screen.sound, self._screen.sound_number)
@@ -254,7 +260,7 @@ class Participant:
 
 
 def _differ(one: RobotMotion, other: RobotMotion) -> bool:
-    """Return True when two motions of a robot look different on its card."""
+    """Return True if two motions of a robot look different on its card."""
     return (one.doing, one.waits_for, round(one.progress, 2), one.makes_way_for) != (
         other.doing,
         other.waits_for,

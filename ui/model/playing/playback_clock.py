@@ -1,49 +1,52 @@
-"""Clock that plays back a simulation's telemetry a little behind the newest sample."""
+"""Clock that plays back a simulation's telemetry slightly behind the newest sample."""
 
 import math
 from collections import deque
 
 WINDOW = 1.0
-"""Seconds of the past by which rate and lateness are judged."""
+"""Seconds of the past from which rate and lateness are estimated."""
 
 MIN_RATE_WINDOW = 0.2
-"""A rate is believed once samples span so many seconds."""
+"""Seconds that samples must span before a rate is estimated."""
 
 FIRST_DELAY = 0.05
-"""Seconds to stay behind while nothing is known of the network."""
+"""Delay in seconds before the network is known."""
 
 CATCH_UP_BURST = 0.1
-"""After a standstill, samples that come within so many seconds may have been held up by the network."""
+"""Seconds after a standstill within which arriving samples may have been delayed by the network."""
 
 MAX_SAMPLES = 128
-"""Samples kept at most, however fast they come."""
+"""Largest number of kept samples, at any rate."""
 
 MAX_DELAY = 0.06
-"""The clock stays at most this far behind, seconds: with the latency of a network it is still less than 0.1 s."""
+"""Largest delay of the clock, seconds; with the latency of a network, the total stays below 0.1 s."""
 
 EXTRAPOLATED_SHARE = 0.5
-"""Share of the time between two samples for which robots are extrapolated without the next: at 25 a second that puts
-them off by millimeters, and draws them 20 ms earlier."""
+"""Share of the time between two samples for which robots are extrapolated without the next sample.
+
+At 25 samples a second, this causes errors of millimeters, and draws robots 20 ms earlier.
+"""
 
 STANDSTILL = 0.25
-"""Seconds without a sample: simulated time, or the network, stood still. Such a gap says nothing of a rate."""
+"""Seconds without a sample that count as a standstill of simulated time or the network; they do not affect the rate."""
 
 HORIZON = 0.25
-"""Seconds of this program for which simulated time is believed to have gone on without a sample."""
+"""Seconds of real time for which simulated time is assumed to continue without a sample."""
 
 CATCH_UP = 0.15
-"""Time constant of following a changed estimate, seconds."""
+"""Time constant for following a changed estimate, seconds."""
 
 
 class PlaybackClock:
-    """Simulated time to be shown at a moment: monotonic, smooth, and as little behind as the network's jitter allows.
+    """Simulated time to show at a moment: monotonic, smooth, and with the least delay that the network's jitter allows.
 
-    Each sample says "simulated time s, received at moment a". The lines s + rate (now - a) of the samples that
-    travelled fastest tell how far the simulation is now. The lateness of the slowest sample of the last second, and the
-    time between samples, tell how far behind the clock must stay so that robots are not extrapolated for long.
+    Each sample says "simulated time s, received at moment a". The samples with the shortest travel times give lines s +
+    rate (now - a), which estimate the present time of the simulation. The lateness of the slowest sample of the last
+    second, and the time between samples, determine the delay of the clock, so that robots are not extrapolated for
+    long.
 
     Attributes:
-        rate: simulated seconds a second.
+        rate: simulated seconds per second.
     """
 
     def __init__(self) -> None:
@@ -55,7 +58,7 @@ class PlaybackClock:
         self._stood_until = -math.inf
 
     def receive(self, time: float, now: float) -> None:
-        """Take a sample of this simulated time that came now; each must be later than the one before."""
+        """Add a sample of this simulated time that arrived now; each must be later than the one before."""
         if self._samples and now - self._samples[-1][1] > STANDSTILL:
             self._stood_until = now
         if now < self._stood_until + CATCH_UP_BURST:
@@ -72,7 +75,7 @@ class PlaybackClock:
             self._delay = min((1.0 - EXTRAPOLATED_SHARE) * spacing + lateness, MAX_DELAY)
 
     def at(self, now: float) -> float:
-        """Simulated time to be shown."""
+        """Simulated time to show."""
         if not self._samples:
             return 0.0
         front = self._front(now)
@@ -88,7 +91,7 @@ class PlaybackClock:
         return self._time
 
     def _front(self, now: float) -> float:
-        """Simulated time reached by now, judged by the samples that travelled fastest."""
+        """Simulated time reached by now, estimated from the samples with the shortest travel times."""
         front = max(time + self.rate * (now - at) for time, at in self._samples)
         newest = self._samples[-1][0]
         return min(front, newest + self.rate * HORIZON)

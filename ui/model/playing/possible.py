@@ -1,7 +1,7 @@
-"""Reasons why an act is not possible just now, in words for a hint.
+"""Reasons why an act is not possible at the moment, in words for a hint.
 
-`thbridge.roles.shared.participant_rules` decides, as it does for the keeper; here its refusals become hints. Functions
-called `why_not_...` return the reason, or None where the act is possible.
+`thbridge.roles.shared.participant_rules` decides, as for the keeper; this module turns its refusals into hints.
+Functions called `why_not_...` return the reason, or None if the act is possible.
 """
 
 from dataclasses import replace
@@ -37,7 +37,7 @@ def is_allowed(known: Situation, request: JudgedRequest) -> bool:
 
 
 def undecided_beside(known: Situation, robot: int) -> int | None:
-    """The room in which this robot stands beside a treasure that is neither named nor left."""
+    """The room in which this robot stands at a treasure that is neither named nor left."""
     state, place = known.state, known.state.robots[robot].at
     if state.standing_in(place) != robot or not state.has_room(place):
         return None
@@ -46,7 +46,7 @@ def undecided_beside(known: Situation, robot: int) -> int | None:
 
 
 def left_beside(known: Situation, robot: int) -> int | None:
-    """The room in which this robot stands beside a treasure that was left and can be taken up again."""
+    """The room in which this robot stands at a treasure that was left and can be taken up again."""
     state = known.state
     if not state.has_robot(robot) or not state.has_room(state.robots[robot].at):
         return None
@@ -61,12 +61,12 @@ def ends_game(known: Situation, event: Event) -> bool:
 
 
 def why_not_work(texts: Texts, known: Situation, robot: int) -> str | None:
-    """Reason why a robot can do nothing at all just now, or None."""
+    """Reason why a robot can do nothing at all at the moment, or None."""
     return _hint(texts, known, robot, rules.unable(known.state, robot))
 
 
 def why_not_command(texts: Texts, known: Situation, robot: int) -> str | None:
-    """Reason why the participant may not send or stop a robot just now, or None."""
+    """Reason why the participant may not send or stop a robot at the moment, or None."""
     return _hint(texts, known, robot, rules.commanded_by_other(known.state, robot, Commander.PARTICIPANT))
 
 
@@ -125,7 +125,7 @@ def why_not_name(texts: Texts, known: Situation, robot: int, room: int) -> str |
 def why_not_find_out(
     texts: Texts, known: Situation, request: MeasureProperty | TellProperty | TakeUpTreasure
 ) -> str | None:
-    """Reason why more of a treasure cannot be found out or told, or why it cannot be taken up again; or None."""
+    """Reason why a property of a treasure cannot be sensed or reported, or why it cannot be taken up again; or None."""
     refused = judge(known, request)
     if isinstance(refused, tuple):
         return None
@@ -150,7 +150,7 @@ def why_not_stop(texts: Texts, known: Situation, robot: int) -> str | None:
 
 
 def why_not_end(texts: Texts, known: Situation) -> str | None:
-    """Reason why the game cannot be ended just now, or None."""
+    """Reason why the game cannot be ended at the moment, or None."""
     refused = judge(known, EndGame(known.state.started.game))
     if isinstance(refused, tuple):
         return None
@@ -163,7 +163,7 @@ def why_not_end(texts: Texts, known: Situation) -> str | None:
 
 
 def energy_warning(texts: Texts, known: Situation, robot: int, room: int) -> str:
-    """Warning of what a robot's energy does not suffice for once it is in a room: a picture, a name; or empty."""
+    """Warning about acts in a room that would exceed a robot's energy there: a picture, a name; or empty."""
     departure = rules.move(known.state, robot, Room(room))
     if isinstance(departure, RequestRefused):
         return ""
@@ -175,7 +175,7 @@ def energy_warning(texts: Texts, known: Situation, robot: int, room: int) -> str
 
 
 def arrival_warning(texts: Texts, known: Situation, robot: int) -> str:
-    """Warning of what the energy of a driving robot will not suffice for where it arrives, for its card; or empty."""
+    """Warning about acts at the destination of a driving robot that will exceed its energy, for its card; or empty."""
     room = known.state.robots[robot].bound_for
     if room is None:
         return ""
@@ -184,7 +184,7 @@ def arrival_warning(texts: Texts, known: Situation, robot: int) -> str:
 
 
 def _too_little_for(state: GameState, room: Room) -> Literal["name", "picture", "both"] | None:
-    """The work that the robot in a room cannot pay for there; None where it can pay for all."""
+    """The act that the robot in a room cannot pay for there; None if it can pay for all."""
     if not _is_nameable(state, room):
         return "name"
     pictured = rules.picture(state, room, "")
@@ -199,9 +199,9 @@ def _is_nameable(state: GameState, room: Room) -> bool:
 
 
 def _stopped(known: Situation, robot: int) -> Situation:
-    """Return the known when a driving robot is stopped at once: to the game, it stands in the corridor then.
+    """Return the situation after a driving robot is stopped at once: in the game, it then stands in the corridor.
 
-    Where moves are priced by position, nobody knows yet what they will cost from there: it may be nothing.
+    If moves are priced by position, their costs from there are unknown, and count as zero.
     """
     events = rules.fail(known.state, robot, "", 0.0, CORRIDOR)
     if isinstance(events, RequestRefused):
@@ -230,7 +230,7 @@ def _why_not_discuss(texts: Texts, known: Situation, request: OpenDialogue) -> s
 
 
 def _hint(texts: Texts, known: Situation, robot: int, refused: RequestRefused | None) -> str | None:
-    """The hint for a refusal that is about the robot or the game; None where there is no such refusal."""
+    """The hint for a refusal about the robot or the game; None if there is no such refusal."""
     if refused is None:
         return None
     match refused.reason:
@@ -246,7 +246,7 @@ def _hint(texts: Texts, known: Situation, robot: int, refused: RequestRefused | 
 
 
 def why_refused(texts: Texts, known: Situation, refusal: RefusalView, request: ParticipantRequest | None) -> str:
-    """The game's refusal of a request, with what is known about it; None: it is not known what was refused."""
+    """The game's refusal of a request, with the known reasons. If `request` is None, the refused request is unknown."""
     return (texts.has(_refusal_key(refusal)) and _why_not(texts, known, request)) or refusal_words(texts, refusal)
 
 
@@ -271,7 +271,7 @@ def _why_not(texts: Texts, known: Situation, request: ParticipantRequest | None)
 
 
 def refusal_words(texts: Texts, refused: RequestRefused | RefusalView) -> str:
-    """A refusal in the language of the texts; of a reason that this release does not know, the sentence that came."""
+    """A refusal in the language of the texts; for an unknown reason of another release, the received sentence."""
     key = _refusal_key(refused)
     return texts.text(key) if texts.has(key) else refused.sentence
 

@@ -10,7 +10,7 @@ from ui.model.playing.words import percent
 
 
 def rules_of(texts: Texts, view: View) -> tuple[str, ...]:
-    """The rules with the numbers of a game, as far as its participant is told them."""
+    """The rules with the numbers of a game, as far as the game reveals them to the participant."""
     # Column 0 is the corridor, where no robot can be sent.
     moves = [cost for row in view.costs for cost in row[1:] if cost is not None]
     return rules_lines(
@@ -40,15 +40,16 @@ def rules_lines(
     """The rules with the numbers of a study.
 
     Args:
-        texts: of the players' language.
+        texts: texts of the players' language.
         picture_cost: energy of a picture.
         identify_cost: energy of naming a treasure.
-        energy: of each robot at the start; None where it is not known.
-        wrong_share: share of a treasure's points that a wrong name costs; None where it is not told.
-        moves: least and most energy of a move between two places; None where it is not known.
-        by_position: moves are priced by length and turns from where the robot stands; `moves` are those between rooms.
-        properties: of treasures.
-        has_last_word: decides in the end where robots argue; None where they do not.
+        energy: energy of each robot at the start; None if unknown.
+        wrong_share: share of a treasure's points that a wrong name costs; None if the study does not reveal it.
+        moves: least and most energy of a move between two places; None if unknown.
+        by_position: True if the price of a move depends on its length and turns from the robot's place; `moves` are
+            those between rooms.
+        properties: properties of treasures.
+        has_last_word: the side that decides in the end if robots argue; None if they do not.
     """
     start = "" if energy is None else f"{texts.text('rules.start', energy=energy)} "
     decision = () if has_last_word is None else (texts.text(f"rules.decision_of_{has_last_word}"),)
@@ -77,7 +78,7 @@ def _costs(texts: Texts, picture: float, naming: float, moves: tuple[float, floa
 
 
 def _more(texts: Texts, properties: Sequence[TreasureProperty]) -> Iterator[str]:
-    """Sentences on what is found out of a treasure beyond what a robot senses as it finds it."""
+    """Yield sentences on properties of treasures that a robot does not sense at once."""
     measured = [
         texts.clause("rules.sensed_one", property=texts.noun(each.label), cost=each.cost)
         for each in properties

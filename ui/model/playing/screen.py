@@ -1,7 +1,7 @@
-"""Values that describe the participant's window: the `Screen` to draw, and the `Act`s that a participant can do.
+"""Values that describe the participant's window: the `Screen` to draw, and the `Act`s of a participant.
 
-The window draws a `Screen` and gives back `Act`s; it decides nothing. Each offered act carries its label, its key and,
-when it is not possible just now, the reason in words.
+The window draws a `Screen` and returns `Act`s; it decides nothing. Each offered act has its label, its key and, if it
+is not possible at the moment, the reason in words.
 """
 
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ from ui.model.shared.scene import RoomState
 
 
 class GameSound(IntEnum):
-    """Things that sound, the least important first."""
+    """Events that have a sound, the least important first."""
 
     ARRIVAL = 0
     QUESTION = 1
@@ -26,9 +26,9 @@ class Phase(StrEnum):
     """Page that the window shows."""
 
     CONNECTING = "connecting"
-    """No view has come yet: the game's server is not reached, or its robots are not ready."""
+    """No view has arrived yet: the game's server is not reached, or its robots are not ready."""
     CONSENT = "consent"
-    """The participant is asked to take part."""
+    """The window asks the participant to take part."""
     PLAYING = "playing"
     OVER = "over"
 
@@ -48,7 +48,7 @@ class GiveConsentAct(Act):
 
 @dataclass(frozen=True, slots=True)
 class DeclineConsentAct(Act):
-    """Do not take part in the study; the window thanks and ends."""
+    """Do not take part in the study; the window thanks the participant."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,14 +60,14 @@ class ChooseRobot(Act):
 
 @dataclass(frozen=True, slots=True)
 class NextRobot(Act):
-    """Command the next robot (`step` 1) or the one before (-1)."""
+    """Command the next robot (`step` 1) or the previous one (-1)."""
 
     step: int
 
 
 @dataclass(frozen=True, slots=True)
 class ConsiderRoom(Act):
-    """Look at a room without choosing it; None looks away."""
+    """Look at a room without choosing it. If None, look away."""
 
     room: int | None
 
@@ -81,14 +81,14 @@ class SelectRoomAct(Act):
 
 @dataclass(frozen=True, slots=True)
 class TypeDigit(Act):
-    """Type a digit of a room number; with ten rooms or more it is complete after two digits, or by `FinishNumber`."""
+    """Type a digit of a room number; with ten rooms or more, two digits or `FinishNumber` complete it."""
 
     digit: int
 
 
 @dataclass(frozen=True, slots=True)
 class FinishNumber(Act):
-    """Take the number typed so far as complete (Enter)."""
+    """Accept the number typed so far as complete (Enter)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,14 +98,14 @@ class RequestSuggestionAct(Act):
 
 @dataclass(frozen=True, slots=True)
 class StopRobotAct(Act):
-    """Stop a robot that is driving; None: the selected one."""
+    """Stop a driving robot. If None, it is the selected one."""
 
     robot: int | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class RequestHandbackAct(Act):
-    """Ask for a robot that somebody else commands to be given back; None: the selected one."""
+    """Ask the other commander of a robot to give it back. If None, it is the selected robot."""
 
     robot: int | None = None
 
@@ -131,7 +131,7 @@ class MeasurePropertyAct(Act):
 
 @dataclass(frozen=True, slots=True)
 class TellPropertyAct(Act):
-    """Say what a property of the treasure shown is."""
+    """Report a property of the treasure shown."""
 
     property: str
     value: str
@@ -139,21 +139,24 @@ class TellPropertyAct(Act):
 
 @dataclass(frozen=True, slots=True)
 class PickName(Act):
-    """Pick a name for the treasure shown, without committing to it; None clears the choice."""
+    """Select a name for the treasure shown without committing to it. If None, clear the selection."""
 
     name: str | None
 
 
 @dataclass(frozen=True, slots=True)
 class TypeLetter(Act):
-    """Type a letter of a name in the list shown: letters typed soon after each other are the beginning of the name."""
+    """Type a letter of a name in the list shown.
+
+    Letters typed shortly after each other form the beginning of the name.
+    """
 
     letter: str
 
 
 @dataclass(frozen=True, slots=True)
 class IdentifyTreasureAct(Act):
-    """Name the treasure shown as picked; this counts for the score."""
+    """Name the treasure shown as selected; this counts for the score."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -163,19 +166,19 @@ class AskWhatItIs(Act):
 
 @dataclass(frozen=True, slots=True)
 class LeaveTreasureAct(Act):
-    """Leave the treasure shown where it is; `TakeUpTreasureAct` takes that back until its robot sets out."""
+    """Leave the treasure shown; `TakeUpTreasureAct` undoes this until its robot sets out."""
 
 
 @dataclass(frozen=True, slots=True)
 class TakeUpTreasureAct(Act):
-    """Take up the treasure again that was left where a robot stands; None: the selected one."""
+    """Take up again the treasure that was left where a robot stands. If None, it is the selected robot."""
 
     robot: int | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class ShowNext(Act):
-    """Put the pop-up aside and show the next one that waits; the one put aside goes on waiting.
+    """Put the pop-up aside and show the next one that waits; the one put aside keeps waiting.
 
     Without a pop-up, show the one that has waited longest.
     """
@@ -183,7 +186,10 @@ class ShowNext(Act):
 
 @dataclass(frozen=True, slots=True)
 class ShowWaiting(Act):
-    """Show a pop-up that waits for this robot: its find in this room, or else the one waiting longest."""
+    """Show a pop-up that waits for this robot.
+
+    Its treasure in this room, or otherwise the one that has waited longest.
+    """
 
     robot: int
     room: int | None = None
@@ -191,19 +197,22 @@ class ShowWaiting(Act):
 
 @dataclass(frozen=True, slots=True)
 class EndGameAct(Act):
-    """End this game although robots could still do something; asks for confirmation first."""
+    """End this game although robots could still act; the window asks for confirmation first."""
 
 
 @dataclass(frozen=True, slots=True)
 class CloseWindow(Act):
-    """Close the window while the game goes on, after a confirmation; `ends` where that ends the game."""
+    """Close the window during the game, after a confirmation; `ends` is True if that ends the game."""
 
     ends: bool
 
 
 @dataclass(frozen=True, slots=True)
 class Confirm(Act):
-    """Answer yes to a `Confirmation`; an act of its own, so that a double click never says yes unread."""
+    """Answer yes to a `Confirmation`.
+
+    It is a separate act, so that a double click never confirms an unread question.
+    """
 
 
 @dataclass(frozen=True, slots=True)
@@ -213,17 +222,17 @@ class Cancel(Act):
 
 @dataclass(frozen=True, slots=True)
 class PlayAgainAct(Act):
-    """Play again once the game is over."""
+    """Play again after the game."""
 
 
 @dataclass(frozen=True, slots=True)
 class GoOnFromGame(Act):
-    """Go on with what comes after the game, which is over."""
+    """Continue after the game with the next part."""
 
 
 @dataclass(frozen=True, slots=True)
 class ShowSettings(Act):
-    """Open the page of settings, which is the window's own."""
+    """Open the page of settings, which belongs to the window."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -233,7 +242,7 @@ class ShowHelp(Act):
 
 @dataclass(frozen=True, slots=True)
 class FollowRobot(Act):
-    """Keep the selected robot in the middle of the map, or stop doing so."""
+    """Keep the selected robot in the middle of the map, or stop following it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -243,7 +252,7 @@ class FitMap(Act):
 
 @dataclass(frozen=True, slots=True)
 class EnlargePicture(Act):
-    """Show the picture of the treasure in the pop-up large, or small again."""
+    """Enlarge the picture of the treasure in the pop-up, or make it small again."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -253,15 +262,15 @@ class SwitchSound(Act):
 
 @dataclass(frozen=True, slots=True)
 class Action:
-    """An act as a button offers it.
+    """An act on a button.
 
     Attributes:
-        act: the act that the button does.
+        act: the act of the button.
         label: text on the button.
-        key: shortcut printed on the button ("4", "Tab", "F1"); empty when there is none.
-        enabled: True when it can be done just now.
-        hint: its cost or gain; the reason when it cannot be done.
-        pending: True when it was requested and has not happened yet.
+        key: shortcut printed on the button ("4", "Tab", "F1"); empty if there is none.
+        enabled: True if the act is possible at the moment.
+        hint: cost or gain of the act; the reason if it is not possible.
+        pending: True if the act was requested and has not happened yet.
     """
 
     act: Act
@@ -277,28 +286,29 @@ class Action:
 
 @dataclass(frozen=True, slots=True)
 class RobotCard:
-    """Card of a robot, beside the map.
+    """Card of a robot, next to the map.
 
     Attributes:
         robot: index in the team.
-        name: for people.
+        name: name for people.
         selected: True for the robot that the participant commands.
         energy: energy left.
-        energy_at_start: most energy that any robot of the team had so far; the bar's full length.
-        cost: energy that the considered move costs; None where no move is considered.
-        affordable: True when its energy covers the cost.
-        place: place where it stands, in words; while it drives, the place that it left.
+        energy_at_start: most energy that any robot of the team has had; the bar's full length.
+        cost: energy for the considered move; None if no move is considered.
+        affordable: True if its energy covers the cost.
+        place: the place where it stands, in words; while it drives, the place that it left.
         state: its activity in words: "traveling to room 4", "waiting for robot 2", "lost", "no energy left".
-        trouble: True when the state is one to worry about.
+        trouble: True if the state needs attention.
         progress: driven share of its path, 0 to 1; None at rest.
         waits: number of its pop-ups that wait for the participant: an answer, a treasure.
         select: selects the robot.
-        stop: stops it; None at rest, and where somebody else commands it.
-        commander: the other party that commands it, "ground station 255"; empty where the participant does.
-        commanded: that as part of a sentence, "commanded by ground station 255"; empty likewise.
-        ask_back: asks the commander to give it back; None where the participant commands it, and once the game is over.
-        take_up: takes up again what was left where it stands; None where nothing was, and beside `ask_back`.
-        warning: what its energy will not suffice for where it is going, in words; empty where it suffices.
+        stop: stops it; None at rest, and while another party commands it.
+        commander: the other party that commands it, such as "ground station 255"; empty if the participant commands it.
+        commanded: the same as part of a sentence, "commanded by ground station 255"; empty in the same case.
+        ask_back: asks the commander to give it back; None if the participant commands it, and after the game.
+        take_up: takes up again the treasure that was left where it stands; None if there is none, and if there is
+            `ask_back`.
+        warning: warning about acts at its destination that will exceed its energy, in words; empty if there are none.
     """
 
     robot: int
@@ -329,16 +339,16 @@ class RoomTile:
     Attributes:
         room: its number.
         name: name for people.
-        state: of the room, with the outcome of naming its treasure.
+        state: state of the room, with the outcome of naming its treasure.
         robot: index of the robot that visited it or drives to it.
-        cost: energy for the selected robot; None where it has no path, or the room is visited or reserved, or while it
-            drives and nobody knows where it would be stopped.
-        considered: True when the participant looks at it.
-        found: its treasure as far as it is known, in a word or two.
-        found_shorter: the same in fewer and fewer words.
+        cost: energy for the selected robot; None without a path, for a visited or reserved room, and while the robot
+            drives and the place where it would stop is unknown.
+        considered: True if the participant looks at it.
+        found: the known properties of its treasure, in one or two words.
+        found_shorter: the same, in versions of decreasing length.
         choose: sends the selected robot.
         warning: caution before choosing: enough energy to get there, but not to take a picture or name the treasure.
-        reachable: False where no path leads there from where the selected robot stands.
+        reachable: False if no path leads there from the place of the selected robot.
     """
 
     room: int
@@ -359,12 +369,13 @@ class TreasureFact:
     """Line on one property of a treasure.
 
     Attributes:
-        label: of the property.
-        value: as far as it is known; empty before.
-        drawn: beside the value.
-        sense: lets the robot sense it; None where it is known, or nothing to ask a robot for.
-        tell: for each value that the participant may say of it, the act; none where it is not theirs to say.
-        words: for the value, in the participant's language; empty: the value itself.
+        label: label of the property.
+        value: the value; empty while unknown.
+        drawn: the drawing next to the value.
+        sense: lets the robot sense it; None if it is known, or robots cannot sense it.
+        `tell`: for each value that the participant can report, the act; empty if the participant cannot report this
+            property.
+        words: for the value, in the participant's language; if empty, the value itself is shown.
     """
 
     label: str
@@ -376,12 +387,12 @@ class TreasureFact:
 
     @property
     def shown(self) -> str:
-        """The value as the participant reads it."""
+        """The value in the participant's language."""
         return self.words or self.value
 
     @property
     def acts(self) -> tuple[Action, ...]:
-        """Acts by which it can be found out or told."""
+        """Acts that sense or report it."""
         return self.tell if self.sense is None else (self.sense,)
 
 
@@ -393,17 +404,17 @@ class DialoguePopup:
         robot: index of the robot.
         title: subject, in words.
         sentences: (speaker, sentence), oldest first; speaker is "robot" or "you".
-        choices: possible answers; none while the robot thinks.
+        choices: possible answers; empty while the robot thinks.
         aside: puts the pop-up aside.
         warning: caution before answering: enough energy to get there, but not to take a picture or name the treasure.
-        room: number of the room that it is about; None where the robot has not said one yet.
-        facts: of the treasure that it is about; none where it is about none.
+        room: number of the room that the dialogue is about; None if the robot has not named one yet.
+        facts: facts about the treasure that the dialogue is about; empty if there is no treasure.
         picture: bytes of the treasure's image file; None without one.
-        note: a quiet remark: who decides in the end, or what there is to do when the robot has nothing to say.
-        numbered: digits are keys of the choices, in their order.
-        enlarge: shows its picture large; None without one.
-        ended: nothing more is said.
-        outcome: what came of it, where the robot has not said so itself; empty while it goes on.
+        note: a short remark: it says who decides in the end, or what to do if the robot has nothing to say.
+        numbered: True if digits are the keys of the choices, in their order.
+        enlarge: enlarges its picture; None without one.
+        ended: True if the dialogue has ended.
+        outcome: the result, if the robot has not said it; empty until the end.
     """
 
     robot: int
@@ -430,24 +441,24 @@ class TreasurePopup:
         robot: index of the robot.
         room: number of the room.
         title: heading, in words.
-        facts: a line for each property that can be known; None while the robot still looks.
-        take_picture: with its cost in the hint; None once there is a picture.
+        facts: a line for each property that can be known; None while the robot is still looking.
+        take_picture: takes a picture, with the cost in the hint; None after there is a picture.
         picture: bytes of the image file; None before, or while it arrives.
         names: possible names, in alphabetical order of their words.
         called: the words of each name.
-        worth: points of each name, None where it is not known; empty where the study does not tell.
-        picked: name picked so far; None at first.
-        name_it: enabled once a name is picked.
+        worth: points of each name, None if unknown; empty if the study does not reveal points.
+        picked: name selected so far; None at first.
+        name_it: names the treasure; enabled after a name is selected.
         leave: leaves the treasure, for good.
         verdict: result of naming it, in words; None before.
         points: points of the verdict.
-        aside: puts the pop-up aside, or closes it when all is decided.
-        picture_note: text in the picture's place: that it is on its way, or why it cannot be shown.
+        aside: puts the pop-up aside, or closes it after all decisions.
+        picture_note: text in place of the picture: it is on its way, or the reason why it cannot be shown.
         typed: the letters of a name typed so far.
-        talk: how a dialogue about it has ended, in words, unless that is done; empty where none has.
-        unsure: asks the robot what it is; None where robots do not argue.
-        enlarge: shows the picture large; None before there is one.
-        longest_name_it: `name_it` for the name that needs most space, which is kept for it.
+        talk: outcome of a dialogue about it, in words, until it is carried out; empty without a dialogue.
+        unsure: asks the robot what it is; None if robots do not argue.
+        enlarge: enlarges the picture; None before there is one.
+        longest_name_it: `name_it` for the name that needs most space; the layout reserves this space.
     """
 
     robot: int
@@ -474,7 +485,7 @@ class TreasurePopup:
 
     @property
     def acts(self) -> tuple[Action, ...]:
-        """The acts of its facts."""
+        """All acts of its facts."""
         return tuple(action for fact in self.facts or () for action in fact.acts)
 
     @property
@@ -495,10 +506,10 @@ class Confirmation:
 
 @dataclass(frozen=True, slots=True)
 class WaitingItem:
-    """Entry of the visible queue: a pop-up that waits for the participant.
+    """Entry of the visible queue: a waiting pop-up.
 
     Attributes:
-        robot: index of the robot that it concerns.
+        robot: index of the robot.
         text: a sentence such as "Robot 2 is in room 4 and found something".
         show: shows the pop-up.
     """
@@ -514,7 +525,7 @@ class HistoryLine:
 
     Attributes:
         speaker: "robot", "you" or "game".
-        robot: index of the robot that speaks or is spoken to; None for the game.
+        robot: index of the robot that speaks or is addressed; None for the game.
         text: the sentence.
     """
 
@@ -525,11 +536,11 @@ class HistoryLine:
 
 @dataclass(frozen=True, slots=True)
 class Banner:
-    """Line across the top: connection lost, a request refused, a game that stands still.
+    """Line across the top, such as a lost connection, a refused request, or a game that stands still.
 
     Attributes:
-        text: in plain words.
-        kind: "bad" stays until it is over, "note" is shown for some seconds.
+        text: the text in plain words.
+        kind: "bad" stays until the trouble is over, "note" is shown for some seconds.
     """
 
     text: str
@@ -538,7 +549,7 @@ class Banner:
 
 @dataclass(frozen=True, slots=True)
 class GameOverPage:
-    """Page after the game: the reason of its end and its results, in words."""
+    """Page after the game: the reason for its end and its results, in words."""
 
     title: str
     lines: tuple[str, ...]
@@ -547,37 +558,38 @@ class GameOverPage:
 
 @dataclass(frozen=True, slots=True)
 class Screen:
-    """Everything that is shown beside the moving map.
+    """All contents of the window next to the moving map.
 
     Attributes:
         phase: page to show.
-        waiting_for: while connecting, the thing waited for, in words.
-        consent: the text to agree to.
-        agree: agrees to take part.
-        decline: does not.
+        waiting_for: while connecting, a sentence about what the window waits for.
+        consent: the text of the consent.
+        agree: gives consent.
+        decline: declines consent.
         banner: line across the top.
-        game: number of the game; 0: none to show.
+        game: number of the game; 0 if there is none to show.
         score: score so far.
         progress: time played and rooms left, in words; empty before there is a game.
         cards: one per robot.
         tiles: one per room.
         ask_advice: asks the selected robot for advice.
         end: ends the game.
-        tools: follow, fit, help.
-        popup: in a corner of the map; at most one.
-        enlarged: picture shown large above everything else, bytes of the image file; None without one.
+        tools: buttons to follow a robot, to fit the map, and for help.
+        popup: the pop-up in a corner of the map; at most one.
+        enlarged: picture shown enlarged above everything else, bytes of the image file; None without one.
         confirmation: question drawn above everything else.
         waiting: pop-ups that wait behind the one shown, oldest first.
-        nothing_waits: the sentence in place of them while there are none, such as "Robot 2 is ready to be sent".
-        history: oldest first.
+        nothing_waits: sentence to show if no pop-ups wait, such as "Robot 2 is ready to be sent".
+        history: lines of the history, oldest first.
         ending: page after the game; None before its end.
         help: the sheet of keys as (key, effect); empty while closed.
-        sound: the last sound to be heard; None before the first.
-        sound_number: its number, so that the same sound twice is heard twice.
-        rules: of the game in sentences, above the keys on the sheet; empty while closed, and before the game is there.
+        sound: the last sound to play; None before the first.
+        sound_number: number of the sound, so that the same sound twice is played twice.
+        rules: sentences about the rules of the game, above the keys on the sheet; empty while closed, and before the
+            game.
         typed: the digits of a room number typed so far.
         announcement: last sentence for a screen reader.
-        announcement_number: its number, so that the same sentence twice is read out twice.
+        announcement_number: number of the announcement, so that the same sentence twice is read out twice.
     """
 
     phase: Phase

@@ -1,4 +1,4 @@
-"""Sounds of a game: what each view has that is worth one. Everything that sounds is seen in the window as well."""
+"""Sounds of a game, one for each important news of a view; the window also shows everything that has a sound."""
 
 from collections.abc import Iterator
 
@@ -8,14 +8,14 @@ from ui.model.playing.screen import GameSound
 
 
 def why_silent(memory: ParticipantMemory, hunt: HuntMemory) -> str:
-    """Return why there can be no sound, as a sentence; empty when there can be."""
+    """Return the reason why there is no sound, as a sentence; empty if there can be sound."""
     if not hunt.view.sound:
         return hunt.texts.text("hints.no_sound_in_study")
     return "" if memory.can_sound else hunt.texts.text("hints.no_sound_player")
 
 
 def sounds_of(before: View, view: View) -> Iterator[GameSound]:
-    """Yield the sounds of a view's news."""
+    """Yield the sounds for the news of a view."""
     for was, now in zip(before.robots, view.robots, strict=True):
         if was.moving_to not in (None, now.moving_to) and view.room(was.moving_to).state == "visited":
             yield GameSound.ARRIVAL

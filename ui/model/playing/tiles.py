@@ -1,4 +1,4 @@
-"""Buttons of the rooms, and the two that go with them: asking for advice, ending the game."""
+"""Buttons of the rooms, and the two that belong to them: to ask for advice, and to end the game."""
 
 from collections.abc import Mapping
 
@@ -59,7 +59,7 @@ def _tile(memory: ParticipantMemory, hunt: HuntMemory, room: RoomView, names: Ma
 
 def _choose(hunt: HuntMemory, robot: int, room: int, refused: str | None, warning: str) -> Action:
     busy = SelectRoom(robot, room) in hunt.pending or hunt.reroutes.get(robot) == room
-    # While a question is to be confirmed, the robot has not been asked yet.
+    # While a confirmation is open, the robot has not been asked yet.
     discussed = hunt.pending_step is None and hunt.destination_considered(robot) == room
     if refused is not None:
         hint = refused
@@ -85,7 +85,7 @@ def _price(hunt: HuntMemory, robot: int, room: int, warning: str) -> str:
 
 
 def _found(texts: Texts, view: View, room: RoomView) -> tuple[str, ...]:
-    """Return what is known of a treasure in a room, and the same in fewer and fewer words."""
+    """Return the known properties of a treasure in a room, in versions of decreasing length."""
     if room.verdict is not None:
         name, points = view.word_for(room.verdict.name) or texts.text("tiles.named"), gained(room.verdict.points)
         return f"{name}, {points}", name, points

@@ -8,24 +8,24 @@ import numpy as np
 from sim.numerics.float_array import FloatArray
 
 TRAIL_STEP = 0.12
-"""Meters between two points of a trail."""
+"""Distance between two points of a trail, meters."""
 
 TRAIL_POINTS = 44
-"""Points of a trail: 5 m."""
+"""Number of points of a trail, which cover 5 m."""
 
 PATH_SEARCH = 1.5
-"""Meters along its path in which a robot is looked for, ahead of its last place on it."""
+"""Distance along the path, ahead of the robot's last place on it, in which the robot is searched, meters."""
 
 
 class Trail:
-    """Past places of one robot as shown, thinned and bounded."""
+    """Past displayed places of one robot, thinned and limited in length."""
 
     def __init__(self) -> None:
         self._points: deque[tuple[float, float]] = deque(maxlen=TRAIL_POINTS)
         self._array: FloatArray | None = None
 
     def add(self, x: float, y: float) -> None:
-        """Add the place where the robot is shown now; kept only at some distance from the point before."""
+        """Add the place where the robot is shown now, if it is far enough from the last point."""
         if self._points:
             last_x, last_y = self._points[-1]
             if math.hypot(x - last_x, y - last_y) < TRAIL_STEP:
@@ -34,19 +34,19 @@ class Trail:
         self._array = None
 
     def cut(self) -> None:
-        """Forget all points."""
+        """Delete all points."""
         self._points.clear()
         self._array = None
 
     def array(self) -> FloatArray:
-        """(k, 2) the points, oldest first; the same array until there is another point."""
+        """(k, 2) points, oldest first; the same array until a point is added."""
         if self._array is None:
             self._array = np.array(self._points, dtype=np.float64).reshape(-1, 2)
         return self._array
 
 
 class PathAhead:
-    """Rest of one robot's planned path: the driven part is taken off, and does not come back."""
+    """Rest of one robot's planned path; the driven part is removed, and does not return."""
 
     def __init__(self, planned: tuple[tuple[float, float], ...]) -> None:
         self.planned = planned
@@ -58,7 +58,7 @@ class PathAhead:
         self._driven: float | None = None
 
     def remaining_from(self, x: float, y: float) -> FloatArray:
-        """(m, 2) path from a place on."""
+        """(m, 2) path from this place on."""
         if len(self._points) < 2:
             return np.empty((0, 2))
         driven = self._driven = self._nearest(x, y)
@@ -68,10 +68,10 @@ class PathAhead:
         return np.concatenate((np.array([[x, y]]), rest))
 
     def _nearest(self, x: float, y: float) -> float:
-        """Meters along the path of its point nearest to a place.
+        """Distance along the path to its point nearest to a place, meters.
 
-        The first search takes the whole path. Later ones look only a little ahead of the last result: where a path
-        passes one place twice, the nearest point of all would jump.
+        The first search covers the whole path. Later ones look only a little ahead of the last result: if a path passes
+        one place twice, a search of the whole path would jump.
         """
         if self._driven is None:
             reach = slice(0, len(self._steps))

@@ -1,4 +1,4 @@
-"""Updates the participant's memory by each new view of the game."""
+"""Updates of the participant's memory for each new view of the game."""
 
 from collections.abc import Iterator, Sequence
 
@@ -48,17 +48,17 @@ from ui.model.playing.sounds import sounds_of
 from ui.model.playing.words import commander_in_words, how_it_comes_back
 
 NOTE = 6.0
-"""Seconds for which a sentence is shown."""
+"""Seconds for which a note is shown."""
 
 
 def note(memory: ParticipantMemory, sentence: str, now: float, about: PopupItem | None = None) -> None:
-    """Show a sentence for a while, but no longer than the pop-up that it is about, and have it read out."""
+    """Show a sentence for a limited time, at most as long as the pop-up that it is about, and have it read out."""
     memory.note = Note(sentence, now + NOTE, about)
     memory.history.announce(sentence)
 
 
 def receive_view(memory: ParticipantMemory, view: View, now: float) -> None:
-    """Take a new view; another game begins anew, the same one goes on where it was."""
+    """Process a new view. Another game starts with new memory; the same game keeps its memory."""
     hunt = memory.hunt
     if hunt is None or not _goes_on(hunt.view, view):
         _begin(memory, view)
@@ -81,9 +81,10 @@ def receive_view(memory: ParticipantMemory, view: View, now: float) -> None:
 
 
 def receive_tick(hunt: HuntMemory, tick: int) -> bool:
-    """Take the newest tick of the simulation; return True when another second has been played.
+    """Process the newest tick of the simulation; return True if another second of the game has passed.
 
-    The clock stands still once the game is over. A window that joins a later game on its way counts from then.
+    The clock stops at the end of the game. If a window joins a game after the first that is already under way, it
+    counts from then.
     """
     if hunt.view.over is not None:
         return False
@@ -95,12 +96,12 @@ def receive_tick(hunt: HuntMemory, tick: int) -> bool:
 
 
 def settle(memory: ParticipantMemory, hunt: HuntMemory) -> None:
-    """Bring up to date everything that follows from the view and from pending requests.
+    """Update everything that follows from the view and from pending requests.
 
-    The robot in the pop-up shown is the selected one: else two robots would look selected at once. A map that follows
-    a robot follows this one then: else the room of the pop-up would be out of sight. After the participant has turned
-    to a robot that can be sent, no other robot's pop-up comes by itself before that robot's own: the next room chosen
-    is meant for it.
+    The robot in the pop-up shown becomes the selected one; otherwise two robots would look selected at once. If the map
+    follows a robot, it now follows this one; otherwise the room of the pop-up could be out of sight. After the
+    participant has selected a robot that can be sent, no other robot's pop-up opens by itself before that robot's own,
+    because the next room chosen is meant for that robot.
     """
     view = hunt.view
     hunt.submitted_names = {room: name for room, name in hunt.submitted_names.items() if _is_talked_over(hunt, room)}
@@ -129,7 +130,7 @@ def settle(memory: ParticipantMemory, hunt: HuntMemory) -> None:
 
 
 def open_requests(hunt: HuntMemory) -> tuple[ParticipantRequest, ...]:
-    """All requests of now: those of the participant, and those that follow from agreements or need no decision."""
+    """All present requests: those of the participant, and those that follow from agreements or need no decision."""
     view = hunt.view
     if view.over is not None or view.consent is not None:
         return hunt.pending.requests
@@ -149,7 +150,7 @@ def open_requests(hunt: HuntMemory) -> tuple[ParticipantRequest, ...]:
 
 
 def _can_look(hunt: HuntMemory, room: RoomView) -> bool:
-    """Return True when a robot stands in a room that would tell what it sees."""
+    """Return True if a robot stands in a room and could report what it sees."""
     return isinstance(rules.sense(hunt.known.state, Room(room.room)), tuple)
 
 
@@ -172,7 +173,7 @@ def _begin(memory: ParticipantMemory, view: View) -> None:
 
 
 def _goes_on(before: View, view: View) -> bool:
-    """Return True when a view is of the same game: a fact found out in a game never becomes unknown again."""
+    """Return True if a view is of the same game: a fact found in a game never becomes unknown again."""
     return (
         before.game == view.game
         and before.costs == view.costs
@@ -187,7 +188,7 @@ def _goes_on(before: View, view: View) -> bool:
 
 
 def _receive_refunds(memory: ParticipantMemory, before: View, view: View, now: float) -> None:
-    """Show that energy came back to a robot that stopped on its way; the history has read it out."""
+    """Show that a robot that stopped on its way got energy back; the history has already announced it."""
     for was, robot in zip(before.robots, view.robots, strict=True):
         stopped = was.moving_to and robot.moving_to is None and view.room(was.moving_to).state != "visited"
         if stopped and robot.energy > was.energy:
@@ -218,7 +219,7 @@ def _receive_rooms(memory: ParticipantMemory, hunt: HuntMemory, before: View, fo
 
 
 def _receive_left(memory: ParticipantMemory, hunt: HuntMemory, item: TreasureItem, left: bool, now: float) -> None:
-    """Say how a treasure that was left can be taken up again; show it when the participant has asked for that."""
+    """Explain how a treasure that was left can be taken up again; show it if the participant has requested that."""
     if left:
         memory.note = Note(hunt.texts.text("history.left_for_now", room=item.room, robot=item.robot), now + NOTE)
         memory.history.announce(hunt.texts.text("history.can_take_up", robot=item.robot))
@@ -233,7 +234,7 @@ def _receive_commanders(
 ) -> None:
     """Announce each robot that the participant lost or got back, and each request to its commander.
 
-    A dialogue about where that robot should go is void then.
+    This cancels a dialogue about where that robot should go.
     """
     texts = hunt.texts
     for was, robot in zip(before.robots, hunt.view.robots, strict=True):
@@ -277,7 +278,7 @@ def _receive_refusal(memory: ParticipantMemory, hunt: HuntMemory, now: float) ->
 
 
 def _reroute(memory: ParticipantMemory, hunt: HuntMemory, now: float) -> None:
-    """Ask robots that were stopped to go to their new room, once they stand."""
+    """Ask robots that were stopped to go to their new room, as soon as they stand."""
     for robot, room in list(hunt.reroutes.items()):
         mover = hunt.view.robots[robot]
         if mover.moving_to is not None:
@@ -295,7 +296,7 @@ def _reroute(memory: ParticipantMemory, hunt: HuntMemory, now: float) -> None:
 
 
 def _drop_obsolete_step(memory: ParticipantMemory, hunt: HuntMemory, now: float) -> None:
-    """Drop a pending step that the new view has made pointless."""
+    """Drop a pending step that the new view makes pointless."""
     texts, reason = hunt.texts, None
     match hunt.pending_step:
         case Reroute(robot, room):
@@ -345,7 +346,7 @@ def _asks_for_name(hunt: HuntMemory, item: TreasureItem) -> bool:
 
 
 def _items(hunt: HuntMemory) -> Iterator[PopupItem]:
-    """Pop-ups that should be open, in no order that matters: the queue puts new ones last."""
+    """Yield the pop-ups that should be open, in arbitrary order; the queue adds new ones at the end."""
     view = hunt.view
     for robot in view.robots:
         if (
@@ -363,7 +364,7 @@ def _items(hunt: HuntMemory) -> Iterator[PopupItem]:
 
 
 def is_open(view: View, answer: AnswerDialogue) -> bool:
-    """Return True when a dialogue waits for an answer at just this turn."""
+    """Return True if a dialogue waits for an answer at exactly this turn."""
     return any(
         (each.dialogue, each.turn) == (answer.dialogue, answer.turn) and 0 <= answer.choice < len(each.choices)
         for each in view.dialogues

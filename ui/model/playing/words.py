@@ -7,15 +7,18 @@ from thbridge.hunt.events import Commander
 from thbridge.roles.shared.view import DialogueMatter, LastWords
 
 MATTERS: dict[DialogueMatter, str] = {"select-room": "room", "take-picture": "picture", "take-treasure": "naming"}
-"""Matters of dialogues as the names of texts have them."""
+"""Matters of dialogues, as in the names of texts."""
 
 
 _NUMBERED_STATION = re.compile(r"ground station (\d+)")
-"""Name of a ground station that has none of its own, as `thbridge.mavlink` gives it."""
+"""Name that `thbridge.mavlink` gives to a ground station without a name of its own."""
 
 
 def commander_in_words(texts: Texts, by: Commander, name: str) -> str:
-    """Return a commander other than the participant, within a sentence; names of researchers' programs are left out."""
+    """Return a commander other than the participant, for use within a sentence.
+
+    Names of researchers' programs are omitted.
+    """
     match by:
         case Commander.PARTICIPANT:
             return ""
@@ -28,13 +31,13 @@ def commander_in_words(texts: Texts, by: Commander, name: str) -> str:
 
 
 def how_it_comes_back(texts: Texts, commander: Commander) -> str:
-    """A sentence: the condition for getting back a robot that this other commander has."""
+    """Return a sentence about the condition for getting back a robot from this other commander."""
     is_researcher = commander is Commander.RESEARCHER
     return texts.text("hints.back_from_researcher" if is_researcher else "hints.back_from_station")
 
 
 def commanded_words(texts: Texts, robot: int, by: Commander, name: str) -> str:
-    """Two sentences: who else commands a robot, and the condition for getting it back."""
+    """Return two sentences: one about the commander of a robot, one about the condition for getting it back."""
     commands = texts.text("hints.commanded", robot=robot, commander=commander_in_words(texts, by, name))
     return f"{commands} {how_it_comes_back(texts, by)}"
 
@@ -45,12 +48,12 @@ def progress_of(texts: Texts, seconds: int, left: int, rooms: int) -> str:
 
 
 def percent(texts: Texts, share: float) -> str:
-    """A share as people write it: `50%`, `12.5%`."""
+    """A share as a percentage: `50%`, `12.5%`."""
     return texts.text("words.percent", number=100.0 * share)
 
 
 def verdict_words(texts: Texts, name: str, points: int) -> str:
-    """The outcome of naming a treasure, by its name as the participant reads it, as a sentence."""
+    """The outcome of naming a treasure, as a sentence, with the name in the participant's language."""
     named = name or texts.text("popups.nameless")
     if points > 0:
         return texts.text("popups.right", name=named, count=points)

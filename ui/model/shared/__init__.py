@@ -1,1 +1,1 @@
-"""Parts that several windows share: marks on the map, colors, points, messages of windows, edited texts."""
+"""Parts that several windows share: marks on the map, colors, points, messages of windows, and edited texts."""

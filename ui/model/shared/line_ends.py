@@ -1,4 +1,4 @@
-"""Line ends of a text that is edited: lines that stay keep theirs, also where a file mixes those of several systems."""
+"""Line ends of an edited text: unchanged lines keep theirs, even if a file mixes those of several systems."""
 
 import re
 from collections import Counter
@@ -9,16 +9,16 @@ _END = re.compile("\r\n|[\r\n\u2029]")
 
 
 def plain_lines(text: str) -> str:
-    """Return the text with the same end after each line, as editors show it."""
+    """Return the text with the same end after each line, for an editor."""
     return _END.sub("\n", text)
 
 
 def with_line_ends_of(read: str, shown: str) -> str:
-    """Return a text from an editor with the line ends of the text that it was opened with.
+    """Return a text from an editor with the line ends of the text that the editor opened.
 
     Args:
         read: the text with its own line ends.
-        shown: what `plain_lines` made of it, perhaps edited since. A new line ends as most lines do.
+        shown: the text from `plain_lines`, possibly edited. New lines get the most frequent end.
     """
     ends = _END.findall(read)
     usual = Counter(ends).most_common(1)[0][0] if ends else "\n"
@@ -31,7 +31,7 @@ def with_line_ends_of(read: str, shown: str) -> str:
                 for row, line_end in zip(range(start_after, end_after), ends[start:end], strict=False):
                     kept[row] = line_end
     text = _joined(after, kept)
-    # An old end \r before a \n would be one end with it.
+    # An old end \r directly before \n would form one end with it.
     return text if plain_lines(text) == shown else _joined(after, [usual] * len(after))
 
 

@@ -1,4 +1,4 @@
-"""Points as text, with the typographer's minus."""
+"""Points as text, with a typographic minus sign."""
 
 
 def scored(score: int) -> str:

@@ -1,4 +1,4 @@
-"""Marks that a map view draws, as values; the view knows nothing else."""
+"""Marks that a map view draws, as values; the view has no other data."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -8,7 +8,7 @@ from sim.numerics.float_array import FloatArray
 from thbridge.roles.shared.notices import Ellipse
 
 RoomState = Literal["unvisited", "reserved", "visited", "won", "lost"]
-"""State of a room as it is drawn; a visited room is won or lost once its treasure brought or cost points."""
+"""State of a room on the map; a visited room is won or lost after its treasure brought or cost points."""
 
 VISITED: tuple[RoomState, ...] = ("visited", "won", "lost")
 """States of rooms that a robot has reached."""
@@ -21,19 +21,19 @@ def decided(points: int) -> RoomState:
 
 @dataclass(frozen=True, slots=True)
 class RoomMark:
-    """Room as it is drawn now.
+    """Room at the moment of drawing.
 
     Attributes:
         room: its number as people count, from 1.
         name: name for people.
         region: (n, 2) corners of its floor, map frame, meters.
-        state: told apart by a sign and a pattern, not by color alone.
-        choosable: True when a click on it would be a choice just now.
-        considered: True when the participant looks at it, by mouse or keyboard.
-        found: its treasure as far as it is known, in a word or two; empty when nothing is known.
-        found_shorter: the same in fewer and fewer words.
+        state: shown by a sign and a pattern, not by color alone.
+        choosable: True if a click on it would choose it at the moment.
+        considered: True if the participant looks at it, by mouse or keyboard.
+        found: the known properties of its treasure, in one or two words; empty if nothing is known.
+        found_shorter: the same, in versions of decreasing length.
         robot: index of the robot that visited it or drives to it.
-        answer: what the participant said of its treasure, and the points, where `found` is not that already.
+        answer: the name that the participant gave its treasure, and the points, unless `found` already contains them.
         answer_shorter: the same in fewer words.
     """
 
@@ -52,20 +52,20 @@ class RoomMark:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RobotMark:
-    """Robot as it is drawn in one frame. All in the map frame, meters and radians.
+    """Robot at the moment of drawing, in the map frame, meters and radians.
 
     Attributes:
-        robot: index in the team; its color follows from it.
+        robot: index in the team, which determines its color.
         label: its name on the map, short.
         pose: its estimated pose.
         footprint: (n, 2) corners of its body in its own frame.
         selected: True for the robot that the participant commands.
-        trouble: True when it is lost, silent or has no energy left; drawn so that it shows without color.
+        trouble: True if it is lost, silent or has no energy left; also visible without color.
         trail: (k, 2) past places, oldest first.
         path: (m, 2) planned path, its own place first.
-        ellipse: uncertainty of its place, where that is shown.
-        truth: its true pose, where that is shown.
-        commander: the other party that commands it, in words; empty where the participant does.
+        ellipse: uncertainty of its place, if shown.
+        truth: its true pose, if shown.
+        commander: the other party that commands it, in words; empty if the participant commands it.
     """
 
     robot: int

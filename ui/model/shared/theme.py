@@ -1,4 +1,4 @@
-"""The colors of all windows, light and dark, and the figures by which they are judged."""
+"""The colors of all windows, light and dark, and measures of their contrast and difference."""
 
 from dataclasses import dataclass
 from math import dist
@@ -15,23 +15,23 @@ class Palette:
     Attributes:
         window: background of windows.
         panel: background of cards and pop-ups.
-        track: panels while pressed or pointed at, and the empty part of bars.
-        line: edges of panels and buttons that matter for use.
-        text: on window and panel.
-        muted: text of less weight, on window and panel.
-        accent: things that can be chosen, and the focus.
+        track: panels while pressed or under the pointer, and the empty part of bars.
+        line: edges of panels and buttons that people need to see.
+        text: main text, on window and panel.
+        muted: less important text, on window and panel.
+        accent: things that can be selected, and the focus.
         on_accent: text on the accent.
-        good: points won.
-        bad: points lost, trouble, a broken connection.
+        good: for points won.
+        bad: for points lost, trouble, a broken connection.
         wall: walls on the map.
         floor: free floor on the map.
-        unknown: cells of the map that are neither.
+        unknown: cells of the map that are neither wall nor floor.
         unvisited: floor of a room not visited yet.
         reserved: floor of a room that a robot drives to.
-        visited: floor of a room visited.
+        visited: floor of a visited room.
         won: floor of a room whose treasure brought points.
         lost: floor of a room whose treasure cost points.
-        robots: of robot 1, 2, ...; from the eleventh on they repeat, and the number tells.
+        robots: colors of robot 1, 2, ...; they repeat from the eleventh on, and the number distinguishes the robots.
     """
 
     window: str
@@ -90,7 +90,7 @@ LIGHT = Palette(
     lost="#ffdac3",
     robots=ROBOT_COLORS,
 )
-"""Colors by day."""
+"""Light colors."""
 
 DARK = Palette(
     window="#14181e",
@@ -124,7 +124,7 @@ DARK = Palette(
         "#a0f0e0",
     ),
 )
-"""Colors by night."""
+"""Dark colors."""
 
 
 Rgb = tuple[float, float, float]
@@ -138,7 +138,7 @@ def luminance(colour: str) -> float:
 
 
 def contrast(one: str, other: str) -> float:
-    """Contrast ratio of two colors, 1 to 21 (WCAG 2.2); text wants 4.5, edges and signs 3."""
+    """Contrast ratio of two colors, 1 to 21 (WCAG 2.2); text needs 4.5, edges and signs need 3."""
     low, high = sorted((luminance(one), luminance(other)))
     return (high + 0.05) / (low + 0.05)
 
@@ -152,7 +152,7 @@ SIMULATED: dict[Vision, tuple[Rgb, Rgb, Rgb]] = {
     "deutan": ((0.367322, 0.860646, -0.227968), (0.280085, 0.672501, 0.047413), (-0.011820, 0.042940, 0.968881)),
     "tritan": ((1.255528, -0.076749, -0.178779), (-0.078411, 0.930809, 0.147602), (0.004733, 0.691367, 0.303900)),
 }
-"""Rows of the matrices that turn linear colors into what a dichromat sees.
+"""Rows of the matrices that turn linear colors into those that a dichromat sees.
 
 Source: Machado, Oliveira, Fernandes, A Physiologically-based Model for Simulation of Color Vision Deficiency (2009),
 severity 1.0.
@@ -160,7 +160,7 @@ severity 1.0.
 
 
 def difference(one: str, other: str, vision: Vision = "normal") -> float:
-    """Perceived distance of two colors in CIE L*a*b*, where 2.3 is just noticed (CIE76, white D65)."""
+    """Perceived distance of two colors in CIE L*a*b* (CIE76, white D65); people just notice a distance of 2.3."""
     return dist(_lab(_seen(one, vision)), _lab(_seen(other, vision)))
 
 
@@ -171,12 +171,12 @@ def _linear(colour: str) -> Rgb:
 
 
 def _undone(channel: float) -> float:
-    """The gamma of sRGB taken off one channel."""
+    """Remove the gamma of sRGB from one channel."""
     return channel / 12.92 if channel <= 0.04045 else float(((channel + 0.055) / 1.055) ** 2.4)
 
 
 def _seen(colour: str, vision: Vision) -> Rgb:
-    """The linear color as it looks to somebody with this vision, kept inside what a screen can show."""
+    """The linear color as a person with this vision sees it, limited to the colors that a screen can show."""
     cones = _linear(colour)
     red, green, blue = (
         min(1.0, max(0.0, sum(weight * value for weight, value in zip(row, cones, strict=True))))
@@ -195,5 +195,5 @@ def _lab(colour: Rgb) -> tuple[float, float, float]:
 
 
 def _lightness(share: float) -> float:
-    """The curve of L*a*b*: a cube root, straight near black."""
+    """The curve of L*a*b*: a cube root, and linear near black."""
     return float(share ** (1.0 / 3.0)) if share > (6.0 / 29.0) ** 3 else share / (3.0 * (6.0 / 29.0) ** 2) + 4.0 / 29.0

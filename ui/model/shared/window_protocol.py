@@ -1,6 +1,6 @@
-"""Messages between a host and its window in a process of its own: one JSON object a line.
+"""Messages between a host and its window, which is a process of its own: one JSON object per line.
 
-The host's come at the window's standard input, the window's at its standard output.
+The window reads the host's messages from its standard input, and writes its own to its standard output.
 """
 
 from collections.abc import Callable, Sequence
@@ -15,13 +15,14 @@ FromWindowT = TypeVar("FromWindowT")
 
 @dataclass(frozen=True, slots=True)
 class WindowProtocol(Generic[FromHostT, FromWindowT]):
-    """The messages of one kind of window, and which of them a window gets that is opened again after a crash.
+    """The messages of one kind of window, and the rule which of them a window gets that is reopened after a crash.
 
     Attributes:
         from_host: decoder of the host's messages.
-        from_window: decoder of the window's.
-        closed: the last message of a window that is closed on purpose.
-        kept: from the messages kept so far and a new one, those to keep: a window that is opened again gets them.
+        from_window: decoder of the window's messages.
+        closed: the last message of a window that a person closed on purpose.
+        kept: function of the messages kept so far and a new one; it returns those to keep for a window that is
+            reopened.
     """
 
     from_host: msgspec.json.Decoder[FromHostT]
@@ -38,7 +39,7 @@ class WindowProtocol(Generic[FromHostT, FromWindowT]):
         """Return the message in a line of the host.
 
         Raises:
-            msgspec.DecodeError: it is none.
+            msgspec.DecodeError: the line is no message.
         """
         return self.from_host.decode(text)
 
@@ -46,6 +47,6 @@ class WindowProtocol(Generic[FromHostT, FromWindowT]):
         """Return the message in a line of the window.
 
         Raises:
-            msgspec.DecodeError: it is none.
+            msgspec.DecodeError: the line is no message.
         """
         return self.from_window.decode(text)

@@ -1,1 +1,1 @@
-"""A study file as a form: fields made from its schema, changes to its text, faults at their fields."""
+"""A study file as a form: fields made from its schema, changes of its text, and faults at their fields."""

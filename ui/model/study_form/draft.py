@@ -1,4 +1,4 @@
-"""A study file while it is edited: its text, the form of it, and its faults."""
+"""A study file in an editor: its text, its form, and its faults."""
 
 import dataclasses
 from collections.abc import Iterable, Mapping
@@ -19,7 +19,7 @@ from ui.model.shared.differences import differences
 from ui.model.study_form.form import FormField, FormGroup, RepeatKind, editable_text, form_of, typed_as_yaml
 
 HEADER = f"""\
-# A study. Every key may be left out; what is not written here is as by default.
+# A study. Every key is optional; a missing key has its default.
 templates: {STANDARD.templates}
 """
 """Beginning of a new file."""
@@ -28,22 +28,22 @@ _NEW_ITEMS: Mapping[str, str] = {
     "things": '{{name: "thing {number}", shape: crate, at: [0, 0, 0]}}',
     "mishaps": "{{robot: 1, what: dies, time: 60}}",
     "steps": "{{step: pause}}",
-    "items": '{{id: item_{number}, text: "What is asked or said"}}',
+    "items": '{{id: item_{number}, text: "Text of the item"}}',
 }
 
 
 @dataclass(frozen=True, slots=True)
 class StudyDraft:
-    """A text of a study file, and all that follows from it.
+    """A text of a study file, with its form, its meaning and its faults.
 
     Attributes:
-        path: the file; paths in it start from its folder.
-        text: its new text.
-        tree: the text as a tree; None when it is not YAML.
-        form: its fields; those of an empty file when it is not YAML.
-        study: its meaning; None when something is wrong.
-        faults: its faults, as the reader tells them that programs use.
-        notices: entries that are right but change nothing.
+        path: the file; relative paths in it start from its folder.
+        text: its present text.
+        tree: the text as a tree; None if it is not YAML.
+        form: its fields; those of an empty file if it is not YAML.
+        study: its meaning; None if there is a fault.
+        faults: its faults, from the same reader that programs use.
+        notices: valid entries that have no effect.
     """
 
     path: Path
@@ -59,7 +59,7 @@ class StudyDraft:
         return tuple(fault for fault in self.faults if self._is_of(fault, field))
 
     def field_of(self, fault: BadFile) -> FormField | None:
-        """The field that a fault belongs to, if it is one's."""
+        """The field that a fault belongs to; None if it belongs to no field."""
         return next((field for field in self.form.all_fields() if self._is_of(fault, field)), None)
 
     def _is_of(self, fault: BadFile, field: FormField) -> bool:
@@ -80,22 +80,22 @@ class StudyDraft:
         return {group.key: group for group in self.form.all_groups()}
 
     def set(self, field: FormField, typed: str) -> str | RequestRefused:
-        """Return the text with a new value in a field; an empty value, where the field holds no words, resets it."""
+        """Return the text with a new value in a field; an empty value resets the field, unless the field holds text."""
         if not typed.strip() and (field.optional or not field.is_text):
-            # A key that people chose stays while its value is typed anew.
+            # A key with a name of its own stays while a person types its value again.
             return self._put(field.place, "null") if field.own_key else self.reset(field)
-        # A default that is written out would only make the file longer.
+        # Writing out a default would only make the file longer.
         value = typed_as_yaml(field, typed)
         if field.written is None and value == field.default:
             return self.text
         return self._put(field.place, value)
 
     def reset(self, field: FormField) -> str | RequestRefused:
-        """Return the text without a field's key, so that its default holds."""
+        """Return the text without a field's key, so that its default applies."""
         return without(self.text, field.place, self.tree)
 
     def reset_group(self, group: FormGroup) -> str | RequestRefused:
-        """Return the text without any key of a section."""
+        """Return the text without the keys of a section."""
         text: str | RequestRefused = self.text
         for field in reversed(list(group.all_fields())):
             if field.written is not None and isinstance(text, str):
@@ -103,7 +103,10 @@ class StudyDraft:
         return text
 
     def add(self, group: FormGroup, robot: int | None = None) -> str | RequestRefused:
-        """Return the text with another item in a repeated section; of robots, the one with this number, or the next."""
+        """Return the text with another item in a repeated section.
+
+        For robots, it is the given number or the next one.
+        """
         if group.repeats is RepeatKind.ROBOTS:
             taken = {item.key.rpartition(".")[2] for item in group.groups}
             number = robot or next(n for n in range(1, len(taken) + 2) if str(n) not in taken)
@@ -118,15 +121,15 @@ class StudyDraft:
         return self._put(f"{group.key}[{number}]", value)
 
     def keys_for(self, group: FormGroup) -> Mapping[str, FormField]:
-        """Return the keys that can be added to a section whose keys people choose, each with its field."""
+        """Return the keys that can be added to a section with free keys, each with its field."""
         return {}
 
     def allows_own_names(self, group: FormGroup) -> bool:
-        """Return True if a key added to a section may have a name that is none of `keys_for`."""
+        """Return True if a key added to a section may have a name that is not in `keys_for`."""
         return False
 
     def add_key(self, group: FormGroup, name: str) -> str | RequestRefused:
-        """Return the text with another key in a section whose keys people choose."""
+        """Return the text with another key in a section with free keys."""
         return self._put(path_of((group.key, name)), "null")
 
     def move(self, item: FormGroup, by: int) -> str | RequestRefused:
@@ -145,12 +148,12 @@ class StudyDraft:
         return () if group is None else group.order
 
     def differences(self, saved: str) -> tuple[str, ...]:
-        """The lines in which the text differs from what is on disk, with some around them, as `diff -u` has them."""
+        """Return the lines that differ from the text on disk, with some lines around them, as `diff -u` does."""
         return differences(saved, self.text)
 
 
 def draft_of(path: Path, text: str) -> StudyDraft:
-    """Read and check a text as `thbridge study check` does; takes some 0.1 s."""
+    """Read and check a text as `thbridge study check` does; this takes about 0.1 s."""
     try:
         tree = parse(path, text)
     except BadFile as fault:
@@ -159,7 +162,7 @@ def draft_of(path: Path, text: str) -> StudyDraft:
     try:
         start = study_before(path, tree)
     except BadFile:
-        # `load_study_tree` reports it below.
+        # `load_study_tree` reports this fault below.
         start = StudyFile.of(Study())
     form = form_of(text, tree, start)
     draft = StudyDraft(path, text, tree, form, None, (), ())
@@ -174,7 +177,10 @@ def draft_of(path: Path, text: str) -> StudyDraft:
 
 
 def search_fields(fields: Iterable[FormField], words: str) -> tuple[FormField, ...]:
-    """Return the fields in whose key, name (old ones, too) or help each of these words occurs, exact names first."""
+    """Return the fields that contain each of these words in their key, name, old names or help.
+
+    Exact names come first.
+    """
     wanted = [word.replace(" ", "_") for word in words.lower().split()]
     if not wanted:
         return ()
@@ -190,10 +196,10 @@ def search_fields(fields: Iterable[FormField], words: str) -> tuple[FormField, .
 
 
 def keys_like(words: str, keys: Mapping[str, FormField]) -> tuple[FormField, ...]:
-    """Return the keys for a search, the likeliest first; all of them if the words are empty.
+    """Return the keys for a search, the likeliest first; all of them if there are no words.
 
     A key fits if each word occurs in its name, its meaning or its choices. If none fits, those with the most similar
-    names are returned, so that a slip of the keyboard still finds its key.
+    names are returned, so that a typing error still finds its key.
     """
     if not words.strip():
         return tuple(keys.values())
@@ -212,10 +218,10 @@ class UndoHistory:
     """Texts for undo and redo.
 
     Attributes:
-        text: the text now.
+        text: the present text.
         past: earlier texts, the latest last.
-        future: texts undone, the next first.
-        key: field of the last change, so that a value that is dragged or typed is one step.
+        future: undone texts, the next first.
+        key: field of the last change, so that dragging or typing a value is one step.
     """
 
     text: str
@@ -224,14 +230,14 @@ class UndoHistory:
     key: str = ""
 
     def changed(self, text: str, key: str = "") -> "UndoHistory":
-        """Return the history after a change of text; another change of the same field belongs to the same step."""
+        """Return the history after a change of text; several changes of the same field in a row are one step."""
         if text == self.text:
             return self
         past = self.past if key and key == self.key and self.past else (*self.past, self.text)[-MAX_UNDO_STEPS:]
         return UndoHistory(text, past, (), key)
 
     def undone(self) -> "UndoHistory":
-        """Return the history one step back; where there is none, as it is."""
+        """Return the history one step back; unchanged if there is no step."""
         if not self.past:
             return self
         return UndoHistory(self.past[-1], self.past[:-1], (self.text, *self.future))
@@ -248,4 +254,4 @@ class UndoHistory:
 
 
 MAX_UNDO_STEPS = 200
-"""Steps kept for undo."""
+"""Number of steps kept for undo."""

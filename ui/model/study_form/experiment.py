@@ -1,4 +1,4 @@
-"""The file of a study with people while it is edited, by the same form as a study file."""
+"""The file of a study with people in an editor, in the same form as a study file."""
 
 import dataclasses
 from collections.abc import Iterator, Mapping
@@ -22,7 +22,7 @@ from thbridge.study.study_file import Study, StudyFile
 from ui.model.study_form.draft import StudyDraft
 from ui.model.study_form.form import FieldKind, FormField, FormGroup, RepeatKind, form_of
 
-HEADER = "# A study with people: what differs between conditions, how many people, and what each goes through.\n"
+HEADER = "# A study with people: the conditions, the number of people, and the steps of each person.\n"
 _LABEL = "Study with people"
 _LEVELS = "Levels: [ONE, OTHER], {from: A, to: B, steps: N}, or {NAME: {KEY: VALUE, ...}, ...}"
 _START = ExperimentFile(title="")
@@ -40,24 +40,27 @@ _OF_KINDS: Mapping[str, frozenset[StepKind]] = {
     "when_leaving": frozenset({StepKind.DEBRIEF}),
     "max_seconds": frozenset({StepKind.PRACTICE, StepKind.TRIAL}),
 }
-"""Keys of steps that only some kinds of them heed."""
+"""Keys of steps that only some kinds of steps use."""
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
 class ExperimentDraft(StudyDraft):
-    """A text of the file of a study with people, and all that follows from it."""
+    """A text of the file of a study with people, with its form and its faults."""
 
     def keys_for(self, group: FormGroup) -> Mapping[str, FormField]:
-        """Return the keys of studies that a section does not have."""
+        """Return the keys of studies that a section does not have yet."""
         taken = {field.label for field in group.fields}
         return {key: field for key, field in study_fields().items() if key not in taken}
 
     def allows_own_names(self, group: FormGroup) -> bool:
-        """Return True for factors: the levels of one with its own name set several keys each."""
+        """Return True for factors: each level of a factor with a name of its own sets several keys."""
         return group.key != "base"
 
     def add_key(self, group: FormGroup, name: str) -> str | RequestRefused:
-        """Return the text with another key of a study: a factor has all choices as its levels, or the default."""
+        """Return the text with another key of a study.
+
+        As a factor, it has all choices as its levels, or the default.
+        """
         field = study_fields().get(name)
         value = "null" if field is None else field.default
         if group.key != "base" and field is not None:
@@ -69,22 +72,22 @@ class ExperimentDraft(StudyDraft):
         if fault.path != self.path or fault.key is None:
             return False
         if field.own_key and field.line is not None and field.written is not None and fault.line is not None:
-            # Its value is of a study, whose reader knows no keys of this file.
+            # Its value belongs to a study, and the study's reader does not know the keys of this file.
             return field.line <= fault.line <= field.line + field.written.count("\n")
-        # A fault of a whole step stands at its kind.
+        # A fault of a whole step is shown at its kind.
         item, _, name = field.key.rpartition(".")
         return StudyDraft._is_of(self, fault, field) or (name == "step" and fault.key == item)
 
 
 @cache
 def study_fields() -> Mapping[str, FormField]:
-    """The keys of studies, for factors, each with its field."""
+    """Return the keys of studies that can be factors, each with its field."""
     form = form_of("", Section(1, []), StudyFile.of(Study()))
     return {field.key: field for field in form.all_fields()}
 
 
 def is_experiment(path: Path) -> bool:
-    """Return True for the file of a study with people, which is known by its name."""
+    """Return True for the file of a study with people, recognized by its name."""
     return path.name == EXPERIMENT
 
 
@@ -101,7 +104,7 @@ def experiment_draft(path: Path, text: str) -> ExperimentDraft:
         faults = FaultCollection()
         faults.found += faults_of(design)
         with faults.kept():
-            # What rehearsals need may fit no longer once factors or forms were changed.
+            # The file for rehearsals may no longer fit after factors or forms changed.
             read_people(ExperimentFolder(path.parent).people, design)
         return dataclasses.replace(draft, faults=tuple(faults.found), notices=(*_on_maps(design), *advice_on(design)))
     except BadFiles as faults:
@@ -111,21 +114,24 @@ def experiment_draft(path: Path, text: str) -> ExperimentDraft:
 
 
 def _on_maps(design: ExperimentDesign) -> Iterator[str]:
-    """Yield what looks like a slip in a map. To check prices takes half a second, too long while people type."""
+    """Yield likely mistakes in a map.
+
+    Prices are not checked, because this takes half a second, too long while people type.
+    """
     studies = {study.map: study for study in (design.study, *chain(*(cell.studies for cell in design.cells)))}
     for study in studies.values():
         yield from map(str, read_map_of(study, design.beside, with_costs=False).warnings)
 
 
 def language_of(draft: StudyDraft) -> str:
-    """Return the language of a study with people; English as long as its file has faults."""
+    """Return the language of a study with people; English while its file has faults."""
     with suppress(BadFile):
         return experiment_of(draft.path, parse(draft.path, draft.text)).study.dialogue.language
     return ENGLISH
 
 
 def _heeded(form: FormGroup) -> FormGroup:
-    """The form without those keys of steps that their kinds do not heed, and with the meaning of studies' keys."""
+    """The form without the keys that the kinds of its steps ignore, and with the meaning of studies' keys."""
 
     def heeded(group: FormGroup) -> FormGroup:
         if group.repeats is RepeatKind.STEPS:

@@ -1,4 +1,4 @@
-"""The files that one form edits: studies, studies with people, and their questionnaires."""
+"""The files for which one form serves: studies, studies with people, and their questionnaires."""
 
 from pathlib import Path
 
@@ -19,16 +19,16 @@ def draft_of_file(path: Path, text: str) -> StudyDraft:
 
 
 def header_of(path: Path) -> str:
-    """Return the text of a new file."""
+    """Return the text of a new file of this kind."""
     if is_experiment(path):
         return experiment.HEADER
     return questionnaire.START if is_questionnaire(path, "") else studies.HEADER
 
 
 def all_well(path: Path, text: str) -> str:
-    """Return the sentence that a file has no faults."""
+    """Return the sentence that reports a file without faults."""
     if is_experiment(path):
-        return "No faults: people can go through it."
+        return "No faults: this study is ready for people."
     if is_questionnaire(path, text):
-        return "No faults: people can fill it in."
+        return "No faults: this questionnaire can be filled in."
     return "No faults: this study can be played."

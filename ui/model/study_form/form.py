@@ -45,18 +45,18 @@ class FieldKind(StrEnum):
     TEXT = "text"
     PATH = "path"
     LIST = "list"
-    """Or another value that is typed as YAML."""
+    """A list, or another value that people type as YAML."""
 
 
 class RepeatKind(StrEnum):
-    """Kind of a section's items, of which there may be any number."""
+    """Kind of the items in a section with any number of them."""
 
     ITEMS = "items"
     ROBOTS = "robots"
     STEPS = "steps"
-    """Items whose order matters."""
+    """Items in a fixed order."""
     KEYS = "keys"
-    """Values whose keys people choose."""
+    """Values with free keys."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,20 +65,20 @@ class FormField:
 
     Attributes:
         key: its path in a study, such as `robot.amcl.kld_err`.
-        label: its name for people.
-        help: its meaning, one sentence.
+        label: name for people.
+        help: meaning, in one sentence.
         kind: type of its value.
-        unit: SI; empty for a pure number.
-        minimum: least number allowed, infinite where there is none.
-        maximum: greatest number allowed.
-        choices: words allowed; empty when free.
-        optional: True when it may be null.
-        default: as YAML, the value where the file has none: after presets and files of ROS.
-        written: as YAML, the value in the file; None where it has none.
-        place: its path in the file, or where it would be; an old name of it, for example.
+        unit: SI unit; empty for a pure number.
+        minimum: smallest allowed number; infinite if there is no limit.
+        maximum: largest allowed number.
+        choices: allowed words; empty if any text is allowed.
+        optional: True if it may be null.
+        default: as YAML, the value that applies if the file has none, with presets and ROS files taken into account.
+        written: as YAML, the value in the file; None if the file has none.
+        place: its path in the file, which can be an old name, or the path where it would be.
         line: line of that place, counted from 1.
-        places: all paths at which it may stand in a file.
-        own_key: True when people chose its key, and may take it away.
+        places: all paths that are allowed for it in a file.
+        own_key: True if a person chose its key, and can remove it.
     """
 
     key: str
@@ -99,12 +99,12 @@ class FormField:
 
     @property
     def value(self) -> str:
-        """The value that holds, as YAML."""
+        """The value that applies, as YAML."""
         return self.default if self.written is None else self.written
 
     @property
     def is_text(self) -> bool:
-        """True when people type words into it rather than YAML."""
+        """True if people type plain text into it instead of YAML."""
         return self.kind in {FieldKind.TEXT, FieldKind.PATH}
 
 
@@ -114,12 +114,12 @@ class FormGroup:
 
     Attributes:
         key: its path; empty for the whole study.
-        label: its name for people.
+        label: name for people.
         help: its meaning.
-        fields: its own values.
+        fields: values directly in this section.
         groups: sections in it.
-        repeats: kind of its items where they can be added and taken away, else None.
-        order: its keys as the schema has them.
+        repeats: kind of its items if people can add and remove them, otherwise None.
+        order: its keys, in the order of the schema.
     """
 
     key: str
@@ -131,27 +131,27 @@ class FormGroup:
     order: tuple[str, ...] = ()
 
     def all_fields(self) -> Iterator[FormField]:
-        """Its fields and those of all sections in it."""
+        """Yield its fields and those of all sections in it."""
         yield from self.fields
         for group in self.groups:
             yield from group.all_fields()
 
     def all_groups(self) -> Iterator["FormGroup"]:
-        """Itself and all sections in it."""
+        """Yield the section and all sections in it."""
         yield self
         for group in self.groups:
             yield from group.all_groups()
 
     def written(self) -> int:
-        """Number of its values that stand in the file."""
+        """Number of its values that are in the file."""
         return sum(field.written is not None for field in self.all_fields())
 
 
 _ORDERED = frozenset({"steps", "items"})
-"""Lists of sections whose order matters: steps of a study with people, items of a questionnaire."""
+"""Lists of sections in a fixed order: steps of a study with people, items of a questionnaire."""
 
 _NOISE_OF = {home: f"noise.{path}" for path, home in TARGET_PATHS.items()}
-"""The place in the section `noise` of each number that has another home."""
+"""Path in the section `noise` of each number that has another path, too."""
 
 
 _LABELS = {
@@ -165,25 +165,25 @@ _LABELS = {
     "ros_parameters": "Parameter files of ROS",
     "base": "Base of all games",
     "within": "Factors within people",
-    "like": "What all items share",
+    "like": "Common to all items",
     "between": "Factors between people",
 }
 
 
 def form_of(text: str, tree: Node, start: "DataclassInstance", label: str = "Study") -> FormGroup:
-    """The form of a study file, or of another one that is read into a dataclass.
+    """The form of a study file, or of another file that is read into a dataclass.
 
     Args:
-        text: the file.
-        tree: the same, taken apart.
-        start: what holds where the file is silent.
-        label: its name for people.
+        text: text of the file.
+        tree: the same text, parsed.
+        start: the values of keys that the file does not have.
+        label: name of the file for people.
     """
     return _Builder(text, tree).group(start, "", label, "everything that can be set")
 
 
 def typed_as_yaml(field: FormField, typed: str) -> str:
-    """Return the YAML of a value that a person typed or chose."""
+    """Return the YAML of a value that a person typed or selected."""
     typed = typed.strip() if not field.is_text else typed
     if field.optional and typed == "null":
         return typed
@@ -216,13 +216,13 @@ def hint_of(field: FormField) -> str:
 
 
 def _outdented(lines: str) -> str:
-    """Return a value of several lines as a text of its own: its first line stood after the key, without indentation."""
+    """Return a value of several lines as a separate text: its first line followed the key, without indentation."""
     first, _, rest = lines.partition("\n")
     return f"{first}\n{textwrap.dedent(rest)}"
 
 
 class _Builder:
-    """Builds the form from schema, defaults and file, side by side."""
+    """Builder of the form from schema, defaults and file."""
 
     def __init__(self, text: str, tree: Node) -> None:
         self._text = text
@@ -241,18 +241,18 @@ class _Builder:
         """Return the form of a section.
 
         Args:
-            start: its values where the file is silent.
+            start: values of keys that the file does not have.
             key: its path.
             label: its name.
             help_text: its meaning.
-            handed: by the keys' names here, keys of an outer section that stand for them.
-            like: the path of the section whose values hold where this one is silent.
+            handed: for names of keys in this section, the keys of an outer section that stand for them.
+            like: path of the section with the values that apply if this section has none.
         """
         section = type(start)
         hints = cast(Mapping[str, object], get_type_hints(section))
         fields: list[FormField] = []
         groups: list[FormGroup] = []
-        # The noise comes first: it holds the defaults of what single robots assume of it.
+        # The section `noise` comes first, because it has the defaults of single robots' assumptions about noise.
         for field in sorted(dataclasses.fields(start), key=lambda field: field.name != "noise"):
             name, place = field.name, _joined(key, field.name)
             if place in SHOWN_ELSEWHERE:
@@ -329,7 +329,7 @@ class _Builder:
         return self._field(key, str, {"help": help_text}, default, [*([above] if above else []), key])
 
     def _named_sections(self, named: tuple["DataclassInstance", ...], names_at: str, like: str) -> Iterator[FormGroup]:
-        """The sections that a text of names, at this path, has beside it."""
+        """Yield the sections that belong to the names listed at this path."""
         holder = names_at.rpartition(".")[0]
         node = node_at(self._tree, steps_of(names_at))
         by_default = {_name_of(section): section for section in named}
@@ -359,7 +359,7 @@ class _Builder:
         return FormGroup(key, _label(key), help_text, (), tuple(groups), repeats)
 
     def _keys(self, key: str, help_text: str) -> FormGroup:
-        """The section of a mapping: a field for each of its entries, with any YAML as its value."""
+        """The section of a mapping: one field per entry, with any YAML as its value."""
         node = node_at(self._tree, steps_of(key))
         fields = []
         for name, _ in node.entries if isinstance(node, Section) else ():
@@ -386,13 +386,13 @@ def _name_of(section: "DataclassInstance") -> str:
 
 
 def _item_class(hint: object) -> type | None:
-    """The class of a list's items, where those are sections."""
+    """The class of a list's items, if these are sections."""
     item = cast(object, get_args(hint)[0]) if get_origin(hint) is tuple else None
     return item if isinstance(item, type) and dataclasses.is_dataclass(item) else None
 
 
 def _default_of(field: "dataclasses.Field[object]") -> str:
-    """Return the default of a field as YAML; that of a mapping in brackets."""
+    """Return the default of a field as YAML; a mapping is in braces."""
     if field.default is not dataclasses.MISSING:
         return as_yaml(field.default)
     entries = cast(Mapping[str, str], field.default_factory()) if callable(field.default_factory) else {}
@@ -421,7 +421,7 @@ def _joined(key: str, name: str) -> str:
 
 
 def _label(key: str) -> str:
-    """A name for people; those of ROS stay as people know them from ROS."""
+    """A name for people; names from ROS stay unchanged."""
     name = key.rpartition(".")[2]
     if key in _LABELS:
         return _LABELS[key]

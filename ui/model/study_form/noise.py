@@ -1,4 +1,4 @@
-"""Effects of the form's noise, as values to draw."""
+"""Effects of the noise in a form, as values to draw."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -17,12 +17,12 @@ from thbridge.study.study_file import Study
 from ui.model.study_form.form import FieldKind, FormField, editable_text
 
 _ALMOST_NONE = 1e-3
-"""Meters below which an ellipse is a point."""
+"""Size in meters below which an ellipse is drawn as a point."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CourseComparison:
-    """Drives of one course by the odometry's noise and by the particle filter's motion model, and a verdict on both."""
+    """Drives of one course with the odometry's noise and with the particle filter's motion model, and a comparison."""
 
     wheels: PathSpread
     believed: PathSpread
@@ -40,11 +40,12 @@ class NoisePreview:
 
 
 def noise_from_form(fields: Iterable[FormField], typed: Mapping[str, str]) -> NoiseSection:
-    """Return the noise of a form's fields; values typed and not yet in the file come first, wrong ones are left out.
+    """Return the noise of a form's fields. Typed values that are not in the file yet come first; invalid ones are
+    ignored.
 
     Args:
-        fields: of the section `noise`.
-        typed: the values typed last, by the fields' keys.
+        fields: fields of the section `noise`.
+        typed: last typed values, by the fields' keys.
     """
     noise = noise_section_of(Study())
     chosen = typed.get("noise.preset")
@@ -71,7 +72,10 @@ def _value(field: FormField, typed: str) -> float | str | None:
 
 
 def preview_of(study: Study, noise: NoiseSection) -> NoisePreview:
-    """Drives and a sweep with this noise, by robots that are otherwise those of the study; takes some 50 ms."""
+    """Return drives and a scan with this noise, by robots with the other values of the study.
+
+    This takes about 50 ms.
+    """
     study = with_noise(noise, study)
     world, amcl = study.world, study.robot.amcl
     drives = []
@@ -84,7 +88,7 @@ def preview_of(study: Study, noise: NoiseSection) -> NoisePreview:
 
 
 def _verdict(wheels: PathSpread, believed: PathSpread) -> str:
-    """A sentence that compares the true noise with the filter's model of it."""
+    """Return a sentence that compares the true noise with the filter's model of it."""
     share = covered(wheels, believed)
     share_words = f"{100 * share:.0f} % of the drives end where the filter expects 95 % of them"
     if wheels.along < _ALMOST_NONE and believed.along < _ALMOST_NONE:
@@ -92,15 +96,15 @@ def _verdict(wheels: PathSpread, believed: PathSpread) -> str:
     if share < 0.8:
         return f"The filter is too sure of itself: {share_words}."
     if believed.along * believed.across > 9 * wheels.along * wheels.across:
-        return f"The filter is more careful than it need be: {share_words}, and it allows for far more."
-    return f"Belief and truth fit together: {share_words}."
+        return f"The filter is more careful than necessary: {share_words}, and it allows for far more."
+    return f"The filter's model fits the true noise: {share_words}."
 
 
 def _words_of(scan: RoomScan) -> str:
     lost = "none is lost" if not scan.lost else "1 is lost" if scan.lost == 1 else f"{scan.lost} are lost"
-    return f"Of {scan.beams} beams {len(scan.seen)} tell a range; {lost}."
+    return f"{len(scan.seen)} of {scan.beams} beams return a range; {lost}."
 
 
 def extent_of(fan: PathSpread) -> str:
-    """A sentence on the spread of a fan's ends."""
+    """Return a sentence on the spread of a fan's ends."""
     return f"95 % of the ends lie within ± {fan.along:.2f} m by ± {fan.across:.2f} m"

@@ -1,4 +1,4 @@
-"""A questionnaire of a study with people while it is edited, by the same form as a study file."""
+"""A questionnaire of a study with people in an editor, in the same form as a study file."""
 
 import dataclasses
 import re
@@ -20,7 +20,7 @@ from ui.model.study_form.form import FormField, FormGroup, form_of
 START = """\
 title: A questionnaire
 items:
-  - {id: item_1, text: "What is asked or said", scale: likert, points: 7, low: not at all, high: very much}
+  - {id: item_1, text: "Text of the item", scale: likert, points: 7, low: not at all, high: very much}
 """
 """Text of a new questionnaire."""
 _LABEL = "Questionnaire"
@@ -42,20 +42,20 @@ _OF_SCALES: Mapping[str, frozenset[Scale]] = {
     "subscale": frozenset({*MEASURED, Scale.NUMBER}),
     "reverse": frozenset(MEASURED),
 }
-"""Keys of items that only some scales heed."""
+"""Keys of items that only some scales use."""
 
 
 @dataclass(frozen=True, slots=True)
 class QuestionnaireDraft(StudyDraft):
-    """A text of a questionnaire, and all that follows from it."""
+    """A text of a questionnaire, with its form and its faults."""
 
     def keys_for(self, group: FormGroup) -> Mapping[str, FormField]:
-        """Return the keys that items can have in common and that a section does not have."""
+        """Return the keys that all items can share and that a section does not have yet."""
         taken = {field.label for field in group.fields} | {"id", "text"}
         return {key: field for key, field in _item_fields().items() if key not in taken}
 
     def _is_of(self, fault: BadFile, field: FormField) -> bool:
-        # A fault of a whole item stands at its text.
+        # A fault of a whole item is shown at its text.
         item, _, name = field.key.rpartition(".")
         return StudyDraft._is_of(self, fault, field) or (
             name == "text" and fault.path == self.path and fault.key == item
@@ -63,7 +63,7 @@ class QuestionnaireDraft(StudyDraft):
 
 
 def is_questionnaire(path: Path, text: str) -> bool:
-    """Return True for a file that has items, or that the file of a study with people beside it names as a form."""
+    """Return True for a file that has items, or that an experiment's file in the same folder names as a form."""
     if _ITEMS.search(text):
         return True
     beside = path.parent / EXPERIMENT
@@ -94,7 +94,7 @@ def questionnaire_draft(path: Path, text: str) -> QuestionnaireDraft:
 
 @cache
 def _item_fields() -> Mapping[str, FormField]:
-    """The keys of items, each with its field."""
+    """Return the keys of items, each with its field."""
     tree = parse(Path("items"), "items: [{}]")
     form = form_of("items: [{}]", tree, Form(title=""))
     return {
@@ -106,7 +106,7 @@ def _item_fields() -> Mapping[str, FormField]:
 
 
 def _heeded(form: FormGroup) -> FormGroup:
-    """The form with what items have in common as defaults, and without those keys that their scales do not heed."""
+    """The form with the items' common values as defaults, and without the keys that the items' scales ignore."""
     groups = {group.key: group for group in form.groups}
     alike = {field.label: field.value for field in groups["like"].fields}
 

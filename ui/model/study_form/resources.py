@@ -1,4 +1,4 @@
-"""Maps, template sets, files, words and programs that a study's field may name, with a few words and a picture."""
+"""Maps, template sets, files, words and programs that a study's field can name, with descriptions and pictures."""
 
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -31,17 +31,17 @@ _TEXTS = (".txt", ".md")
 _YAML = (".yaml", ".yml")
 _USUAL = RobotParameters()
 _BEGINNING = 60
-"""Characters of a text that are shown."""
+"""Number of characters of a text that are shown."""
 
 
 @dataclass(frozen=True, slots=True)
 class NamedResource:
-    """Something that a field may name.
+    """Something that a field can name.
 
     Attributes:
-        value: the name or path, as the study has it.
-        words: what it is, in a few words.
-        picture: an image file of it; None without one.
+        value: the name or path to write in the study.
+        words: short description.
+        picture: an image file of it; None if there is none.
     """
 
     value: str
@@ -50,18 +50,18 @@ class NamedResource:
 
 
 def resources_for(key: str, draft: StudyDraft) -> tuple[NamedResource, ...]:
-    """Return what a field may name: what comes with the project first, then what lies beside the study.
+    """Return the resources that a field can name: those of the project first, then those in the study's folder.
 
     Args:
-        key: of the field; there is nothing for most.
-        draft: of the study.
+        key: key of the field; most fields name no resources.
+        draft: draft of the study.
     """
     found = _FINDERS.get(_shared(key))
     return () if found is None else tuple(found(draft))
 
 
 def is_named(key: str) -> bool:
-    """Return True for a field that names a map, a template set, or a file, words or a program of a known kind."""
+    """Return True for a field that names a map, a template set, or a file, word folder or program of a known kind."""
     return _shared(key) in _FINDERS
 
 
@@ -71,12 +71,12 @@ def names_form(key: str) -> bool:
 
 
 def is_path(key: str) -> bool:
-    """Return True for a field that may name any file or folder of its kind, wherever it lies."""
+    """Return True for a field that can name any file or folder of its kind, at any place."""
     return is_named(key) and _shared(key) not in _NAMES
 
 
 def _shared(key: str) -> str:
-    """The key that one of a single robot or step stands for."""
+    """The general key for a key of a single robot or step."""
     return re.sub(r"^steps\[\d+\]\.", "steps.", re.sub(r"^dialogue\.each\.\d+\.", "dialogue.manner.", key))
 
 
@@ -116,7 +116,7 @@ def _costs(draft: StudyDraft) -> Iterator[NamedResource]:
         if (resources.root / "templates" / name / MAP_TIMES).is_file():
             yield NamedResource(name, f"the {MAP_TIMES} of this template set")
     for path in sorted(draft.path.parent.glob(f"*{MAP_TIMES}*")):
-        yield NamedResource(path.name, "a file beside the study")
+        yield NamedResource(path.name, "a file in the study's folder")
 
 
 def _texts(draft: StudyDraft) -> Iterator[NamedResource]:
@@ -133,7 +133,7 @@ def _texts_in(folder: Path) -> Iterator[NamedResource]:
 
 
 def _ros_parameters(draft: StudyDraft) -> Iterator[NamedResource]:
-    """Yield files that change robots' parameters; studies, which lie beside them, are none."""
+    """Yield files that change robots' parameters, but not the studies in the same folder."""
     for path in sorted(path for path in draft.path.parent.iterdir() if path.suffix in _YAML and path.is_file()):
         with suppress(BadFile):
             if parse_ros_files((path,)).over(_USUAL).value != _USUAL:
@@ -141,7 +141,7 @@ def _ros_parameters(draft: StudyDraft) -> Iterator[NamedResource]:
 
 
 def _folders(shipped_in: Path, beside: Path, mark: str) -> Iterator[tuple[str, Path]]:
-    """Yield the folders that have a file of this name, each with its name as a study has it."""
+    """Yield the folders that have a file of this name, each with its name for a study."""
     yield from ((path.parent.name, path.parent) for path in sorted(shipped_in.glob(f"*/{mark}")))
     yield from ((f"./{path.parent.name}", path.parent) for path in sorted(beside.glob(f"*/{mark}")))
 
@@ -172,7 +172,7 @@ def _words(draft: StudyDraft) -> Iterator[NamedResource]:
 def _languages(draft: StudyDraft) -> Iterator[NamedResource]:
     locutions, words = _rulebook(draft).locutions, _named_folder(draft, "dialogue.words")
     folders = [SHIPPED_LANGUAGES] if words is None else [SHIPPED_LANGUAGES, words]
-    # Those that come with the project first, in their own order.
+    # Languages of the project come first, in their own order.
     for name in dict.fromkeys(name for folder in folders for name in languages_in(folder)):
         own = f", with the folder {words.name}" if words is not None and name in languages_in(words) else ""
         try:
@@ -209,13 +209,13 @@ def _texts_of_steps(draft: StudyDraft) -> Iterator[NamedResource]:
 
 
 def _yaml_beside(draft: StudyDraft) -> Iterator[Path]:
-    """Yield the YAML files in the folder and those in it."""
+    """Yield the YAML files in the folder and in its folders."""
     for pattern in ("*", "*/*"):
         yield from sorted(path for path in draft.path.parent.glob(pattern) if path.suffix in _YAML and path.is_file())
 
 
 def _strategies(_draft: StudyDraft) -> Iterator[NamedResource]:
-    yield NamedResource(OWN_STRATEGY, "the strategy that robots come with, as their manner has it")
+    yield NamedResource(OWN_STRATEGY, "the built-in strategy of robots, according to their manner")
     yield from _installed(STRATEGIES)
 
 
@@ -224,13 +224,13 @@ def _authors(_draft: StudyDraft) -> Iterator[NamedResource]:
 
 
 def _installed(kind: PluginKind) -> Iterator[NamedResource]:
-    """Yield the plug-ins that are installed; none of them is loaded for it."""
+    """Yield the installed plug-ins without loading them."""
     for name in kind.names():
         yield NamedResource(name, kind.describe(name))
 
 
 def _rulebook(draft: StudyDraft) -> Rulebook:
-    """The study's dialogue games; those that come with the project where its own have faults."""
+    """The study's dialogue games; those of the project if its own have faults."""
     games = _named_folder(draft, "dialogue.games")
     with suppress(BadFile):
         return read_rulebook((SHIPPED_GAMES,) if games is None else (SHIPPED_GAMES, games))
@@ -244,13 +244,13 @@ def _named_folder(draft: StudyDraft, key: str) -> Path | None:
 
 
 def _holding(beside: Path, files: str, wanted: Callable[[set[str]], object]) -> Sequence[Path]:
-    """Return the folders beside a study with a YAML file whose keys are as wanted."""
+    """Return the folders next to a study that have a YAML file with the wanted keys."""
     folders = sorted(path for path in beside.iterdir() if path.is_dir())
     return [folder for folder in folders if any(wanted(_keys_of(path)) for path in sorted(folder.glob(files)))]
 
 
 def _keys_of(path: Path) -> set[str]:
-    """The keys of a YAML file's first level; none where it cannot be read."""
+    """Return the keys on the first level of a YAML file; empty if the file cannot be read."""
     try:
         tree = parse(path, read_text(path))
     except BadFile:

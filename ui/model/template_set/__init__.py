@@ -1,1 +1,1 @@
-"""A template set while it is edited."""
+"""A template set in an editor."""

@@ -1,4 +1,4 @@
-"""A template set while it is edited: its texts as typed, and all their faults as `templates check` finds them."""
+"""A template set in an editor: its typed texts, and all their faults, as `templates check` finds them."""
 
 import tempfile
 from collections.abc import Mapping
@@ -13,13 +13,13 @@ from thbridge.files.treasure_files import PARTICIPANT_TREASURES, TREASURES, TREA
 
 @dataclass(frozen=True, slots=True)
 class TemplateDraft:
-    """The texts of a set, and what they make.
+    """The texts of a set, and the result of reading them.
 
     Attributes:
-        folder: of the set.
-        texts: the text of each file that is edited, by its path in the folder.
+        folder: folder of the set.
+        texts: text of each edited file, by its path in the folder.
         templates: the set; None while there are faults.
-        faults: all of them, those of the edited files with the files' own paths.
+        faults: all faults; those of edited files have the paths of the files.
     """
 
     folder: Path
@@ -31,7 +31,7 @@ class TemplateDraft:
 def edited_names(folder: Path) -> tuple[str, ...]:
     """Return the paths in a set's folder of the files that people write.
 
-    They are sentences, and the list of treasures in its form; then the words in further languages, as far as there are.
+    These are the sentences, the list of treasures, and the words in further languages that the set has.
     """
     names = (DIALOGUE_TEXT, WORDS)
     beside = [f"{language}/{name}" for language in languages_beside(folder, names) for name in names]
@@ -43,14 +43,14 @@ def edited_names(folder: Path) -> tuple[str, ...]:
 
 
 def template_draft(folder: Path, texts: Mapping[str, str], pictures: Mapping[str, bytes]) -> TemplateDraft:
-    """Check texts and pictures in the place of a set's files; nothing is written into its folder.
+    """Check texts and pictures in place of a set's files; nothing is written into its folder.
 
-    They are checked in a folder of links, as the reader of sets takes folders alone.
+    They are checked in a folder of links, because the reader of sets only reads folders.
 
     Args:
-        folder: of the set.
-        texts: the text of each file that is edited, by its path in the folder; all of a language's folder together.
-        pictures: image files that are new or replaced, by name.
+        folder: folder of the set.
+        texts: text of each edited file, by its path in the folder; all files of a language's folder together.
+        pictures: new or replaced image files, by name.
     """
     with tempfile.TemporaryDirectory(prefix="thbridge-") as scratch:
         mirror = Path(scratch) / folder.resolve().name

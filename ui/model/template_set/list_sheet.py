@@ -1,4 +1,4 @@
-"""Sheet on a list of treasures of 2016: a line each, with commas between the fields."""
+"""Sheet for a list of treasures of 2016: one line per treasure, with commas between the fields."""
 
 from collections.abc import Callable, Sequence
 
@@ -10,27 +10,27 @@ from ui.model.template_set.sheet import Changed, Sheet, SheetColumn, Texts, free
 
 
 class ListSheet(Sheet):
-    """The lines of a list of 2016; its copy for the participant's machine is kept alike."""
+    """The lines of a list of 2016; the copy for the participant's machine is changed in the same way."""
 
     def __init__(self, texts: Texts, pictures: Sequence[str]) -> None:
         self._texts = texts
         self.columns = (
-            *(SheetColumn(each.label, each.name, "as people read it") for each in OF_2016),
-            SheetColumn("Points", "points", "won by naming it rightly", is_number=True),
-            SheetColumn("Name", "name", "by which people name it"),
+            *(SheetColumn(each.label, each.name, "name for people") for each in OF_2016),
+            SheetColumn("Points", "points", "points for the right name", is_number=True),
+            SheetColumn("Name", "name", "name of the treasure for people"),
             SheetColumn("Picture", "image", "a file in the folder pictures", tuple(pictures), is_picture=True),
         )
 
     @property
     def rows(self) -> tuple[tuple[str, ...], ...]:
-        """Cells as people read and type them, row by row."""
+        """Displayed texts of the cells, row by row."""
         return tuple(_fields(self._texts[TREASURES].split("\n")[line], len(self.columns)) for line in self._lines())
 
     def put(self, row: int, column: int, typed: str) -> Changed:
         """Change a cell."""
         typed = typed.strip()
         if "," in typed:
-            return RequestRefused("comma", "A field of this list cannot have a comma in it.")
+            return RequestRefused("comma", "A field of this list must not contain a comma.")
         if typed == self.rows[row][column]:
             return {}
 
@@ -62,7 +62,7 @@ class ListSheet(Sheet):
         return self._in_both(lambda lines, at: [*lines[: at[row]], *lines[at[row] + 1 :]])
 
     def cell_of(self, fault: BadFile) -> tuple[int, int] | None:
-        """Return row and column that a fault is about."""
+        """Return the row and column of a fault."""
         lines = self._lines()
         if fault.path.name != TREASURES or fault.line is None or fault.line - 1 not in lines:
             return None
@@ -75,14 +75,14 @@ class ListSheet(Sheet):
             if name in self._texts:
                 at = self._lines(name)
                 if len(at) != len(self._lines()):
-                    return RequestRefused("not-alike", f"{name} has other lines than {TREASURES}; mend their texts.")
+                    return RequestRefused("not-alike", f"{name} has other lines than {TREASURES}; correct their texts.")
                 text = "\n".join(change(self._texts[name].split("\n"), at))
                 if text != self._texts[name]:
                     done[name] = text
         return done
 
     def _lines(self, name: str = TREASURES) -> list[int]:
-        """Indices of the lines with treasures; the first line that is not empty is the number of rooms."""
+        """Indices of the lines with treasures; the first nonempty line is the number of rooms."""
         return [index for index, line in enumerate(self._texts[name].split("\n")) if line.strip()][1:]
 
 

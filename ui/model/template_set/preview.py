@@ -1,4 +1,4 @@
-"""Contents of a template set for people: its properties, treasures, and each sentence as a robot would say it."""
+"""Contents of a template set for people: properties, treasures, and each sentence as a robot would say it."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -19,8 +19,8 @@ from thbridge.hunt.treasures import TreasureKind, name_in_words
 from thbridge.study.study_file import Study
 
 _HEADINGS = {
-    Scenario.DONT_KNOW: "Where the robot suggests a room",
-    Scenario.SPECIFIC_ROOM: "Where the participant chose the room",
+    Scenario.DONT_KNOW: "When the robot suggests a room",
+    Scenario.SPECIFIC_ROOM: "When the participant has chosen the room",
     Scenario.TAKE_PICTURE: "Before a picture",
     Scenario.TAKE_TREASURE: "Before a treasure is named",
 }
@@ -31,12 +31,12 @@ _COSTS = {Scenario.TAKE_PICTURE: _GAME.picture_cost, Scenario.TAKE_TREASURE: _GA
 
 @dataclass(frozen=True, slots=True)
 class PreviewPlace:
-    """The room that sentences speak of in a preview.
+    """The room in the sentences of a preview.
 
     Attributes:
         room: the room.
-        name: its own name; empty where it has none.
-        cost: energy of going there from the corridor.
+        name: its own name; empty if it has none.
+        cost: energy of the move from the corridor.
     """
 
     room: Room
@@ -49,7 +49,7 @@ NOWHERE = PreviewPlace(Room(4), "Kitchen", 13.0)
 
 
 def place_on(arena: Map) -> PreviewPlace:
-    """Return the last room of a map, with its name and what going there costs by the map's own times."""
+    """Return the last room of a map, with its name and the cost of going there by the map's own times."""
     entry = arena.rooms[-1]
     cost = NOWHERE.cost if arena.costs is None else read_map_times(arena.costs).cost(CORRIDOR, entry.room)
     return PreviewPlace(entry.room, arena.room_names.name(entry.room.people), cost)
@@ -71,16 +71,16 @@ def sentences(
 
     Args:
         templates: the set.
-        place: that they are about.
-        kind: of the treasure there; None: the first.
-        texts: of the language; None: that of the set, or English.
+        place: room of the sentences.
+        kind: kind of the treasure there. If None, it is the first.
+        texts: texts of the language. If None, they are those of the set's language, or English.
     """
     kind = kind or templates.kinds[0]
     texts = texts or texts_of(templates)
     words = templates.in_language(texts.language)
     for scenario, heading in _HEADINGS.items():
         questions = words.dialogue.of(scenario)
-        yield f"{heading}: {'nothing is asked' if not questions else ''}".rstrip()
+        yield f"{heading}: {'no question' if not questions else ''}".rstrip()
         topic = DialogueTopic(
             scenario,
             0,
@@ -100,7 +100,7 @@ def sentences(
 
 
 def texts_of(templates: TemplateSet) -> Texts:
-    """Return the texts of a set's own language; the English ones where that is not told, or not known."""
+    """Return the texts of a set's own language, or the English ones if the language is missing or unknown."""
     known = languages_in(SHIPPED_LANGUAGES)
     return shipped_texts(templates.language if templates.language in known else ENGLISH)
 
@@ -108,13 +108,13 @@ def texts_of(templates: TemplateSet) -> Texts:
 def translations(
     templates: TemplateSet, folder: Path, place: PreviewPlace, kind: TreasureKind | None = None
 ) -> Iterator[str]:
-    """Yield the sentences of a set in further languages, where the language is known, and what is missing.
+    """Yield the sentences of a set in its further languages that are known, and the missing words.
 
     Args:
         templates: the set.
-        folder: of the set.
-        place: that the sentences are about, without its name, which is in another language.
-        kind: of the treasure there; None: the first.
+        folder: folder of the set.
+        place: room of the sentences, without its name, which is in another language.
+        kind: kind of the treasure there. If None, it is the first.
     """
     for language in templates.words:
         yield f"In {language}:"
@@ -125,7 +125,7 @@ def translations(
 
 def _teller(told_of: TreasureProperty) -> str:
     if told_of.told_by is Teller.PERSON:
-        return "The participant tells it by the picture."
+        return "The participant reports it from the picture."
     by = f" by its {told_of.sensor}" if told_of.sensor else ""
     price = f"{energy_text(told_of.cost)} energy" if told_of.cost else "nothing"
     return f"The robot senses it{by}, for {price}."

@@ -1,4 +1,4 @@
-"""Table of treasures or properties, on the text of their file, and what a change of it gives."""
+"""Table of treasures or properties in the text of their file, and the results of changes."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Collection, Mapping
@@ -10,7 +10,7 @@ from thbridge.hunt.refusals import RequestRefused
 Texts = Mapping[str, str]
 """Texts of files by name."""
 Changed = Texts | RequestRefused
-"""The files that a change changes, with their new texts."""
+"""The changed files, with their new texts."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,11 +20,11 @@ class SheetColumn:
     Attributes:
         title: heading.
         path: the key in an entry, such as `values.colour`.
-        meaning: what it is, for people.
-        choices: what it may be; empty: anything.
-        is_list: several values, with commas between them.
-        is_number: a number.
-        is_picture: the name of a picture of the set.
+        meaning: meaning, for people.
+        choices: allowed values; empty if any text is allowed.
+        is_list: True for several values, with commas between them.
+        is_number: True for a number.
+        is_picture: True for the name of a picture of the set.
     """
 
     title: str
@@ -37,7 +37,7 @@ class SheetColumn:
 
 
 class Sheet(ABC):
-    """A table on the text of a file.
+    """A table for the text of a file.
 
     Attributes:
         columns: its columns.
@@ -48,7 +48,7 @@ class Sheet(ABC):
     @property
     @abstractmethod
     def rows(self) -> tuple[tuple[str, ...], ...]:
-        """Cells as people read and type them, row by row."""
+        """Displayed texts of the cells, row by row."""
 
     @abstractmethod
     def put(self, row: int, column: int, typed: str) -> Changed:
@@ -56,7 +56,7 @@ class Sheet(ABC):
 
     @abstractmethod
     def add(self, like: int | None = None) -> Changed:
-        """Add a row at the end, like another one but for its name; None: a new one."""
+        """Add a row at the end, like row `like` except for its name. If None, the row is new."""
 
     @abstractmethod
     def remove(self, row: int) -> Changed:
@@ -64,11 +64,11 @@ class Sheet(ABC):
 
     @abstractmethod
     def cell_of(self, fault: BadFile) -> tuple[int, int] | None:
-        """Return row and column that a fault is about; None: it is about no cell."""
+        """Return the row and column of a fault; None if it concerns no cell."""
 
 
 def free_name(name: str, taken: Collection[str]) -> str:
-    """A name that is not taken; with an underscore where it could not have a blank."""
+    """Return a name that is not taken; an underscore replaces the space if `name` has no spaces."""
     if name not in taken:
         return name
     joint = "_" if (name.islower() and "_" in name) or name == "property" else " "

@@ -12,7 +12,7 @@ from ui.model.template_set.yaml_sheets import PropertySheet, TreasureSheet
 
 
 def sheets_of(texts: Texts, pictures: Sequence[str] = ()) -> dict[str, Sheet]:
-    """Return the sheets of a set by their titles: those of the files that can be read.
+    """Return the sheets of a set's readable files, by their titles.
 
     Args:
         texts: the texts of the set's files, by name.

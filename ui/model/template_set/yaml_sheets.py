@@ -1,6 +1,6 @@
-"""Sheets on a `treasures.yaml`: its treasures, and the properties that it declares.
+"""Sheets for a `treasures.yaml`: its treasures, and the properties that it declares.
 
-A change of a cell changes this one value in the text and nothing else; comments and layout stay.
+A change of a cell changes only this value in the text; comments and layout stay.
 """
 
 import re
@@ -25,7 +25,7 @@ _TREASURES, _PROPERTIES = "treasures", "properties"
 
 
 class _YamlSheet(Sheet):
-    """A sheet on a list of a YAML file whose items are mappings."""
+    """A sheet for a list of mappings in a YAML file."""
 
     key: str
 
@@ -37,14 +37,14 @@ class _YamlSheet(Sheet):
 
     @property
     def rows(self) -> tuple[tuple[str, ...], ...]:
-        """Cells as people read and type them, row by row."""
+        """Displayed texts of the cells, row by row."""
         return tuple(
             tuple(self._cell(f"{self.key}[{row}].{column.path}") for column in self.columns)
             for row in range(self._count)
         )
 
     def put(self, row: int, column: int, typed: str) -> Changed:
-        """Change a cell; an empty one takes its key out of the file."""
+        """Change a cell; an empty text removes its key from the file."""
         path, typed = f"{self.key}[{row}].{self.columns[column].path}", typed.strip()
         if typed == self.rows[row][column]:
             return {}
@@ -58,7 +58,7 @@ class _YamlSheet(Sheet):
         taken = {row[self._paths().index(_NAME)] for row in self.rows}
         entry[_NAME] = free_name(entry[_NAME], taken)
         item = _entry_as_yaml(entry, self.columns)
-        # A list without items may be left out, or be `[]`.
+        # A list without items may be missing, or be `[]`.
         if self._count == 0:
             return _in_yaml(self._written(self._text, self.key, f"[{item}]"))
         return _in_yaml(self._written(self._text, f"{self.key}[{self._count}]", item))
@@ -68,7 +68,7 @@ class _YamlSheet(Sheet):
         return _in_yaml(without(self._text, f"{self.key}[{row}]", self._tree))
 
     def cell_of(self, fault: BadFile) -> tuple[int, int] | None:
-        """Return row and column that a fault is about; of an entry as a whole, its first cell."""
+        """Return the row and column of a fault; for a fault of a whole entry, its first cell."""
         key = "" if fault.key is None else fault.key
         for row in range(self._count):
             for column, path in enumerate(self._paths()):
@@ -93,7 +93,7 @@ class _YamlSheet(Sheet):
 
 
 class TreasureSheet(_YamlSheet):
-    """The treasures of a `treasures.yaml`: a column for each declared property."""
+    """The treasures of a `treasures.yaml`, with a column for each declared property."""
 
     key = _TREASURES
 
@@ -101,8 +101,8 @@ class TreasureSheet(_YamlSheet):
         super().__init__(texts, tree)
         declared = PropertySheet(texts, tree).declared
         self.columns = (
-            SheetColumn("Name", _NAME, "by which people name it"),
-            SheetColumn("Points", "points", "won by naming it rightly", is_number=True),
+            SheetColumn("Name", _NAME, "name of the treasure for people"),
+            SheetColumn("Points", "points", "points for the right name", is_number=True),
             SheetColumn("Picture", "image", "a file in the folder pictures", tuple(pictures), is_picture=True),
             *(
                 SheetColumn(label, f"values.{name}", " or ".join(values) or "anything", values)
@@ -120,14 +120,14 @@ class PropertySheet(_YamlSheet):
 
     key = _PROPERTIES
     columns = (
-        SheetColumn("Name", _NAME, "in files and sentences: small letters and underscores"),
-        SheetColumn("Label", "label", "as people read it above a value; by default the name"),
-        SheetColumn("Values", "values", "all that it can be, with commas; empty: anything", is_list=True),
-        SheetColumn("Told by", "told_by", "who tells it; empty: the robot", tuple(Teller)),
-        SheetColumn("Sensor", "sensor", "of a robot, for people"),
+        SheetColumn("Name", _NAME, "name in files and sentences: lower-case letters and underscores"),
+        SheetColumn("Label", "label", "heading above the value; by default the name"),
+        SheetColumn("Values", "values", "allowed values, with commas; empty: any value", is_list=True),
+        SheetColumn("Reported by", "told_by", "the one who reports it; empty: the robot", tuple(Teller)),
+        SheetColumn("Sensor", "sensor", "name of the robot's sensor, for people"),
         SheetColumn("Cost", "cost", "energy of sensing it; empty: none, it is sensed on arrival", is_number=True),
-        SheetColumn("Drawn", "drawn", "how windows show it; empty: as a word", tuple(PropertyDrawing)),
-        SheetColumn("Said", "said", "within a sentence, with £name£ for the value; empty: the value alone"),
+        SheetColumn("Drawn", "drawn", "form in windows; empty: a word", tuple(PropertyDrawing)),
+        SheetColumn("Said", "said", "form within a sentence, with £name£ for the value; empty: the value alone"),
     )
 
     @property
@@ -142,7 +142,10 @@ class PropertySheet(_YamlSheet):
         return told
 
     def put(self, row: int, column: int, typed: str) -> Changed:
-        """Change a cell; treasures and sentences follow a new name, treasures a value that is called otherwise."""
+        """Change a cell.
+
+        Treasures and sentences follow a new name of a property, and treasures follow a renamed value.
+        """
         done = super().put(row, column, typed)
         if isinstance(done, RequestRefused) or not done:
             return done
@@ -198,7 +201,7 @@ class PropertySheet(_YamlSheet):
         return changed if isinstance(changed, RequestRefused) else {**changed, **self._said_as(name, new)}
 
     def _said_as(self, name: str, new: str) -> Texts:
-        """Sentences and words, of all languages, with another name of a property."""
+        """Return sentences and words of all languages with the new name of a property."""
         word = f"£{name}£"
         done = {path: text.replace(word, f"£{new}£") for path, text in self._texts.items() if word in text}
         for path in self._texts:
@@ -264,7 +267,7 @@ _TEXT = SheetColumn("", "")
 
 
 def _as_yaml(typed: str, column: SheetColumn = _TEXT) -> str:
-    """A value as the file has it, on one line."""
+    """A value in the form of the file, on one line."""
     if column.is_list:
         return f"[{', '.join(_as_yaml(part.strip()) for part in typed.split(',') if part.strip())}]"
     bare = is_plain_word(typed) or (column.is_number and _NUMBER.fullmatch(typed) is not None)
@@ -272,7 +275,7 @@ def _as_yaml(typed: str, column: SheetColumn = _TEXT) -> str:
 
 
 def _entry_as_yaml(entry: Mapping[str, str], columns: Sequence[SheetColumn]) -> str:
-    """An entry in braces; keys with a dot are of a mapping within."""
+    """An entry in braces; keys with a dot belong to an inner mapping."""
     own, values = [], []
     for column in columns:
         typed = entry.get(column.path, "")

@@ -11,26 +11,26 @@ _ADDRESS = re.compile(r"(?P<host>[^\s/]+):(?P<port>[0-9]{1,5})")
 
 @dataclass(frozen=True, slots=True)
 class SessionAddress:
-    """Address of a session's watch server."""
+    """Address of the server that lets researchers watch a session."""
 
     host: str
     port: int
 
     def __str__(self) -> str:
-        """Return the address as people type it."""
+        """Return the address in the form in which people type it."""
         return f"{self.host}:{self.port}"
 
 
 def address_in(text: str) -> SessionAddress | None:
-    """Return the address that a text holds; None when the text is the path of a recording.
+    """Return the address in a text; None if the text is the path of a recording.
 
     Raises:
-        BadFile: its port is out of range.
+        BadFile: the port is out of range.
     """
     found = _ADDRESS.fullmatch(text)
     if found is None or Path(text).exists():
         return None
     port = int(found["port"])
     if not 0 < port < 65536:
-        raise BadFile(Path(text), f"{port} is not a port", "give the number that the session printed, 1 to 65535")
+        raise BadFile(Path(text), f"{port} is not a port", "enter the number that the session printed, 1 to 65535")
     return SessionAddress(found["host"], port)

@@ -5,7 +5,7 @@ from collections.abc import Iterable
 from itertools import pairwise
 
 NEAR = 0.05
-"""Seconds from a bookmark within which a time counts as at it."""
+"""Distance in seconds up to which a time counts as the time of a bookmark."""
 
 
 class Bookmarks:
@@ -15,21 +15,21 @@ class Bookmarks:
         times: the bookmarks, seconds since the beginning.
 
     Attributes:
-        times: likewise, ascending.
+        times: the bookmarks in ascending order, in seconds.
     """
 
     def __init__(self, times: Iterable[float] = ()) -> None:
         self.times = tuple(sorted(times))
 
     def toggle(self, time: float) -> bool:
-        """Set a bookmark, or remove the one at this time; return True when it is set."""
+        """Set a bookmark, or remove the one at this time; return True if it is now set."""
         others = [each for each in self.times if abs(each - time) > NEAR]
         is_new = len(others) == len(self.times)
         self.times = tuple(sorted([*others, time])) if is_new else tuple(others)
         return is_new
 
     def around(self, time: float) -> tuple[float, float] | None:
-        """Return the two bookmarks around a time, or the two nearest to it; None when there are fewer than two."""
+        """Return the two bookmarks around a time, or the two nearest to it; None if there are fewer than two."""
         spans = list(pairwise(self.times))
         return spans[min(max(bisect_right(self.times, time) - 1, 0), len(spans) - 1)] if spans else None
 
@@ -41,7 +41,7 @@ def clock(seconds: float) -> str:
 
 
 def parse_clock(text: str) -> float | None:
-    """Return the seconds of a time as people type it: "83.4", "1:23.4", "0:01:23"; None where it is none."""
+    """Return the seconds of a typed time such as "83.4", "1:23.4" or "0:01:23"; None if it is no time."""
     parts = text.strip().replace(",", ".").split(":")
     if len(parts) > 3 or not all(part.isdecimal() for part in parts[:-1]):
         return None

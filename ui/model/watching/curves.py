@@ -9,24 +9,24 @@ import numpy as np
 from sim.numerics.float_array import FloatArray
 
 MAX_SAMPLES = 20_000
-"""Samples that a curve keeps: half an hour of ten a second as they were, then the older half ever thinner."""
+"""Number of samples in a curve: half an hour of ten per second in full, then thinner and thinner in the older half."""
 
 MAX_LINE_POINTS = 1000
-"""Points that a line on the map has at most."""
+"""Largest number of points in a line on the map."""
 
 
 class Curve:
-    """Samples in order of time; those that come out of order are left out.
+    """Samples in order of time; samples out of order are dropped.
 
-    When it is full, each two neighbors of the older half become one.
+    When the curve is full, each pair of neighbors in the older half becomes one sample.
 
     Args:
-        columns: numbers of a sample, beside its time.
-        peaks: of two neighbors the one with the greater first number stays; else the later one.
-        most: samples that are kept; at least 4.
+        columns: number of values in a sample, in addition to its time.
+        peaks: if True, the neighbor with the greater first value stays; otherwise the later one stays.
+        most: largest number of samples; at least 4.
 
     Attributes:
-        time: of the last sample; minus infinity before the first.
+        time: time of the last sample; minus infinity before the first.
     """
 
     def __init__(self, columns: int = 1, peaks: bool = False, most: int = MAX_SAMPLES) -> None:
@@ -41,7 +41,7 @@ class Curve:
         return self._count
 
     def append(self, time: float, *values: float) -> None:
-        """Add a sample; one of an earlier time than the last is left out."""
+        """Add a sample, unless it is earlier than the last one."""
         if time < self.time:
             return
         if self._count == len(self._rows):
@@ -51,21 +51,21 @@ class Curve:
         self.time = time
 
     def rows(self, until: float = np.inf) -> FloatArray:
-        """(n, 1 + columns) time and numbers of the samples up to a time, that time included."""
+        """(n, 1 + columns) times and values of the samples up to a time, inclusive."""
         times = self._rows[: self._count, 0]
         return self._rows[: int(np.searchsorted(times, until, side="right"))].copy()
 
     def path(self, until: float, since: float = -math.inf, cuts: Sequence[float] = ()) -> FloatArray:
-        """(k, 2) the first two numbers of the samples after one time and up to another, as a line.
+        """(k, 2) the first two values of the samples after one time and up to another, as a line.
 
-        Of many samples these are only every second, fourth, ...
+        From many samples, only every second, fourth, ... is in the line.
 
-        The same array as long as it is the same line.
+        Returns the same array as long as the line is the same.
 
         Args:
-            until: time of the last sample, at most.
+            until: latest time of the last sample.
             since: time before the first sample.
-            cuts: times at which the line goes on elsewhere, in order; a row of NaN stands at each.
+            cuts: times at which the line continues elsewhere, in order; a row of NaN marks each.
         """
         times = self._rows[: self._count, 0]
         count = self._count if until >= self.time else int(np.searchsorted(times, until, side="right"))
@@ -91,13 +91,13 @@ class Curve:
 
 
 def joined(pieces: Sequence[FloatArray]) -> FloatArray:
-    """(k, 2) pieces of a line, with a row of NaN between two."""
+    """(k, 2) pieces of a line, with a row of NaN between each two pieces."""
     gap = np.full((1, 2), np.nan)
     return np.concatenate([part for piece in pieces for part in (gap, piece)][1:])
 
 
 def broken(rows: FloatArray, gaps: Sequence[float]) -> FloatArray:
-    """(m, 1 + columns) samples of a curve, with a row of NaN after a time where a gap lies between two of them."""
+    """(m, 1 + columns) samples of a curve, with a row of NaN where a gap lies between two samples."""
     after = np.searchsorted(rows[:, 0], gaps)
     inside = (after > 0) & (after < len(rows))
     empty = np.full((int(inside.sum()), rows.shape[1]), np.nan)
@@ -106,11 +106,11 @@ def broken(rows: FloatArray, gaps: Sequence[float]) -> FloatArray:
 
 
 def as_steps(rows: FloatArray, end: float) -> FloatArray:
-    """(2 n, 1 + columns) samples as a line of steps: each holds until the next one, the last one until the end.
+    """(2 n, 1 + columns) samples as a line of steps: each value holds until the next one, the last one until the end.
 
     Args:
         rows: (n, 1 + columns) of a curve that has a sample only when something changes.
-        end: in the times of the samples; no effect before the last one.
+        end: time of the end; no effect if it is before the last sample.
     """
     steps = np.repeat(rows, 2, axis=0)
     steps[1:-1:2, 0] = rows[1:, 0]

@@ -1,4 +1,4 @@
-"""Messages unpacked once, however often their values are drawn."""
+"""Cache of decoded messages, so that each message is decoded only once."""
 
 from collections.abc import Callable
 from typing import Generic, TypeVar
@@ -9,10 +9,10 @@ T = TypeVar("T")
 
 
 class DecodeCache(Generic[T]):
-    """Values of the last message of each topic, each decoded once.
+    """Values of the last message of each topic, each decoded only once.
 
     Args:
-        unpack: makes a value of a message's bytes; raises ValueError where they are none.
+        unpack: makes a value of a message's bytes; raises ValueError if it cannot.
     """
 
     def __init__(self, unpack: Callable[[bytes], T]) -> None:
@@ -20,7 +20,7 @@ class DecodeCache(Generic[T]):
         self._known: dict[str, tuple[bytes, T | None]] = {}
 
     def of(self, message: WatchedMessage | None) -> T | None:
-        """The value of a message; None where there is no message, or it cannot be read."""
+        """The value of a message; None if there is no message, or it cannot be read."""
         if message is None:
             return None
         known = self._known.get(message.topic)

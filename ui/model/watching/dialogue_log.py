@@ -1,4 +1,4 @@
-"""Log of dialogues in which robots argue: how the latest one of each robot stood at any time."""
+"""Log of dialogues in which robots argue: the state of each robot's latest dialogue at any time."""
 
 from bisect import bisect_right
 from collections import defaultdict
@@ -9,16 +9,16 @@ from thbridge.dialogue.portrait import DialoguePortrait, read_portrait
 from thbridge.ros.messages.session_records import DialogueMoveRecord, DialogueStateRecord
 
 MAX_KEPT = 20_000
-"""Moves of a robot that are kept, and states; beyond them the oldest are dropped."""
+"""Number of moves kept for a robot, and of states; beyond it the oldest are dropped."""
 
 
 @dataclass(frozen=True, slots=True)
 class DialogueCourse:
-    """Latest dialogue of a robot at one time.
+    """Latest dialogue of a robot at a certain time.
 
     Attributes:
-        moves: of dialogue games in it so far, each with its stamp, oldest first.
-        portrait: what the robot made of it; empty where that is not known.
+        moves: moves of its dialogue games so far, each with its stamp, oldest first.
+        portrait: the robot's view of the dialogue; empty if unknown.
     """
 
     moves: tuple[tuple[int, DialogueMoveRecord], ...] = ()
@@ -26,7 +26,7 @@ class DialogueCourse:
 
 
 class DialogueLog:
-    """Log that grows with what was recorded of dialogues, in order of time."""
+    """Log of recorded dialogues; it grows in order of time."""
 
     def __init__(self) -> None:
         self._moves: defaultdict[int, list[tuple[int, DialogueMoveRecord]]] = defaultdict(list)
@@ -34,21 +34,21 @@ class DialogueLog:
         self._read: dict[int, tuple[DialogueStateRecord, DialoguePortrait]] = {}
 
     def take_move(self, stamp_ns: int, move: DialogueMoveRecord) -> None:
-        """Take a move."""
+        """Add a move."""
         moves = self._moves[move.robot]
         moves.append((stamp_ns, move))
         if len(moves) > MAX_KEPT:
             del moves[: MAX_KEPT // 10]
 
     def take_state(self, stamp_ns: int, state: DialogueStateRecord) -> None:
-        """Take what a robot makes of its dialogue."""
+        """Add the state of a dialogue as its robot sees it."""
         states = self._states[state.robot]
         states.append((stamp_ns, state))
         if len(states) > MAX_KEPT:
             del states[: MAX_KEPT // 10]
 
     def course(self, robot: int, since_ns: int, until_ns: int) -> DialogueCourse:
-        """Return the latest dialogue of a robot at a time; empty where it has not argued since another one."""
+        """Return the latest dialogue of a robot at a time; empty if the robot has not argued since another one."""
         moves, states = self._moves.get(robot, []), self._states.get(robot, [])
         end = begin = _until(moves, until_ns)
         while begin and moves[begin - 1][0] >= since_ns and moves[begin - 1][1].talk == moves[end - 1][1].talk:
@@ -60,7 +60,7 @@ class DialogueLog:
         return DialogueCourse(tuple(moves[begin:end]), portrait)
 
     def _portrait(self, robot: int, state: DialogueStateRecord) -> DialoguePortrait:
-        """Read a state, again and again the same one, so that it is read once."""
+        """Parse a state; the last result is kept, because the same state is often requested again."""
         known, portrait = self._read.get(robot, (None, DialoguePortrait()))
         if known is not state:
             try:

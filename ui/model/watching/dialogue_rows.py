@@ -1,4 +1,4 @@
-"""Words in which the researcher's window tells a dialogue: its course, beliefs, stores and arguments, row by row."""
+"""Words of the researcher's window for a dialogue: its course, beliefs, stores and arguments, row by row."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from enum import StrEnum
@@ -13,7 +13,7 @@ SIDES: Mapping[str, str] = {"robot": "robot", "human": "participant"}
 
 
 class DialogueList(StrEnum):
-    """List that a researcher may see of a dialogue."""
+    """List about a dialogue that a researcher can choose."""
 
     ARGUMENTS = "Arguments"
     BELIEFS = "Beliefs of the robot (Σ)"
@@ -23,7 +23,7 @@ class DialogueList(StrEnum):
 
 
 def heading(robot: int, course: DialogueCourse) -> str:
-    """Return a line on what a robot's latest dialogue is about, and how it stands."""
+    """Return a line on the topic and the state of a robot's latest dialogue."""
     name = robot_name(robot).capitalize()
     if not course.moves:
         return f"{name} has not argued so far."
@@ -37,7 +37,7 @@ def heading(robot: int, course: DialogueCourse) -> str:
 
 
 def move_row(move: DialogueMoveRecord) -> tuple[str, str, str, str]:
-    """Return the cells of a move: who, the move, its sentence, and the states before and after it."""
+    """Return the cells of a move: the speaker, the move, its sentence, and the states before and after it."""
     who = "wizard" if move.author == "wizard" else SIDES.get(move.speaker, move.speaker)
     inside = "  within " + str(move.parent) + ": " if move.parent else ""
     notes = " (by itself)" if move.is_booked else ""
@@ -68,7 +68,7 @@ def rows(shown: DialogueList, portrait: DialoguePortrait) -> Iterator[tuple[str,
 
 
 def describe_attacks(portrait: DialoguePortrait) -> str:
-    """Return sentences on the arguments, their attacks and those that stand, for who does not see the picture."""
+    """Return sentences on the arguments, their attacks and those that stand, for people who do not see the picture."""
     return " ".join(
         ". ".join(part for part in _argument(place, argument, portrait) if part) + "."
         for place, argument in enumerate(portrait.arguments)
@@ -84,7 +84,7 @@ def _argument(place: int, argument: PortrayedArgument, portrait: DialoguePortrai
 
 
 def holders(argument: PortrayedArgument) -> str:
-    """Return who holds all that an argument rests on, for people; nobody where its parts come from both."""
+    """Return the sides that hold all parts of an argument; "both in part" if no side does."""
     return " and ".join(SIDES[side] for side in argument.sides if side in SIDES) or "both in part"
 
 

@@ -1,4 +1,4 @@
-"""Poses of frames on the map at one moment, from the messages of tf that hold then."""
+"""Poses of frames on the map at one moment, from the tf messages that are valid then."""
 
 from collections.abc import Iterable
 from struct import Struct
@@ -15,7 +15,7 @@ from thbridge.ros.robots import is_map_frame, is_odom_frame
 from ui.model.watching.messages import WatchedMessage
 
 HORIZON_NS = 10_000_000_000
-"""Nanoseconds after which the pose of a moving frame does not hold any more; tf2 forgets it, too."""
+"""Nanoseconds after which the pose of a moving frame is no longer valid, as in tf2."""
 
 _UINT32 = Struct("<I")
 _STAMP_AND_NUMBER = 12
@@ -24,15 +24,15 @@ _POSE = 56
 
 
 def namespace_of_tf(topic: str) -> str:
-    """The namespace of a topic of tf: "" of /tf, "robot1" of /robot1/tf."""
+    """The namespace of a tf topic: "" for /tf, "robot1" for /robot1/tf."""
     return topic.strip("/").rpartition("/")[0]
 
 
 def children_of(data: bytes) -> bytes:
-    """Return the child frames of a message of tf as a key: a message supersedes the one before it with the same key.
+    """Return the child frames of a tf message as a key; a message replaces the previous one with the same key.
 
     Raises:
-        ValueError: the bytes are not such a message.
+        ValueError: the bytes are not a tf message.
     """
     names = []
     try:
@@ -52,12 +52,12 @@ def children_of(data: bytes) -> bytes:
 class Frames:
     """The frames at one moment.
 
-    A frame's name is unique within the namespace of its topic; only the map's is everybody's.
+    The name of a frame is unique within the namespace of its topic; only the map frame is common to all namespaces.
 
     Args:
-        messages: of tf, oldest first; what cannot be read is left out.
-        mapped: whether there is a map. Where there is none, frames are seen from what they hang on in the end:
-            odometry, as a rule.
+        messages: tf messages, oldest first; unreadable ones are ignored.
+        mapped: whether there is a map. If there is none, poses are relative to the root of each tree of frames, which
+            usually is odometry.
     """
 
     def __init__(self, messages: Iterable[WatchedMessage], mapped: bool = True) -> None:
@@ -75,17 +75,17 @@ class Frames:
         self._poses: dict[str, FloatArray | None] = {}
 
     def pose(self, frame: str, owner: str = "") -> FloatArray | None:
-        """(4, 4) pose of a frame on the map; None where nothing joins the two.
+        """(4, 4) pose of a frame on the map; None if no transforms connect the two.
 
         Args:
-            frame: its name.
+            frame: name of the frame.
             owner: namespace of the topic that names it.
         """
         name = self._own(owner, frame)
         return self._pose(name if name in self._above else frame_name(frame))
 
     def planar(self, frame: str, owner: str = "") -> Pose2 | None:
-        """Like `pose`, seen from above."""
+        """Like `pose`, in the plane."""
         found = self.pose(frame, owner)
         return None if found is None else PlanarMount.of(found).laser_in_base
 

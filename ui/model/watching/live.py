@@ -1,4 +1,4 @@
-"""State of a running session, from its messages as they come."""
+"""State of a running session, from its messages as they arrive."""
 
 import math
 from bisect import bisect_right
@@ -20,10 +20,12 @@ from ui.model.watching.series import Series
 from ui.model.watching.session_log import SessionLog, is_logged
 
 REMEMBERED_NS = 2_000_000_000
-"""Nanoseconds for which frames of a running session are kept: longer than a scan waits to be drawn."""
+"""Nanoseconds for which frames of a running session are kept: longer than the delay before a scan is drawn."""
 BACK_NS = 1_000_000_000
-"""Robots whose time goes back so far belong to another session, though it introduces itself by the same record, as one
-of the same study and seed does. A latched message may be older than that."""
+"""Nanoseconds by which a robot's time must go back to prove that it belongs to another session.
+
+Two sessions with the same study and seed send equal records of themselves. Latched messages can be older than this.
+"""
 
 
 @dataclass(slots=True)
@@ -42,7 +44,7 @@ class _Snapshot:
         held = []
         for (topic, _), messages in self.recent_frames.items():
             before = bisect_right(messages, at_ns, key=lambda each: each.stamp_ns) - 1
-            # The first message after that time is nearer than none.
+            # The first message after that time is better than none.
             chosen = messages[max(before, 0)]
             if topic.endswith("tf_static") or at_ns - chosen.stamp_ns <= HORIZON_NS:
                 held.append(chosen)
@@ -60,17 +62,18 @@ class _Snapshot:
 
 
 class LiveSource:
-    """A running session, as far as its messages have come; for one thread.
+    """A running session, as far as its messages have arrived; not thread-safe.
 
     Attributes:
         log: events, dialogue, lines and inputs.
-        series: numbers over time.
-        rooms: rooms of the map; set from outside (`ui.sources.rooms`) once `session` is known.
-        sessions: counts up when another session takes the place of the one before, and all is forgotten.
+        series: values over time.
+        rooms: rooms of the map; another module (`ui.sources.rooms`) sets them after `session` is known.
+        sessions: number of sessions so far; when another session takes the place of the one before, all data are
+            dropped.
         start_ns: ROS time of the first message.
-        joined_ns: ROS time of the first tick that came whole: of the time before only what its door repeats is known;
-            None before it.
-        messages: number of messages taken.
+        joined_ns: ROS time of the first complete tick; None before it. From the time before, only the messages that the
+            session repeats on connection are known.
+        messages: number of received messages.
     """
 
     def __init__(self) -> None:
@@ -79,8 +82,8 @@ class LiveSource:
         self._scenes = SceneBuilder()
         self._sessions = DecodeCache[SessionRecord](unpack.session)
         self._received = -math.inf
-        # Messages since a session introduced itself. The stamp of its robots' first tf tells which session they are of:
-        # one that begins anew gets them again.
+        # Messages since a session introduced itself. The stamp of its robots' first tf message shows which session they
+        # belong to: if the session is new, it receives them again.
         self._opening: list[WatchedMessage] | None = None
         self._begin()
 
@@ -109,21 +112,21 @@ class LiveSource:
         return self._snapshot.at_ns
 
     def take(self, messages: Sequence[WatchedMessage], now: float) -> None:
-        """Take messages, in their order, at a time (monotonic seconds)."""
+        """Process messages, in their order, at a time (monotonic seconds)."""
         for message in messages:
             self._take(message)
         if messages:
             self._received = now
-        # Robots are told apart by their frames: a message that comes before tf may be taken for another robot's.
+        # Frames distinguish the robots: a message before the first tf could be assigned to the wrong robot.
         if self._tf_ns:
             self._assign()
 
     def stale_for(self, now: float) -> float:
-        """Seconds since the last message came; infinite before the first."""
+        """Seconds since the last message arrived; infinite before the first."""
         return now - self._received
 
     def scene(self, shown: ShownLayers) -> Scene:
-        """The scene of now."""
+        """The present scene."""
         watched = SceneInputs(self._robots, self._discovery.mapped, self.series, self.log, self.rooms, self.start_ns)
         return self._scenes.build(self._snapshot, watched, shown)
 
@@ -135,7 +138,7 @@ class LiveSource:
             elif before is not None:
                 self.series.interrupt(self._snapshot.at_ns)
             self._opening = []
-            # The same session met again repeats what the log has.
+            # A session that connects again repeats entries that the log already has.
             self._logged_ns = self._snapshot.at_ns if self.messages else -1
         if message.msgtype in TF_TYPES and not message.topic.endswith("tf_static"):
             opening, self._opening = self._opening, None
@@ -172,7 +175,7 @@ class LiveSource:
         self._unassigned.append(message)
 
     def _assign(self) -> None:
-        """Give each robot its messages; telling robots apart takes a while, and is done once for all new topics."""
+        """Assign messages to robots. Robots are recognized only once for all new topics, because this is slow."""
         if self._new_topics:
             self._new_topics = False
             self._robots = self._discovery.robots()

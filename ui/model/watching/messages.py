@@ -1,4 +1,4 @@
-"""Messages to be watched, whether they come from a bag or from a running session."""
+"""Messages of a bag or of a running session."""
 
 from collections.abc import Mapping, Sequence
 from typing import Protocol
@@ -6,7 +6,7 @@ from typing import Protocol
 from thbridge.ros.messages import types
 
 TF_TYPES = frozenset({types.TFMESSAGE, "tf/tfMessage"})
-"""Messages of frames; the second is tf's name for them, before tf2."""
+"""Types of messages with frames; the second is the name in tf, before tf2."""
 
 
 class WatchedMessage(Protocol):
@@ -38,10 +38,10 @@ class TopicSnapshot(Protocol):
 
     @property
     def topics(self) -> Mapping[str, str]:
-        """The type of each topic, by its name; topics without a message yet may be among them."""
+        """The type of each topic, by its name; topics without a message can be included."""
 
     def newest(self, topic: str) -> WatchedMessage | None:
         """The last message of a topic."""
 
     def frames(self, at_ns: int) -> Sequence[WatchedMessage]:
-        """Messages of tf that tell the frames at a time not later than this moment, oldest first."""
+        """Messages of tf with the frames at a time not later than this moment, oldest first."""

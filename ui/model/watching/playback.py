@@ -1,18 +1,19 @@
-"""Position in a recording, while it plays, stands or is searched."""
+"""Position in a recording that plays, stands, or is searched."""
 
 
 class Playback:
-    """A position that moves as time goes on; its methods take the time, in seconds that never go back.
+    """A position that moves with time; its methods have an argument for the present time, in seconds that never go
+    back.
 
     Args:
         start_ns: the first position.
-        end_ns: the last one; playing stops there.
+        end_ns: the last position; playing stops there.
 
     Attributes:
         at_ns: the position, nanoseconds of ROS time.
         speed: recorded seconds per second while it plays.
         playing: True while it moves.
-        loop: first and last position between which it plays again and again; None: it plays to the end.
+        loop: first and last position of a loop. If None, it plays to the end.
     """
 
     def __init__(self, start_ns: int, end_ns: int) -> None:
@@ -24,7 +25,7 @@ class Playback:
         self.playing = False
 
     def advance(self, now: float) -> int:
-        """Move to the position reached by now, and return it."""
+        """Move to the position for this time, and return it."""
         if self.playing and self._since is not None:
             at_ns = self.at_ns + round((now - self._since) * self.speed * 1e9)
             if self.loop is not None and at_ns >= self.loop[1]:
@@ -36,19 +37,19 @@ class Playback:
         return self.at_ns
 
     def play(self, now: float, on: bool = True) -> None:
-        """Play from here, from the beginning where the end is reached; or stand still."""
+        """Play from here, or from the beginning if the end is reached; or stop."""
         self.advance(now)
         if on and self.at_ns >= self._end_ns:
             self.at_ns = self._start_ns
         self.playing = on and self._end_ns > self._start_ns
 
     def set_speed(self, now: float, speed: float) -> None:
-        """Go on at another speed, greater than 0."""
+        """Continue at another speed, greater than 0."""
         self.advance(now)
         self.speed = speed
 
     def seek(self, at_ns: int) -> None:
-        """Go to a moment; what plays goes on from there."""
+        """Go to a moment; if it is playing, it continues from there."""
         self.at_ns = self._within(at_ns)
 
     def _within(self, at_ns: int) -> int:

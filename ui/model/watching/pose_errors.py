@@ -1,4 +1,4 @@
-"""Errors of a robot's estimates against its truth, as messages of both come."""
+"""Errors of a robot's estimates against its true poses, computed as messages of both arrive."""
 
 from bisect import bisect_left
 from collections import deque
@@ -12,20 +12,21 @@ from ui.model.watching.curves import Curve
 from ui.model.watching.messages import WatchedMessage
 
 _TRUTHS = 1024
-"""Messages of the truth that are kept for estimates that come later: ten seconds of a hundred a second."""
+"""Number of true poses kept for estimates that arrive later: ten seconds at 100 per second."""
 _WAITING = 64
-"""Estimates that wait for the truth at their time, before the oldest is given up."""
+"""Number of estimates that wait for the true pose at their time; beyond it the oldest is dropped."""
 _STALE = 1.0
-"""Seconds between two samples of the truth, beyond which nothing is known of the time between."""
+"""Seconds between two true poses beyond which the poses in between are unknown."""
 _REPEATS = 3
-"""Messages of the truth in a row with one stamp, from which on stamps are of no use."""
+"""Number of true poses in a row with one stamp after which stamps are ignored."""
 
 
 class PoseErrors:
-    """Compares estimates with the truth at the same stamps, or, where these are of no use, the same times of recording.
+    """Comparison of estimates with true poses of the same stamps, or of the same times of recording if stamps are
+    useless.
 
     Args:
-        errors: takes time, meters, radians (not negative).
+        errors: receives time, meters, and radians (not negative).
     """
 
     def __init__(self, errors: Curve) -> None:
@@ -37,7 +38,7 @@ class PoseErrors:
         self._waiting: list[tuple[float, Pose2]] = []
 
     def truth(self, message: WatchedMessage, time: float) -> None:
-        """Take a true pose, recorded at a time; estimates that waited for it are compared, interpolated."""
+        """Add a true pose, recorded at a time, and compare the estimates that waited for it, with interpolation."""
         stamp = self._time_of(message, time)
         if self._times and stamp <= self._times[-1]:
             self._repeats += 1
@@ -46,12 +47,15 @@ class PoseErrors:
             return
         self._repeats = 0
         self._times.append(stamp)
-        self._truths.append(message)  # decoded when it is needed
+        self._truths.append(message)  # decoded when needed
         while self._waiting and self._waiting[0][0] <= stamp:
             self._compare(*self._waiting.pop(0))
 
     def estimate(self, message: WatchedMessage | None, time: float, pose: Pose2) -> None:
-        """Take an estimate, and the message that it is of; None: of frames, which have no stamp of their own."""
+        """Add an estimate and its message.
+
+        If `message` is None, it comes from frames, which have no stamp of their own.
+        """
         if message is None and self._by_stamp:
             self._forget_stamps()
         stamp = time if message is None else self._time_of(message, time)
@@ -63,7 +67,7 @@ class PoseErrors:
             self._waiting.pop(0)
 
     def _time_of(self, message: WatchedMessage, time: float) -> float:
-        """The time by the message's header, if it can be compared with others; else that of its recording."""
+        """The time in the message's header, if it is comparable with others; otherwise the time of recording."""
         if self._by_stamp:
             stamp_ns, _ = Cursor(message.data).header()
             late_ns = message.stamp_ns - stamp_ns
@@ -101,7 +105,7 @@ class PoseErrors:
 
 
 def pose_of(message: WatchedMessage) -> Pose2:
-    """The pose in a message of odometry, or of a pose with or without covariance."""
+    """The pose in an odometry message, or in a pose message with or without covariance."""
     match message.msgtype:
         case types.ODOMETRY:
             return unpack.odometry(message.data).pose

@@ -1,4 +1,4 @@
-"""Builds the scene of one robot at one moment."""
+"""Builder of the scene of one robot at one moment."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -32,24 +32,26 @@ from ui.model.watching.scene import NO_POINTS, NO_POSES, RobotScene, ShownLayers
 from ui.model.watching.series import Series, energy_of
 
 THINNED = 60
-"""Particles shown of a robot that is not selected."""
+"""Number of particles shown for a robot that is not selected."""
 STALE_NS = 500_000_000
-"""Nanoseconds by which the truth may run ahead of odometry before the robot's software counts as stopped."""
+"""Nanoseconds by which the true pose may be newer than odometry before the robot's software counts as stopped."""
 CHI_SQUARE_95 = 5.991
-"""95 % quantile of the chi-square distribution with two degrees of freedom: 95 of 100 places lie within an ellipse of
-so many variances."""
+"""95 % quantile of the chi-square distribution with two degrees of freedom.
+
+An ellipse of this many variances contains 95 of 100 places.
+"""
 
 
 T = TypeVar("T")
 
 
 def framed(decoded: Callable[[bytes], T]) -> Callable[[bytes], tuple[str, T]]:
-    """Return a decoder for messages that begin with a header: their frame, and the value."""
+    """Return a decoder for messages that begin with a header; it returns their frame and the value."""
     return lambda data: (unpack.frame_of(data), decoded(data))
 
 
 class DecodedTopics:
-    """Decoded values of the robots' last messages, one cache per type."""
+    """Decoded values of the robots' last messages, with one cache per type."""
 
     def __init__(self) -> None:
         self.odometry = DecodeCache[OdometryMessage](unpack.odometry)
@@ -71,15 +73,15 @@ class SceneContext:
     """Inputs that all robots of a scene share.
 
     Attributes:
-        snapshot: the messages that hold.
-        frames_at: the frames that held at a time up to this moment.
-        frames: those that hold now.
-        diagnoses: by name of the part.
-        series: numbers over time.
+        snapshot: the present messages.
+        frames_at: returns the frames at a time up to this moment.
+        frames: the present frames.
+        diagnoses: diagnoses by name of the part.
+        series: values over time.
         time: seconds since the beginning.
-        begun: seconds from there to the beginning of the game, in which robots are put back.
-        shown: the layers to be shown.
-        decoded: values of messages.
+        begun: seconds from there to the beginning of the game, when robots are put back to their starts.
+        shown: the layers to show.
+        decoded: decoded values of messages.
     """
 
     snapshot: TopicSnapshot
@@ -94,7 +96,7 @@ class SceneContext:
 
 
 class RobotSceneBuilder:
-    """Builds the scene of one robot at one moment."""
+    """Builder of the scene of one robot at one moment."""
 
     def __init__(self, robot: WatchedRobot, context: SceneContext) -> None:
         self._robot, self._context = robot, context
@@ -103,11 +105,11 @@ class RobotSceneBuilder:
         self._belief = context.decoded.beliefs.of(self._newest(robot.estimate))
 
     def build(self, commander: str, carried: Sequence[float]) -> RobotScene:
-        """The scene of the robot.
+        """Return the scene of the robot.
 
         Args:
-            commander: in words; empty: the participant.
-            carried: times at which it was picked up and set elsewhere, in order.
+            commander: commander in words; empty for the participant.
+            `carried`: times at which a person moved the robot by hand, in order.
         """
         robot, shown, dead = self._robot, self._context.shown, self._dead()
         truth, estimate = self._truth(), self._estimate()
@@ -162,7 +164,10 @@ class RobotSceneBuilder:
         return None if framed_pose is None else framed_pose.pose
 
     def _estimate(self) -> Pose2 | None:
-        """Its odometry under the last correction of its localizer; else the localizer's pose; else the odometry's."""
+        """Its odometry under the last correction of its localizer.
+
+        Without it, the localizer's pose, or else the odometry's.
+        """
         robot, odometry, belief = self._robot, self._odometry, self._belief
         if odometry is not None:
             corrected = self._on_map(odometry.frame, odometry.pose)
@@ -174,14 +179,14 @@ class RobotSceneBuilder:
         return self._on_map(belief.frame, belief.pose)
 
     def _on_map(self, frame: str, pose: Pose2) -> Pose2 | None:
-        """A pose in a frame, on the map."""
+        """Transform a pose in a frame to the map."""
         if is_map_frame(frame):
             return pose
         frame_in_map = self._context.frames.planar(frame, self._robot.key)
         return None if frame_in_map is None else frame_in_map.compose(pose)
 
     def _tracks(self, carried: Sequence[float]) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Its paths so far in this game by truth, by estimate and by odometry."""
+        """Its paths in this game: true, estimated, and by odometry."""
         series, time, begun = self._context.series.of(self._robot.robot), self._context.time, self._context.begun
         gaps = self._context.series.gaps
         driven = series.odometry.path(time, begun, gaps)
@@ -202,7 +207,7 @@ class RobotSceneBuilder:
         return np.column_stack((frame_in_map.transform(cloud[:, :2]), turned))
 
     def _scan(self) -> FloatArray:
-        """End points as seen from its estimated pose at the time of the scan; they stay there until the next scan."""
+        """End points, seen from its estimated pose at the time of the scan; they stay there until the next scan."""
         message, known = self._newest(self._robot.scan), self._context.decoded.scans
         if message is None:
             return NO_POINTS
@@ -249,7 +254,7 @@ class RobotSceneBuilder:
         return self._on_map(goal.frame, goal.pose)
 
     def _state(self, dead: bool) -> tuple[str, bool]:
-        """Its activity in words, and True when that is one to worry about."""
+        """Its activity in words, and True if that needs attention."""
         if dead:
             return "software stopped", True
         parts = {part: self._context.diagnoses.get(f"{self._robot.key}: {part}") for part in _PARTS}
@@ -267,12 +272,12 @@ _PARTS = ("localisation", "navigation")
 
 
 def thinned(cloud: FloatArray, most: int = THINNED) -> FloatArray:
-    """At most so many rows, evenly chosen: the same ones of the same cloud."""
+    """Return at most `most` rows, evenly chosen; the same cloud always gives the same rows."""
     return cloud if len(cloud) <= most else cloud[np.linspace(0, len(cloud) - 1, most).astype(np.int64)]
 
 
 def ellipse_of(covariance: FloatArray) -> Ellipse | None:
-    """Ellipse around 95 of 100 places, of a (3, 3) covariance of x, y, theta; None where the covariance is none."""
+    """Ellipse that contains 95 of 100 places, from a (3, 3) covariance of x, y, theta; None if it is no covariance."""
     planar = covariance[:2, :2]
     if not np.isfinite(planar).all():
         return None
@@ -286,11 +291,11 @@ def ellipse_of(covariance: FloatArray) -> Ellipse | None:
 
 
 def end_points(scan: LaserScan, laser_in_map: FloatArray) -> FloatArray:
-    """(m, 2) where the beams met something, on the map; beams that met nothing are left out.
+    """(m, 2) points on the map where beams hit something; beams without a hit are left out.
 
     Args:
-        scan: of a laser.
-        laser_in_map: (4, 4) its pose; it may hang upside down.
+        scan: scan of a laser.
+        laser_in_map: (4, 4) pose of the laser; it may hang upside down.
     """
     ranges = scan.ranges.astype(np.float64)
     met = np.isfinite(ranges) & (ranges >= scan.range_min) & (ranges <= scan.range_max)

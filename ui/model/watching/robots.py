@@ -1,4 +1,4 @@
-"""Finds the robots in a stream of messages, and the topics of each."""
+"""Robots in a stream of messages, and the topics of each robot."""
 
 import re
 from collections.abc import Callable, Collection, Mapping
@@ -29,27 +29,27 @@ _OURS = re.compile(r"robot([1-9][0-9]*)")
 
 @dataclass(frozen=True, slots=True)
 class WatchedRobot:
-    """A robot, and its topics; None where it has none for that.
+    """A robot and its topics; a topic is None if the robot does not have it.
 
     Attributes:
-        robot: its index; that of the team where robots are called robot1, robot2, ...
-        key: its namespace, or the prefix of its frames; "" for one that has none.
-        name: for people.
+        robot: its index; if robots are called robot1, robot2, ..., the index in the team.
+        key: its namespace, or the prefix of its frames; "" if it has none.
+        name: name for people.
         base: frame of its base.
-        truth: poses of a simulator or of motion capture.
+        truth: poses from a simulator or from motion capture.
         odom: its wheel odometry.
-        estimate: poses of its localizer, with covariance.
+        estimate: poses from its localizer, with covariance.
         cloud: particles.
-        scan: of its laser.
+        scan: scans of its laser.
         battery: its energy.
-        goal: of the action move_base; its other topics stand beside it.
+        goal: goals of the action move_base; the topics of the action have the same namespace.
         status: states of its goals.
         result: results of its goals.
-        plan: the global one.
-        local_plan: the local planner's.
-        global_costmap: as an occupancy grid.
-        local_costmap: likewise.
-        footprint: of its body.
+        plan: plans of the global planner.
+        local_plan: plans of the local planner.
+        global_costmap: global costmap, as an occupancy grid.
+        local_costmap: local costmap, as an occupancy grid.
+        footprint: outline of its body.
     """
 
     robot: int
@@ -74,13 +74,13 @@ class WatchedRobot:
 
 @dataclass(slots=True)
 class RobotDiscovery:
-    """Tells robots apart by topics and frames; it needs only a few messages of each topic.
+    """Recognition of robots by topics and frames; a few messages of each topic are enough.
 
     Attributes:
         topics: the type of each topic.
-        children: by topic of odometry, the child frame of its messages.
-        edges: of tf: namespace, parent, child; those from frames of odometry.
-        mapped: True once a message is about a map.
+        children: by odometry topic, the child frame of its messages.
+        edges: edges of tf (namespace, parent, child) that start from odometry frames.
+        mapped: True after a message about a map.
     """
 
     topics: dict[str, str] = field(default_factory=dict)
@@ -89,7 +89,7 @@ class RobotDiscovery:
     mapped: bool = False
 
     def take(self, message: WatchedMessage) -> None:
-        """Take a message; one that cannot be read tells its topic only."""
+        """Add a message; of an unreadable one, only the topic counts."""
         self.topics[message.topic] = message.msgtype
         self.mapped |= message.msgtype == types.OCCUPANCY_GRID and "costmap" not in message.topic
         try:
@@ -152,7 +152,7 @@ class RobotDiscovery:
         )
 
     def _owner(self, topic: str, keys: Collection[str]) -> str:
-        """The robot of a topic: by the prefix of its messages' frame, if that is a robot's, else by namespace."""
+        """The robot of a topic: the prefix of its messages' frame, if that is a robot's, otherwise the namespace."""
         prefix = prefix_of(self.children.get(topic, ""))
         return prefix if prefix and prefix in keys else owner_of(topic, keys)
 
@@ -160,7 +160,7 @@ class RobotDiscovery:
 def _first(
     topics: Mapping[str, str], msgtype: str, wanted: Callable[[str], bool], usual: tuple[str, ...]
 ) -> str | None:
-    """The usual one of the topics of a type that are wanted."""
+    """The usual topic among the wanted topics of a type."""
     found = usual_first(
         (topic for topic, found_type in topics.items() if found_type == msgtype and wanted(topic)), usual
     )

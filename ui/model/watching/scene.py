@@ -1,6 +1,6 @@
-"""A session at one moment, as a researcher sees it: the truth beside what robots believe, and all that moves them.
+"""A session at one moment, as a researcher sees it: the true state, robots' beliefs, and everything that moves robots.
 
-Everything is in the map frame, meters and radians, unless it says otherwise.
+Everything is in the map frame, meters and radians, unless stated otherwise.
 """
 
 from dataclasses import dataclass, field
@@ -20,16 +20,16 @@ NO_POSES: FloatArray = np.empty((0, 3))
 
 @dataclass(frozen=True, slots=True)
 class ShownLayers:
-    """Layers to be shown on the map; the messages of the others are not decoded, and are missing in the scene.
+    """Layers to show on the map; messages of the other layers are not decoded, and are missing in the scene.
 
     Attributes:
-        selected: the robot whose cloud is whole, and whose costmaps are shown.
+        selected: the robot with all its particles and its costmaps.
         clouds: particles.
         scans: end points of laser beams.
-        global_costmap: of the selected robot.
-        local_costmap: likewise.
-        plans: global and local ones.
-        paths: paths so far, by truth, estimate and odometry.
+        global_costmap: global costmap of the selected robot.
+        local_costmap: local costmap of the selected robot.
+        plans: global and local plans.
+        paths: paths so far: true, estimated, and by odometry.
     """
 
     selected: int | None = 0
@@ -46,30 +46,30 @@ class RobotScene:
     """A robot at one moment.
 
     Attributes:
-        robot: its index; in sessions of ours, of the team.
-        name: for people: "robot 1", or the namespace of a robot in a bag that is not ours.
-        truth: its true pose; None where it is not published.
+        robot: its index; in sessions of thbridge, the index in the team.
+        name: name for people: "robot 1", or the robot's namespace in a foreign bag.
+        truth: its true pose; None if it is not published.
         estimate: its estimated pose: odometry under the localizer's last correction.
-        error: meters between the two; None where one is missing.
-        ellipse: 95 % of its belief, by the last message of its localizer.
+        error: distance between the two in meters; None if one is missing.
+        ellipse: ellipse with 95 % of its belief, by the last message of its localizer.
         deviation: standard deviation of the position, meters.
-        odometry_path: (k, 2) its path by wheel odometry so far, placed so that it ends at the estimate.
-        truth_path: (k, 2) its true path so far; a row of NaN where it was carried away.
-        estimate_path: (k, 2) its estimated path so far; a row of NaN where its localizer found it elsewhere.
-        cloud: (n, 3) particles, x, y, theta; a selection of them where the robot is not selected.
-        scan: (m, 2) end points of the beams that met something, as seen from the estimate at that time.
+        odometry_path: (k, 2) its path by wheel odometry, placed so that it ends at the estimate.
+        truth_path: (k, 2) its true path; a row of NaN where a person moved the robot by hand.
+        estimate_path: (k, 2) its estimated path; a row of NaN where its localizer found the robot elsewhere.
+        cloud: (n, 3) particles, x, y, theta; a subset unless the robot is selected.
+        scan: (m, 2) end points of the beams that hit something, seen from the estimate at the time of the scan.
         global_costmap: 0 free, 99 inscribed, 100 lethal, -1 unknown, others between.
-        local_costmap: likewise.
+        local_costmap: same values.
         plan: (p, 2) the whole path to the goal.
-        local_plan: (q, 2) the next moments.
+        local_plan: (q, 2) the path of the next moments.
         footprint: (v, 2) corners of its body at its estimated pose.
         goal: pose of its goal; None at rest.
-        energy: energy left, in the game's units, or percent where a bag knows only that.
+        energy: energy left, in units of the game, or in percent if a bag has nothing else.
         speed: by its odometry, m/s.
-        state: its activity, in words; empty where it is not published.
-        trouble: True when the state is one to worry about.
-        dead: True when its software has fallen silent, while its truth is still published.
-        commander: the other party that commands it, in words; empty where the participant does.
+        state: its activity, in words; empty if it is not published.
+        trouble: True if the state needs attention.
+        dead: True if its software has fallen silent, while its true pose is still published.
+        commander: the other party that commands it, in words; empty if the participant commands it.
     """
 
     robot: int
@@ -108,10 +108,10 @@ class ThingScene:
 
 @dataclass(frozen=True, slots=True)
 class PendingTurn:
-    """A robot's turn in a dialogue that waits for a person.
+    """A robot's turn that waits for a person, in a dialogue.
 
     Attributes:
-        dialogue: its number.
+        dialogue: number of the dialogue.
         turn: place of the move in it, from 0.
         robot: index of the robot, from 0.
         scenario: for example "select-room".
@@ -129,12 +129,12 @@ class PendingTurn:
 
 @dataclass(frozen=True, slots=True)
 class PendingAdvice:
-    """A participant's "don't know" that waits for a person.
+    """A participant's "don't know" that waits for a person's answer.
 
     Attributes:
-        robot: index of the robot that is asked, from 0.
-        costs: energy by room, as people count rooms.
-        suggestion: the room that the robot itself would suggest; None: none.
+        robot: index of the robot that was asked, from 0.
+        costs: energy by the number of the room, from 1.
+        suggestion: number of the room that the robot itself would suggest. If None, it has no suggestion.
     """
 
     robot: int
@@ -144,7 +144,7 @@ class PendingAdvice:
 
 @dataclass(frozen=True, slots=True)
 class Wizard:
-    """Robots that a person speaks for (Wizard of Oz), and the turns that wait for that person."""
+    """Robots for which a person speaks (Wizard of Oz), and the turns that wait for that person."""
 
     puppets: tuple[int, ...] = ()
     turns: tuple[PendingTurn, ...] = ()
@@ -157,11 +157,11 @@ class Scene:
 
     Attributes:
         stamp_ns: the moment, nanoseconds of ROS time.
-        grid: the map; None where none is published.
-        robots: in the order of their numbers.
+        grid: the map; None if it is not published.
+        robots: robots in the order of their numbers.
         things: obstacles that are not on the map.
-        rooms: those of the map where it is known, else none.
-        wizard: robots that a person speaks for.
+        rooms: rooms of the map if it is known, otherwise empty.
+        wizard: robots for which a person speaks.
     """
 
     stamp_ns: int
@@ -173,7 +173,7 @@ class Scene:
 
 
 EntryKind = Literal["event", "said", "line", "input", "log"]
-"""The lists: the game's events, the dialogue, the protocol's lines, inputs from outside, the log of ROS."""
+"""The lists: the game's events, the dialogue, the protocol's lines, inputs from outside, and the ROS log."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -184,11 +184,11 @@ class Entry:
         stamp_ns: its time, nanoseconds of ROS time.
         kind: the list.
         what: an event's kind or a dialogue's scenario in words, a line's topic, an input's kind, a log line's level.
-        who: its author, for people; empty where there is none.
-        robot: index of the robot that it concerns, or None.
-        room: as people count, or None.
-        text: for people.
-        important: True for an entry that gets a mark on the timeline.
+        who: the author, for people; empty if there is none.
+        robot: index of the robot concerned, or None.
+        room: number of the room, from 1, or None.
+        text: text for people.
+        important: True for an entry with a mark on the timeline.
     """
 
     stamp_ns: int

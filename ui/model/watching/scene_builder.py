@@ -1,4 +1,4 @@
-"""Builds the scene of a moment from the messages that hold then."""
+"""Builder of the scene at a moment, from the messages that are valid then."""
 
 import math
 from collections import deque
@@ -26,19 +26,19 @@ from ui.model.watching.series import Series
 from ui.model.watching.session_log import RoomStatus, SessionLog
 
 FRAMES_KEPT = 8
-"""Moments whose frames are remembered: that of the scene, and those of the scans in it."""
+"""Number of moments with remembered frames: that of the scene, and those of the scans in it."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SceneInputs:
-    """Inputs of a scene beside the messages of its moment.
+    """Inputs of a scene in addition to the messages of its moment.
 
     Attributes:
         robots: the robots, and their topics.
-        mapped: True where there is a map.
-        series: numbers over time.
+        mapped: True if there is a map.
+        series: values over time.
         log: events, dialogue, lines and inputs.
-        rooms: of the map, where it is known.
+        rooms: rooms of the map, if it is known.
         start_ns: beginning of time, nanoseconds of ROS time.
     """
 
@@ -51,7 +51,7 @@ class SceneInputs:
 
 
 class SceneBuilder:
-    """Builds one scene after the other; a message that still holds in the next one is decoded once."""
+    """Builder of successive scenes; a message that is still valid in the next scene is decoded only once."""
 
     def __init__(self) -> None:
         self._decoded = DecodedTopics()
@@ -120,7 +120,7 @@ def decode_wizard(data: bytes) -> Wizard:
     """Decode a std_msgs/String of the topic `names.WIZARD`: JSON of the form of `Wizard`.
 
     Raises:
-        ValueError: it is not.
+        ValueError: the data has another form.
     """
     try:
         return msgspec.json.decode(unpack.string(data).encode(), type=Wizard)

@@ -1,4 +1,4 @@
-"""Numbers over time, for each robot: the error of its estimate, its standard deviations, its energy, its speed."""
+"""Values over time, for each robot: error of its estimate, standard deviations, energy, speed."""
 
 import math
 from collections import deque
@@ -18,11 +18,11 @@ from ui.model.watching.pose_errors import PoseErrors, pose_of
 from ui.model.watching.robots import WatchedRobot
 
 PERIOD = 0.1
-"""Seconds from one sample to the next, at least."""
+"""Shortest time between two samples, seconds."""
 ODOMETRY_TIMEOUT = 1.0
-"""Seconds in which a robot that tf tells of may begin to publish its odometry."""
+"""Seconds within which a robot in tf should begin to publish its odometry."""
 JUMPS_KEPT = 1000
-"""Jumps of an estimate that are remembered, and gaps; a robot that is lost for long may have many jumps."""
+"""Number of remembered jumps of an estimate, and of gaps; a robot that is lost for long can have many jumps."""
 _SLACK = 1e-6
 
 
@@ -32,13 +32,13 @@ class RobotSeries:
 
     Attributes:
         truth: time, x, y, theta.
-        estimate: likewise.
-        odometry: likewise, in the frame of its odometry.
+        estimate: time, x, y, theta.
+        odometry: time, x, y, theta, in its odometry frame.
         errors: time, meters, radians (not negative) between estimate and truth.
-        deviations: time, standard deviations of position (m) and heading (rad) by its localizer.
+        deviations: time, standard deviations of position (m) and heading (rad) from its localizer.
         energy: time, energy left.
-        speeds: time, m/s, rad/s by its odometry.
-        relocations: times at which its localizer found it elsewhere, in order.
+        speeds: time, m/s, rad/s from its odometry.
+        relocations: times at which its localizer found the robot elsewhere, in order.
     """
 
     truth: Curve = field(default_factory=lambda: Curve(3))
@@ -52,13 +52,13 @@ class RobotSeries:
 
 
 class Series:
-    """Series of all robots; they grow with the messages that are taken, in order of time.
+    """Series of all robots; they grow with each message, in order of time.
 
     Args:
         start_ns: beginning of time.
 
     Attributes:
-        gaps: times after which nothing was heard for a while, in order.
+        gaps: times after which no messages arrived for a while, in order.
     """
 
     def __init__(self, start_ns: int) -> None:
@@ -70,15 +70,15 @@ class Series:
 
     @property
     def topics(self) -> frozenset[str]:
-        """The topics to be taken, beside those of tf; all others change nothing."""
+        """The topics that the series need, in addition to tf topics; all others have no effect."""
         return frozenset(self._handlers)
 
     def follow(self, robots: Sequence[WatchedRobot], mapped: bool) -> None:
-        """Follow these robots from now on; those that were there before keep their series.
+        """Follow these robots from now on; robots that were followed before keep their series.
 
         Args:
             robots: the robots, and their topics.
-            mapped: True where there is a map.
+            mapped: True if there is a map.
         """
         self._handlers = {}
         self._tf.mapped = mapped
@@ -95,7 +95,7 @@ class Series:
                     self._handlers.setdefault(topic, []).append(handler)
 
     def take(self, message: WatchedMessage) -> None:
-        """Take a message; one that cannot be read changes nothing."""
+        """Process a message; an unreadable one has no effect."""
         if message.msgtype in TF_TYPES:
             self._tf.take(message)
             for builder in self._builders.values():
@@ -108,8 +108,8 @@ class Series:
                 continue
 
     def interrupt(self, last_ns: int) -> None:
-        """Note that messages after this time were missed: what comes next does not go on where the last ones were."""
-        # A tick is far longer.
+        """Record that messages after this time were missed, so that the next ones do not continue the last ones."""
+        # A tick is much longer than this nanosecond.
         self.gaps.append((last_ns - self._start_ns) / 1e9 + _SLACK)
 
     def of(self, robot: int) -> RobotSeries:
@@ -119,7 +119,7 @@ class Series:
 
 
 class _Tf:
-    """The frames that hold now, decoded when they are asked for."""
+    """The present frames, decoded on demand."""
 
     def __init__(self) -> None:
         self._messages: dict[tuple[str, bytes], WatchedMessage] = {}
@@ -142,7 +142,7 @@ class _Tf:
 
 
 class _SeriesBuilder:
-    """Builds one robot's series."""
+    """Builder of one robot's series."""
 
     def __init__(self, tf: _Tf) -> None:
         self.series = RobotSeries()
@@ -153,14 +153,14 @@ class _SeriesBuilder:
         self._correction: Pose2 | None = None
 
     def truth(self, message: WatchedMessage, time: float) -> None:
-        """Take a true pose."""
+        """Add a true pose."""
         if _due(self.series.truth, time):
             pose = pose_of(message)
             self.series.truth.append(time, pose.x, pose.y, pose.theta)
         self._errors.truth(message, time)
 
     def odometry(self, message: WatchedMessage, time: float) -> None:
-        """Take odometry, and with it the estimated pose."""
+        """Add odometry, and the estimated pose that follows from it."""
         if self.robot is None or not _due(self.series.odometry, time):
             return
         driven = unpack.odometry(message.data)
@@ -179,7 +179,7 @@ class _SeriesBuilder:
             self._believe(message, time, estimate)
 
     def frames(self, time: float) -> None:
-        """Take the estimated pose from tf alone, where neither odometry nor a localizer has a topic."""
+        """Add the estimated pose from tf alone, if neither odometry nor a localizer has a topic."""
         robot = self.robot
         if robot is None or robot.odom is not None or robot.estimate is not None or not robot.base:
             return
@@ -190,17 +190,17 @@ class _SeriesBuilder:
                 self._believe(None, time, base_in_map)
 
     def belief(self, message: WatchedMessage, time: float) -> None:
-        """Take the pose of the localizer, and its covariance."""
+        """Add the pose of the localizer, and its covariance."""
         localised = unpack.pose_with_covariance(message.data)
         admitted = deviations(time, localised.covariance)
         if admitted is not None:
             self.series.deviations.append(*admitted)
-        # Where there is odometry, it tells every step; this would only repeat some of them.
+        # With odometry, every step is already known; this would only repeat some of them.
         if self.robot is not None and self.robot.odom is None and is_map_frame(localised.frame):
             self._believe(message, time, localised.pose)
 
     def energy(self, message: WatchedMessage, time: float) -> None:
-        """Take the energy left."""
+        """Add the energy left."""
         left = energy_of(unpack.battery_state(message.data))
         if left is not None:
             self.series.energy.append(time, left)
@@ -211,7 +211,7 @@ class _SeriesBuilder:
 
 
 def energy_of(charge: BatteryCharge) -> float | None:
-    """Energy left: charge, or percent where the charge is not measured; None where neither is known."""
+    """Energy left: the charge, or percent if the charge is not measured; None if neither is known."""
     left = charge.charge if math.isfinite(charge.charge) else 100.0 * charge.percentage
     return left if math.isfinite(left) else None
 

@@ -1,4 +1,4 @@
-"""Log of a session: the lists of events, dialogue, lines and inputs beside the map, and the marks on the timeline."""
+"""Log of a session: the lists of events, dialogue, lines and inputs next to the map, and the marks on the timeline."""
 
 from bisect import bisect_right
 from collections import defaultdict
@@ -24,13 +24,13 @@ from ui.model.watching.messages import WatchedMessage
 from ui.model.watching.scene import Entry, EntryKind
 
 MAX_ENTRIES = 50_000
-"""Entries of one list; beyond them the oldest are dropped."""
+"""Number of entries in a list; beyond it the oldest are dropped."""
 TYPES = frozenset({types.GAME_EVENT, types.UTTERANCE, types.INPUT, types.LOG})
-"""Types of which every message is an entry."""
+"""Types with an entry for every message."""
 LINES = frozenset({names.SEND_ROBOTS, names.SUCCESS})
 """Topics of raw lines of the protocol."""
 _FURTHER = frozenset({types.DIALOGUE_MOVE, types.DIALOGUE_STATE})
-"""Types of which the log keeps more than entries."""
+"""Types from which the log keeps other data than entries."""
 
 IMPORTANT = frozenset(
     {
@@ -48,23 +48,23 @@ IMPORTANT = frozenset(
         "carried",
     }
 )
-"""Events that get a mark on the timeline."""
+"""Events with a mark on the timeline."""
 
 
 def is_logged(topic: str, msgtype: str) -> bool:
-    """Return True when a log is made of the messages of a topic."""
+    """Return True if the log uses the messages of a topic."""
     return msgtype in TYPES | _FURTHER or topic in LINES or topic in {names.ROOMS, names.DIAGNOSTICS}
 
 
 @dataclass(frozen=True, slots=True)
 class RoomStatus:
-    """A room at one time.
+    """A room at a certain time.
 
     Attributes:
-        state: as the game has it.
+        state: state of the room in the game.
         robot: index of the robot that drives to it or was there.
         found: the treasure hidden in it.
-        answer: what the participant said of it, and the points.
+        answer: the name that the participant gave the treasure, and the points.
         answer_shorter: the same in fewer words.
     """
 
@@ -77,7 +77,7 @@ class RoomStatus:
 
 @dataclass(frozen=True, slots=True)
 class _GameStatus:
-    """The game at one time: when it began, its rooms by number, and by robot the other party that commands it."""
+    """The game at a certain time: when it began, its rooms by number, and by robot the other party that commands it."""
 
     rooms: dict[int, RoomStatus]
     commanders: dict[int, str]
@@ -85,10 +85,10 @@ class _GameStatus:
 
 
 class SessionLog:
-    """Log that grows with the messages that are taken, in order of time.
+    """Log that grows with each message, in order of time.
 
     Attributes:
-        room_names: of the map, as far as the messages tell.
+        room_names: names of the map's rooms, as far as the messages contain them.
         ways_made: times in which robots made way for others, seconds of ROS time.
     """
 
@@ -107,11 +107,11 @@ class SessionLog:
         return self._entries[kind]
 
     def dropped(self, kind: EntryKind) -> int:
-        """Number of entries that a list has lost at its beginning."""
+        """Number of entries that a list has dropped at its beginning."""
         return self._dropped[kind]
 
     def marks(self) -> Iterator[Entry]:
-        """The events that matter, oldest first."""
+        """The important events, oldest first."""
         return (entry for entry in self._entries["event"] if entry.important)
 
     def rooms(self, until_ns: int) -> dict[int, RoomStatus]:
@@ -123,22 +123,22 @@ class SessionLog:
         return self._at(until_ns).commanders
 
     def game_start(self, until_ns: int) -> int | None:
-        """Stamp of the beginning of the game that goes on at a time; None before the first."""
+        """Stamp of the beginning of the game under way at a time; None before the first game."""
         return self._at(until_ns).started_ns
 
     def carried(self, robot: int) -> Sequence[int]:
-        """Stamps at which a robot was picked up and set elsewhere, oldest first."""
+        """Stamps at which a person moved a robot by hand, oldest first."""
         return self._carried[robot]
 
     def dialogue(self, robot: int, until_ns: int) -> DialogueCourse:
-        """Latest dialogue of a robot at a time, in the game that goes on; empty where it has not argued in that."""
+        """Latest dialogue of a robot at a time, in the game under way; empty if it has not argued in that game."""
         return self._dialogues.course(robot, self.game_start(until_ns) or 0, until_ns)
 
     def _at(self, until_ns: int) -> _GameStatus:
         return self._statuses[bisect_right(self._stamps, until_ns)]
 
     def take(self, message: WatchedMessage) -> None:
-        """Take a message; one that cannot be read, or is no entry, changes nothing."""
+        """Process a message; an unreadable one, or one without an entry, has no effect."""
         try:
             entry = self._entry(message)
         except ValueError:
@@ -242,7 +242,7 @@ def _name(treasure: object) -> str:
 
 
 def _answers(fields: dict[str, object]) -> tuple[str, ...]:
-    """The name given to a treasure, in words, with the points; then the points alone."""
+    """The name given to a treasure, in words, with the points; then only the points."""
     name, points = name_in_words(str(fields.get("name") or "")), fields.get("points")
     won = gained(points) if isinstance(points, int) else ""
     return (f"{won} for {name}", won) if won and name else (won or name,)

@@ -1,4 +1,4 @@
-"""Requests that a researcher's gestures in the window come to; or the reason why one cannot be done."""
+"""Requests for a researcher's gestures in the window, or the reasons why they are impossible."""
 
 import math
 from collections.abc import Iterable
@@ -21,20 +21,20 @@ from ui.model.watching.scene import PendingTurn, RobotScene, Scene
 SENDER = "watch"
 """Name of the sender in records of these requests."""
 COVARIANCE = np.diag([0.25, 0.25, (math.pi / 12.0) ** 2])
-"""Covariance of a pose that is set by hand on the map: rviz's, half a meter and 15 degrees.
+"""Covariance of a pose that a person sets on the map, as in rviz: half a meter and 15 degrees.
 
 Source: rviz, src/rviz/default_plugin/tools/initial_pose_tool.cpp.
 """
 LEAST_SIZE, MOST_SIZE = 0.1, 10.0
-"""Meters across an obstacle."""
+"""Smallest and largest size of an obstacle, meters."""
 CORNERS = 16
-"""Corners of a round obstacle."""
+"""Number of corners of a round obstacle."""
 
 Shape = Literal["circle", "box"]
 
 
 class ToolRefusalReason(StrEnum):
-    """Reasons why a request cannot be made."""
+    """Reasons why a request is impossible."""
 
     RECORDED = "recorded"
     NO_ROBOT = "no-robot"
@@ -45,13 +45,13 @@ class ToolRefusalReason(StrEnum):
     NOT_WAITING = "not-waiting"
 
 
-RECORDED = RequestRefused(ToolRefusalReason.RECORDED, "This is a recording: nothing can be asked of its robots.")
+RECORDED = RequestRefused(ToolRefusalReason.RECORDED, "This is a recording: its robots cannot receive requests.")
 
 
 class Tools:
-    """Makes requests from a researcher's gestures, for a running session.
+    """Maker of requests from a researcher's gestures, for a running session.
 
-    Each method takes the scene that the researcher sees. A recording takes no requests: see `RECORDED`.
+    Each method has an argument for the scene that the researcher sees. A recording accepts no requests: see `RECORDED`.
     """
 
     def __init__(self) -> None:
@@ -65,21 +65,21 @@ class Tools:
         return _off_map(scene, base_in_map) or SimpleGoal(robot, base_in_map, next(self._goals), owner=GoalOwner.WINDOW)
 
     def pose(self, scene: Scene, robot: int, base_in_map: Pose2) -> Request | RequestRefused:
-        """Tell a robot where it is (rviz: 2D Pose Estimate)."""
+        """Set a robot's estimate of its pose (rviz: 2D Pose Estimate)."""
         found = _alive_robot(scene, robot)
         if isinstance(found, RequestRefused):
             return found
         return _off_map(scene, base_in_map) or InitialPose(robot, base_in_map, COVARIANCE)
 
     def clear_costmaps(self, scene: Scene, robot: int) -> Request | RequestRefused:
-        """Let a robot forget what its laser has seen."""
+        """Clear the obstacles that a robot's laser has seen from its costmaps."""
         found = _alive_robot(scene, robot)
         return found if isinstance(found, RequestRefused) else ClearCostmaps(robot)
 
     def carry(
         self, scene: Scene, robot: int, x: float, y: float, heading: float | None = None
     ) -> Request | RequestRefused:
-        """Kidnap a robot; it keeps its heading where none is given."""
+        """Kidnap a robot; without a new heading, it keeps its heading."""
         found = _robot(scene, robot)
         if isinstance(found, RequestRefused):
             return found
@@ -94,7 +94,7 @@ class Tools:
         return found if isinstance(found, RequestRefused) else KillRobot(robot)
 
     def revive(self, scene: Scene, robot: int) -> Request | RequestRefused:
-        """Let a dead robot go on."""
+        """Restart the software of a dead robot."""
         found = _robot(scene, robot)
         if isinstance(found, RequestRefused):
             return found
@@ -103,39 +103,42 @@ class Tools:
         )
 
     def put(self, scene: Scene, shape: Shape, x: float, y: float, size: float) -> Request | RequestRefused:
-        """Put an obstacle in the way; it appears once its place is free."""
+        """Place an obstacle; it appears as soon as its place is free."""
         place = Pose2(x, y, 0.0)
         thing = obstacle(_new_name(thing.name for thing in scene.things), shape, place, size)
         return _off_map(scene, place) or PutThing(thing)
 
     def remove(self, scene: Scene, x: float, y: float) -> Request | RequestRefused:
-        """Take away the thing at a place."""
+        """Remove the thing at a place."""
         for thing in scene.things:
             corners = tuple((float(cx), float(cy)) for cx, cy in thing.outline[:-1])
             if inside(corners, np.array([x]), np.array([y]))[0]:
                 return RemoveThing(thing.name)
-        return RequestRefused(ToolRefusalReason.NO_THING, "Nothing stands there that could be taken away.")
+        return RequestRefused(ToolRefusalReason.NO_THING, "There is nothing to remove at that place.")
 
     def puppeteer(self, scene: Scene, robot: int, on: bool) -> WizardRequest | RequestRefused:
-        """Speak for a robot from now on, or no more."""
+        """Begin or stop speaking for a robot."""
         found = _robot(scene, robot)
         return found if isinstance(found, RequestRefused) else WizardMode(robot, on)
 
     def speak(self, scene: Scene, turn: PendingTurn, move: int, text: str = "") -> WizardRequest | RequestRefused:
-        """Make a robot's move, in one's own words where there are any."""
+        """Make a robot's move, with the text in one's own words if there is any."""
         if turn not in scene.wizard.turns or not 0 <= move < len(turn.sentences):
-            return RequestRefused(ToolRefusalReason.NOT_WAITING, "That answer is not waited for any more.")
+            return RequestRefused(ToolRefusalReason.NOT_WAITING, "This turn no longer waits for an answer.")
         return WizardMove(turn.dialogue, turn.turn, move, text.strip())
 
     def advise(self, scene: Scene, robot: int, room: int) -> WizardRequest | RequestRefused:
         """Answer a participant's "don't know" for a robot."""
         if not any(waiting.robot == robot for waiting in scene.wizard.advice):
-            return RequestRefused(ToolRefusalReason.NOT_WAITING, "No advice is waited for any more.")
+            return RequestRefused(ToolRefusalReason.NOT_WAITING, "The participant no longer waits for advice.")
         return WizardAdvice(robot, room)
 
 
 def dragged_pose(x: float, y: float, to_x: float, to_y: float, heading: float = 0.0) -> Pose2:
-    """Pose at the place pressed, facing the place dragged to; facing `heading` where the two are within 0.1 m."""
+    """Pose at the pressed place, facing the place where the drag ended.
+
+    Facing `heading` if the two are within 0.1 m.
+    """
     dragged = math.hypot(to_x - x, to_y - y) >= 0.1
     return Pose2(x, y, math.atan2(to_y - y, to_x - x) if dragged else heading)
 
@@ -144,10 +147,10 @@ def obstacle(name: str, shape: Shape, place: Pose2, size: float) -> Thing:
     """A thing that stays where it is.
 
     Args:
-        name: what people call it.
+        name: name for people.
         shape: round, or square along its heading.
-        place: its middle.
-        size: meters across; what is too small or too large becomes the least or the most.
+        place: pose of its middle.
+        size: size in meters; limited to the smallest and largest size.
     """
     half = 0.5 * min(max(size, LEAST_SIZE), MOST_SIZE)
     if shape == "box":
@@ -178,7 +181,7 @@ def _named(robot: RobotScene) -> str:
 
 
 def _off_map(scene: Scene, place: Pose2) -> RequestRefused | None:
-    """The refusal of a place outside the map; None where it is inside, or no map is known."""
+    """The refusal of a place outside the map; None if it is inside, or no map is known."""
     grid = scene.grid
     if grid is None:
         return None

@@ -148,9 +148,9 @@ def test_a_double_click_writes_one_note(desk: DeskWindow) -> None:
 
 
 def test_buttons_say_why_they_are_off(desk: DeskWindow, state: DeskState) -> None:
-    desk.receive(structs.replace(state, no_next="All runs that count are there."))
+    desk.receive(structs.replace(state, no_next="Enough runs count already."))
     assert not desk.next.isEnabled()
-    assert desk.next.accessibleDescription() == "All runs that count are there."
+    assert desk.next.accessibleDescription() == "Enough runs count already."
     over = next(run for run in state.runs if run.state == "complete")
     desk.select(over.participant)
     assert not desk.end.isEnabled() and desk.exclude.isEnabled()

@@ -1,1 +1,1 @@
-"""Memory of the participant's window: a game as it was told so far."""
+"""Memory of the participant's window: the game as the window has received it."""

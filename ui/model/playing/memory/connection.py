@@ -5,11 +5,14 @@ import math
 from thbridge.dialogue.wording.texts import Texts
 
 STALE_AFTER = 1.5
-"""Seconds without telemetry of the robots after which the game counts as standing still; it comes 25 times a second."""
+"""Seconds without telemetry of the robots after which the game counts as standing still.
+
+It arrives 25 times per second.
+"""
 
 
 class ConnectionStatus:
-    """Connection to the game, and the age of its telemetry; `now` is monotonic seconds."""
+    """Connection to the game, and the age of its telemetry; `now` is monotonic time in seconds."""
 
     def __init__(self) -> None:
         self._lost: tuple[str, float] | None = None
@@ -18,35 +21,38 @@ class ConnectionStatus:
 
     @property
     def is_lost(self) -> bool:
-        """True when it is cut off, or could not be made."""
+        """True if the connection was lost, or could not be made."""
         return self._lost is not None
 
     @property
     def is_there(self) -> bool:
-        """True when the game is reached."""
+        """True if the game is reached."""
         return self._was_there and self._lost is None
 
     def connected(self, now: float) -> None:
-        """Note that the game is reached."""
+        """Record that the game is reached."""
         self._lost, self._was_there = None, True
-        # A program that sends pose telemetry sends it again at once: a new connection is not stale yet.
+        # Telemetry starts again at once, so a new connection is not stale yet.
         self._received_at = None if self._received_at is None else now
 
     def lose(self, sentence: str, now: float) -> None:
-        """Note that the game is not reached, for the reason in this sentence; time counts from the first call."""
+        """Record that the game is not reached, with the reason; time counts from the first call."""
         self._lost = (sentence, self._lost[1] if self._lost else now)
 
     @property
     def why_lost(self) -> str:
-        """The reason why the game is not reached, a sentence; empty where there is none to add, or it is reached."""
+        """The reason why the game is not reached, as a sentence.
+
+        Empty if there is none to add, or the game is reached.
+        """
         return self._lost[0] if self._lost else ""
 
     def receive(self, now: float) -> None:
-        """Note that telemetry of the robots came."""
+        """Record that telemetry of the robots arrived."""
         self._received_at = now
 
     def trouble(self, texts: Texts, now: float) -> str | None:
-        """A sentence for the participant, or None while all is well."""
+        """Return a sentence about the trouble, or None if there is none."""
         if self._lost is not None:
             why, since = self._lost
             cut = "connection_lost" if self._was_there else "not_reached"
@@ -61,7 +67,7 @@ class ConnectionStatus:
         return self._lost is not None or self._last_received() + STALE_AFTER <= now
 
     def next_change(self, now: float) -> float:
-        """Time at which `trouble` changes if nothing is received until then."""
+        """Time at which `trouble` changes if no more telemetry arrives."""
         if self._lost is not None:
             since = self._lost[1]
             return since + math.floor(now - since) + 1.0
@@ -69,5 +75,5 @@ class ConnectionStatus:
         return due if due > now else math.inf
 
     def _last_received(self) -> float:
-        """Time of the last telemetry; infinite for a connection that never had any, which is not waited for."""
+        """Time of the last telemetry; infinite without any telemetry, so that the connection never counts as stale."""
         return math.inf if self._received_at is None else self._received_at

@@ -19,29 +19,29 @@ SpokenLine = tuple[Literal["robot", "you"], str]
 
 
 class GameHistory:
-    """Lines of one game so far, and the sentences still to be announced."""
+    """History of one game, and the sentences that have not been announced yet."""
 
     def __init__(self) -> None:
         self._lines: deque[HistoryLine] = deque(maxlen=MAX_LINES)
-        # Number of sentences of each open dialogue that are in the history.
+        # Number of sentences of each open dialogue that are already in the history.
         self._known_sentences: dict[int, int] = {}
         self._announcements: list[str] = []
-        # Robots to which the participant has said something that no view has answered yet.
+        # Robots to which the participant has said something, while no view has an answer yet.
         self._requested: set[int] = set()
 
     @property
     def lines(self) -> tuple[HistoryLine, ...]:
-        """Oldest first."""
+        """The lines, oldest first."""
         return tuple(self._lines)
 
     def take_announcements(self) -> str:
-        """Return the sentences added since the last call; empty when there is none."""
+        """Return the sentences added since the last call; empty if there are none."""
         news = " ".join(self._announcements)
         self._announcements.clear()
         return news
 
     def announce(self, sentence: str) -> None:
-        """Add a sentence for screen readers that is no part of the history."""
+        """Add a sentence for screen readers that does not enter the history."""
         self._announcements.append(sentence)
 
     def add_event(self, sentence: str, robot: int | None = None) -> None:
@@ -55,13 +55,16 @@ class GameHistory:
         self._requested.add(robot)
 
     def add_answer(self, dialogue: DialogueView, choice: int) -> None:
-        """Add the participant's choice now: once the dialogue is over, no view shows it again."""
+        """Add the participant's choice at once: after the dialogue has ended, no view contains it."""
         if says(dialogue, choice):
             self._append("you", dialogue.robot, dialogue.choices[choice])
             self._known_sentences[dialogue.dialogue] = len(dialogue.said) + 1
 
     def receive(self, texts: Texts, before: View | None, view: View, *, once: bool = False) -> None:
-        """Add the news of a view; `before` is None when the game is new to this program, `once` as in `Participant`."""
+        """Add the news of a view. If `before` is None, the game is new to this program.
+
+        `once` is as in `Participant`.
+        """
         if before is None:
             self._begin(texts, view, once=once)
         else:
@@ -100,7 +103,7 @@ class GameHistory:
         sentences = spoken(dialogue)
         known = self._known_sentences.get(dialogue.dialogue)
         if known is None:
-            # What the participant opened it with is in the history since they did so.
+            # The participant's opening sentence is already in the history.
             is_hers = dialogue.matter != "take-picture" and [who for who, _ in sentences[:1]] == ["you"]
             known = 1 if is_hers and dialogue.robot in self._requested else 0
         self._requested.discard(dialogue.robot)
@@ -115,12 +118,15 @@ class GameHistory:
 
 
 def says(dialogue: DialogueView, choice: int) -> bool:
-    """Return True when a choice says something; to look for a question, and to ask none after all, does not."""
+    """Return True if a choice says something; to open the questions, and to close them again, says nothing."""
     return dialogue.acts[choice : choice + 1] not in {("open-questions",), ("close-questions",)}
 
 
 def spoken(dialogue: DialogueView | LastWords) -> tuple[SpokenLine, ...]:
-    """Return the sentences of a dialogue with their speakers; those that are not told alternate after the robot."""
+    """Return the sentences of a dialogue with their speakers.
+
+    If the view lacks speakers, they alternate after the robot.
+    """
     told = dialogue.speakers or ["person" if index % 2 else "robot" for index in range(len(dialogue.said))]
     return tuple(
         ("robot" if speaker == "robot" else "you", sentence)
@@ -129,7 +135,7 @@ def spoken(dialogue: DialogueView | LastWords) -> tuple[SpokenLine, ...]:
 
 
 def stopped_words(texts: Texts, was: RobotView, now: RobotView) -> str:
-    """Sentences about a robot that has stopped on its way, with the energy that comes back to it."""
+    """Return sentences about a robot that has stopped on its way, with the energy that it gets back."""
     stopped = texts.text("history.stopped", robot=now.robot, room=was.moving_to or 0)
     back = now.energy - was.energy
     if now.moving_to is None and back > 0.0:

@@ -1,4 +1,4 @@
-"""Choice of a name from the list, by picking or by typing."""
+"""Selection of a name from the list, by clicking or by typing."""
 
 import math
 from collections.abc import Mapping
@@ -7,18 +7,18 @@ from dataclasses import dataclass, replace
 from ui.model.playing.memory.popup_queue import TreasureItem
 
 TYPING = 1.5
-"""Seconds after which a letter begins another name instead of going on with the letters before it."""
+"""Seconds after which a letter begins another name instead of continuing the letters before it."""
 
 
 @dataclass(frozen=True, slots=True)
 class NameChoice:
-    """The name picked for a treasure while its pop-up asks for one; forgotten with the question.
+    """The name selected for a treasure while its pop-up asks for one; the question and the selection end together.
 
     Attributes:
         item: the treasure's pop-up.
-        name: name picked; None while there is none.
-        letters: letters typed, in small letters.
-        until: time at which they are forgotten.
+        name: the selected name; None if there is none.
+        letters: typed letters, in lower case.
+        until: time at which the typed letters are discarded.
     """
 
     item: TreasureItem
@@ -27,18 +27,18 @@ class NameChoice:
     until: float = -math.inf
 
     def typed(self, now: float) -> str:
-        """The letters that the next one goes on with."""
+        """The typed letters that the next one continues."""
         return self.letters if now < self.until else ""
 
     def typing(self, letter: str, names: Mapping[str, str], now: float) -> "NameChoice":
-        """The choice after another letter: the name whose words begin with the letters, or none.
+        """Return the selection after another letter: the name that begins with the letters, or none.
 
-        One letter, once or again and again, goes from name to name, as in Qt's lists.
+        One letter, typed once or repeatedly, moves from name to name, as in Qt's lists.
 
         Args:
-            letter: typed.
-            names: words of each name.
-            now: time.
+            letter: the typed letter.
+            names: displayed words of each name.
+            now: monotonic time, s.
         """
         letters = self.typed(now) + letter.casefold()
         again = letters == letters[0] * len(letters)

@@ -27,15 +27,15 @@ from ui.model.playing.possible import why_not_ask, why_not_command, why_not_find
 
 
 class PendingRequests:
-    """Requests that are neither granted nor refused nor obsolete; each is there once, oldest first.
+    """Requests that are neither granted nor refused nor obsolete; each occurs once, oldest first.
 
-    They are kept while the connection is lost, because the view that comes after it tells their outcome.
+    They are kept while the connection is lost, because the next view shows their outcome.
     """
 
     def __init__(self) -> None:
-        # With each request for advice, its robot's dialogue at that time: the one requested is another.
+        # For each request for advice, the robot's dialogue at that time: the requested dialogue is another one.
         self._requests: dict[ParticipantRequest, int | None] = {}
-        # With each request for a dialogue, the last one with its robot that had ended at that time.
+        # For each request for a dialogue, the last ended dialogue with its robot at that time.
         self._ended: dict[ParticipantRequest, int | None] = {}
 
     def __contains__(self, request: ParticipantRequest) -> bool:
@@ -51,7 +51,7 @@ class PendingRequests:
         return tuple(self._requests)
 
     def ask(self, request: ParticipantRequest, view: View) -> None:
-        """Add a request; a robot is asked to go to one place at a time."""
+        """Add a request; each robot has at most one request to go somewhere."""
         if isinstance(request, SelectRoom | RequestSuggestion):
             self.forget_destination(request.robot)
         if isinstance(request, TellProperty):
@@ -76,19 +76,22 @@ class PendingRequests:
         return next((request for request in destinations if request.robot == robot), None)
 
     def answer(self, dialogue: int, turn: int) -> int | None:
-        """The choice made at this turn of a dialogue, while the view does not show it yet."""
+        """The choice made at this turn of a dialogue, until the view shows it."""
         answers = (request for request in self._requests if isinstance(request, AnswerDialogue))
         return next((each.choice for each in answers if (each.dialogue, each.turn) == (dialogue, turn)), None)
 
     def drop_refused(self, refusal: RefusalView) -> ParticipantRequest | None:
-        """Drop and return the oldest request that this refusal may be about; a refusal names only the kind."""
+        """Drop and return the oldest request that this refusal can be about.
+
+        A refusal names only the kind of request.
+        """
         found = next((request for request in self._requests if refusal.wish in refusal_wishes(request)), None)
         if found is not None:
             del self._requests[found]
         return found
 
     def receive(self, texts: Texts, view: View) -> tuple[str, ...]:
-        """Drop the requests that this view grants or makes obsolete; return reasons to be told."""
+        """Drop the requests that this view grants or makes obsolete; return the reasons to show."""
         reasons = []
         known = revealed(view)
         for request, before in list(self._requests.items()):
@@ -110,7 +113,7 @@ def _open_dialogue(view: View, robot: int) -> int | None:
 
 
 def _ended_dialogue(view: View, request: ParticipantRequest) -> int | None:
-    """Return the number of the ended dialogue with the robot that a request is for a dialogue with, or None."""
+    """Return the number of the last ended dialogue with the robot of this request for a dialogue, or None."""
     if not isinstance(request, SelectRoom | RequestSuggestion | OpenDialogue):
         return None
     return next((words.dialogue for words in view.last_words if words.robot == request.robot), None)
@@ -153,7 +156,10 @@ def _granted(request: ParticipantRequest, view: View, known: Situation, before: 
 
 
 def _moot(texts: Texts, request: ParticipantRequest, view: View, known: Situation) -> str | None:
-    """The reason why a request cannot come true any more; empty where it goes without saying, None while it can."""
+    """Return the reason why a request is obsolete.
+
+    Empty if the reason is obvious, None while the request is still valid.
+    """
     if view.over is not None:
         return None if isinstance(request, PlayAgain) else ""
     match request:
@@ -164,7 +170,7 @@ def _moot(texts: Texts, request: ParticipantRequest, view: View, known: Situatio
         case StopRobot(robot):
             return why_not_command(texts, known, robot)
         case RequestHandback(robot):
-            # A robot that came back is announced anyway.
+            # Another message announces a robot that came back.
             return None if view.robots[robot].has_other_commander else ""
         case TakeUpTreasure() | MeasureProperty() | TellProperty():
             return why_not_find_out(texts, known, request)
@@ -175,5 +181,5 @@ def _moot(texts: Texts, request: ParticipantRequest, view: View, known: Situatio
 
 
 def _worker(state: GameState, matter: str, room: int) -> int | None:
-    """The robot with which this can be discussed."""
+    """The robot with which the participant can discuss this."""
     return state.decider(Room(room)) if matter == "take-treasure" else state.standing_in(Room(room))

@@ -6,11 +6,11 @@ from base64 import b64decode
 from thbridge.roles.shared.notices import PicturePiece
 
 MOST_BYTES = 1 << 28
-"""Of all pictures of a game and their pieces; a hundred rooms have as much, with pictures as large as they may be."""
+"""Limit for all pictures of a game and their pieces, in bytes: enough for a hundred rooms with the largest pictures."""
 
 
 class Pictures:
-    """Pictures of the game whose pieces came last; they may come before the first view of it."""
+    """Pictures of the game that sent the last piece; pieces may arrive before the first view of the game."""
 
     def __init__(self) -> None:
         self._game = 0
@@ -19,7 +19,7 @@ class Pictures:
         self._whole: dict[int, bytes] = {}
 
     def receive(self, piece: PicturePiece) -> None:
-        """Take a piece; a malformed piece is ignored, and one that is too much for a game."""
+        """Add a piece; malformed pieces and pieces beyond the limit are ignored."""
         if piece.game != self._game:
             self.forget()
             self._game = piece.game
@@ -40,11 +40,11 @@ class Pictures:
             del self._pieces[piece.room]
 
     def forget(self) -> None:
-        """Drop all pictures: another game has the same number."""
+        """Drop all pictures, because another game has the same number."""
         self._held = 0
         self._pieces.clear()
         self._whole.clear()
 
     def of(self, game: int, room: int) -> bytes | None:
-        """The image file of the picture taken in a room of this game; None while it is not all there."""
+        """The image file of the picture taken in a room of this game; None until it is complete."""
         return self._whole.get(room) if game == self._game else None

@@ -13,7 +13,7 @@ class DestinationItem:
 
 @dataclass(frozen=True, slots=True)
 class TreasureItem:
-    """A robot beside a treasure: possible acts, the dialogue about it, and the verdict."""
+    """A robot at a treasure: possible acts, the dialogue about the treasure, and the verdict."""
 
     robot: int
     room: int
@@ -31,7 +31,7 @@ class PopupQueue:
     def __init__(self) -> None:
         self._items: list[PopupItem] = []
         self._aside: set[PopupItem] = set()
-        # Those that the participant turned away from: they come back once what was shown since has ended.
+        # Items that the participant turned away from; they return when the item shown since has ended.
         self._left: set[PopupItem] = set()
         self.shown: PopupItem | None = None
 
@@ -47,11 +47,11 @@ class PopupQueue:
         return fresh if fresh is not None or self.shown is not None else next(iter(self.waiting), None)
 
     def update(self, live: Sequence[PopupItem], only_of: int | None = None) -> None:
-        """Keep only these items; new ones come last.
+        """Keep only these items; new ones are added at the end.
 
         Args:
             live: all items that should be open.
-            only_of: the robot whose items may be shown now if nothing is shown; None: any robot.
+            only_of: the robot whose items may be shown now if nothing is shown. If None, items of any robot may.
         """
         self._items = [item for item in self._items if item in live]
         self._items += [item for item in live if item not in self._items]
@@ -64,7 +64,7 @@ class PopupQueue:
             self.shown = next((item for item in self._fresh() if only_of in (None, item.robot)), None)
 
     def show(self, item: PopupItem) -> None:
-        """Show this item at once, as the participant asked for it; the one shown before waits."""
+        """Show this item at once, on the participant's request; the item shown before waits."""
         self._aside.discard(item)
         self._left.discard(item)
         if item not in self._items:
@@ -72,9 +72,9 @@ class PopupQueue:
         self.shown = item
 
     def turn_to(self, robot: int) -> None:
-        """Show what waits of this robot, if anything; what was shown of another robot waits until that has ended.
+        """Show an item of this robot, if one waits; the item of another robot waits until that one has ended.
 
-        What was put aside is shown too, but last.
+        Items that were put aside are shown too, but last.
         """
         if self.shown is None or self.shown.robot != robot:
             if self.shown is not None:
@@ -86,7 +86,7 @@ class PopupQueue:
                 self.show(first)
 
     def put_aside(self) -> None:
-        """Let the item shown wait until it is asked for, and show `next`."""
+        """Put the shown item aside until the participant requests it, and show `next`."""
         following = self.next
         if self.shown is not None:
             self._aside.add(self.shown)
@@ -96,5 +96,5 @@ class PopupQueue:
             self._left.discard(following)
 
     def _fresh(self) -> list[PopupItem]:
-        """Return what waits and has neither been put aside nor turned away from."""
+        """Return the waiting items that were neither put aside nor turned away from."""
         return [item for item in self.waiting if item not in self._aside | self._left]

@@ -30,7 +30,7 @@ class Reroute:
 
 @dataclass(frozen=True, slots=True)
 class DepartUndecided:
-    """A robot is to go on although the treasure in its room is not decided."""
+    """A robot is to go on although the treasure in its room is undecided."""
 
     request: SelectRoom | RequestSuggestion
     room: int
@@ -38,19 +38,19 @@ class DepartUndecided:
 
 @dataclass(frozen=True, slots=True)
 class EndGameEarly:
-    """The game is to end although robots could still do something."""
+    """The game is to end although robots could still act."""
 
 
 @dataclass(frozen=True, slots=True)
 class LeaveLastTreasure:
-    """A treasure is to be left, after which nothing is left to do and the game ends."""
+    """The last undecided treasure is to be left, after which the game ends."""
 
     room: int
 
 
 @dataclass(frozen=True, slots=True)
 class LeaveWindow:
-    """The window is to be closed while the game goes on; `ends` where that ends the game."""
+    """The window is to close during the game; `ends` is True if that ends the game."""
 
     ends: bool
 
@@ -61,8 +61,8 @@ class Note:
 
     Attributes:
         sentence: the words.
-        until: time at which it goes.
-        about: the pop-up that it is about, with which it goes.
+        until: time at which it disappears.
+        about: the pop-up that it is about, and with which it disappears.
     """
 
     sentence: str
@@ -76,28 +76,28 @@ PendingStep = Reroute | DepartUndecided | EndGameEarly | LeaveLastTreasure | Lea
 
 @dataclass(slots=True)
 class HuntMemory:
-    """Memory of one game; forgotten when another begins.
+    """Memory of one game; another game has a new one.
 
     Attributes:
-        texts: of the game's language.
-        view: the newest one.
-        known: what the view reveals, for the rules.
+        texts: texts of the game's language.
+        view: the newest view.
+        known: the facts in the view, for the rules.
         pending: requests without an outcome yet.
         opening_sentences: by robot, the sentence with which the participant opened the current dialogue.
-        reroutes: by robot that is called back, the room where it is to go then.
-        choice: the name picked in the pop-up shown, not confirmed yet.
+        reroutes: by robot that was stopped, the room where it is to go next.
+        choice: the name selected in the pop-up shown, not confirmed yet.
         submitted_names: by room, the name that the participant has chosen to submit, while it is discussed.
-        enlarged: the pop-up whose picture is shown large.
-        ticks: of the simulation, at the beginning of the game and in the newest telemetry.
-        named: rooms whose treasure the participant has asked to be named here.
-        verdicts: rooms whose verdict is not closed yet, and the robot that stands there.
+        enlarged: the pop-up whose picture is shown enlarged.
+        ticks: simulation ticks at the beginning of the game and in the newest telemetry.
+        named: rooms for which the participant has submitted a name here.
+        verdicts: rooms whose verdict is still shown, and the robot that stands there.
         popups: the pop-up shown, and those that wait.
-        picture_times: by room, when the view first showed its picture as taken.
-        most_energy: the most energy that any robot had.
+        picture_times: by room, the time when the view first showed its picture as taken.
+        most_energy: the most energy that any robot has had.
         pending_step: the step that waits for confirmation.
-        read: numbers of ended dialogues whose last words the participant has read.
-        reading: number of the ended dialogue in the pop-up shown; None where it is another one.
-        verdict_read: room of the verdict in the pop-up shown; None where it is another one.
+        read: numbers of ended dialogues whose last sentences the participant has read.
+        reading: number of the ended dialogue in the pop-up shown; None if it shows something else.
+        verdict_read: room of the verdict in the pop-up shown; None if it shows something else.
     """
 
     texts: Texts
@@ -124,21 +124,21 @@ class HuntMemory:
         self.receive(self.view)
 
     def receive(self, view: View) -> None:
-        """Take a new view of this game."""
+        """Process a new view of this game."""
         self.view, self.known = view, revealed(view)
 
     @property
     def seconds(self) -> int:
-        """Whole seconds that the game has gone on, in simulated time."""
+        """Whole seconds of simulated time that the game has lasted."""
         return 0 if self.ticks is None else (self.ticks[1] - self.ticks[0]) // TICKS_PER_SECOND
 
     @property
     def picked(self) -> str | None:
-        """The name picked in the pop-up shown."""
+        """The name selected in the pop-up shown."""
         return None if self.choice is None else self.choice.name
 
     def robot_in_room(self, room: int) -> int | None:
-        """The robot that stands in a room and is not driving."""
+        """The robot that stands in a room and does not drive."""
         return self.known.state.standing_in(Room(room))
 
     def ask_to_go(self, request: SelectRoom | RequestSuggestion) -> str:
@@ -158,7 +158,7 @@ class HuntMemory:
         return next((d for d in self.view.dialogues if d.robot == robot and d.matter == "select-room"), None)
 
     def treasure_dialogue(self, item: TreasureItem) -> DialogueView | None:
-        """The dialogue with a robot about the treasure beside it."""
+        """The dialogue with a robot about the treasure at its place."""
         return next(
             (
                 dialogue
@@ -169,11 +169,11 @@ class HuntMemory:
         )
 
     def last_words(self, robot: int) -> LastWords | None:
-        """The end of the last dialogue with a robot, while it matters."""
+        """The end of the last dialogue with a robot, as long as it is relevant."""
         return next((words for words in self.view.last_words if words.robot == robot), None)
 
     def unread_words(self, robot: int) -> LastWords | None:
-        """The end of a dialogue about where a robot goes that the participant has not read; None where one is open."""
+        """The unread end of a dialogue about where a robot goes; None while such a dialogue is open."""
         words = self.last_words(robot)
         if words is None or words.matter != "select-room" or words.dialogue in self.read:
             return None
@@ -181,7 +181,7 @@ class HuntMemory:
         return None if is_open else words
 
     def note_reading(self) -> None:
-        """Note the ended dialogue or the verdict in the pop-up shown; the one shown before has been read."""
+        """Record the ended dialogue or the verdict in the pop-up shown; the one shown before counts as read."""
         shown = self.popups.shown
         words = self.unread_words(shown.robot) if isinstance(shown, DestinationItem) else None
         number = None if words is None else words.dialogue
@@ -196,7 +196,7 @@ class HuntMemory:
         self.verdict_read = room
 
     def destination_considered(self, robot: int) -> int | None:
-        """The room that a robot is asked to go to, or that its dialogue is about."""
+        """The room of the request to a robot, or of its dialogue."""
         match self.pending_step:
             case Reroute(rerouted, room) if rerouted == robot:
                 return room
@@ -213,14 +213,16 @@ class HuntMemory:
 
 @dataclass(frozen=True, slots=True)
 class DrawnState:
-    """State behind the last screen. The next act is judged by it: the participant had not seen what came since.
+    """State behind the last screen.
+
+    The next act refers to this state, because the participant had not seen what arrived later.
 
     Attributes:
         item: the pop-up.
         dialogue: number and turn of the dialogue in it.
-        pending_step: the step to be confirmed.
+        pending_step: the step to confirm.
         game: the game's number.
-        picked: the name picked in it.
+        picked: the name selected in it.
     """
 
     item: PopupItem | None = None
@@ -231,7 +233,7 @@ class DrawnState:
 
     @property
     def subject(self) -> tuple[PopupItem | None, int | None]:
-        """The pop-up, and the number of the dialogue that has come in the place of a treasure."""
+        """The pop-up, and the number of the dialogue that has taken the place of a treasure."""
         return self.item, self.dialogue[0] if self.dialogue and isinstance(self.item, TreasureItem) else None
 
 
@@ -240,29 +242,29 @@ class ParticipantMemory:
     """Everything that the view model remembers.
 
     Attributes:
-        texts: of the window's language.
-        hunt: the game, None before the first view that has robots.
+        texts: texts of the window's language.
+        hunt: the game; None before the first view that has robots.
         floor_plan: floor plan of the game.
-        motions: progress of the robots on their paths, one entry a robot; may be empty.
-        selected: the robot commanded.
-        turned: the participant has selected that robot, and no pop-up has been shown since.
-        hovered: the room looked at.
-        typed: digits of a room's number.
-        typed_until: time at which they are forgotten.
-        followed: the robot kept in the middle of the map.
+        motions: progress of the robots on their paths, one entry per robot; may be empty.
+        selected: the robot that the participant commands.
+        turned: True if the participant has selected that robot, and no pop-up was shown since.
+        hovered: the room under the pointer.
+        typed: typed digits of a room's number.
+        typed_until: time at which these digits are discarded.
+        followed: the robot that the map follows.
         help_open: True while the sheet of keys is open.
-        note: the sentence shown for a while.
+        note: a sentence shown for a limited time.
         connection: state of the connection to the game.
         history: lines of this game.
         pictures: pictures taken in this game.
         last_refusal: number of the last refusal.
         last_drawn: state behind the last screen.
-        leaving: True once the participant has agreed to close the window.
+        leaving: True after the participant has agreed to close the window.
         time_of_day: returns the time of day.
         sound_on: True while the participant wants sounds.
-        can_sound: True where there is something to play them with.
-        sounds: those to be heard with the next screen.
-        once: True where one game is played, and something else follows.
+        can_sound: True if the computer can play sounds.
+        sounds: sounds to play with the next screen.
+        once: True if one game is played, and something else follows.
     """
 
     texts: Texts
@@ -290,11 +292,11 @@ class ParticipantMemory:
     once: bool = False
 
     def motion(self, robot: int) -> RobotMotion:
-        """Progress of a robot on its path by the last telemetry; an older program that moves robots sends none."""
+        """Progress of a robot on its path in the last telemetry; older robot programs send none."""
         return self.motions[robot] if robot < len(self.motions) else RobotMotion("driving")
 
     def considered(self) -> int | None:
-        """The room looked at, by mouse or by the digits typed so far."""
+        """The room under the pointer, or the room of the digits typed so far."""
         rooms = len(self.hunt.view.rooms) if self.hunt is not None else 0
         number = int(self.typed) if self.typed else self.hovered
         return number if number is not None and 0 < number <= rooms else None

@@ -13,15 +13,18 @@ from ui.model.playing.screen import Action, AnswerDialogueAct, DialoguePopup, Sh
 from ui.model.playing.words import MATTERS, outcome_of
 
 OVERRIDE = "override"
-"""Word for the answer with which the participant decides against the robot's advice."""
+"""Word for the answer by which the participant decides against the robot's advice."""
 LAST_SENTENCES = 2
-"""Sentences of a dialogue that are shown once it has ended: the robot moves on the map meanwhile."""
+"""Number of sentences of an ended dialogue that are shown.
+
+Fewer hide less of the map, where the robot already moves.
+"""
 
 
 def destination_popup(hunt: HuntMemory, item: DestinationItem) -> DialoguePopup | None:
-    """The dialogue about where a robot shall go; before the robot answers, the pending request.
+    """The dialogue about where a robot goes; before the robot answers, the pending request.
 
-    Once it has ended, its end.
+    After the dialogue, its end.
     """
     dialogue = hunt.destination_dialogue(item.robot)
     asked = hunt.pending.destination_request(item.robot)
@@ -42,14 +45,14 @@ def destination_popup(hunt: HuntMemory, item: DestinationItem) -> DialoguePopup 
 
 
 def dialogue_popup(hunt: HuntMemory, dialogue: DialogueView) -> DialoguePopup:
-    """A dialogue that waits for the participant, or for the robot once they have answered."""
+    """A dialogue that waits for the participant, or for the robot after an answer."""
     texts, argues = hunt.texts, hunt.view.has_last_word is not None
     acts = dialogue.acts if argues else ()
     answered = hunt.pending.answer(dialogue.dialogue, dialogue.turn)
     sentences = list(spoken(dialogue))
     opening = _opening(hunt, dialogue)
     if opening:
-        # Robots that argue repeat it as the first move.
+        # Robots that argue repeat this sentence as the first move.
         sentences[:1] = [*opening, *(line for line in sentences[:1] if line[0] == "robot")]
     if answered is not None and says(dialogue, answered):
         sentences.append(("you", dialogue.choices[answered]))
@@ -71,7 +74,7 @@ def dialogue_popup(hunt: HuntMemory, dialogue: DialogueView) -> DialoguePopup:
         dialogue_title(hunt, dialogue),
         tuple(sentences),
         choices,
-        # Esc leads back from the questions, and W does what it does elsewhere.
+        # Esc leads back from the questions, and W has its usual effect.
         replace(later, key=WAITING_KEY) if BACK in acts else later,
         warning=_warning(hunt, dialogue),
         room=dialogue.room,
@@ -81,7 +84,10 @@ def dialogue_popup(hunt: HuntMemory, dialogue: DialogueView) -> DialoguePopup:
 
 
 def _note(hunt: HuntMemory, dialogue: DialogueView, sentences: Sequence[SpokenLine]) -> str:
-    """A remark: who decides in the end, or that it is the participant's turn although the robot says nothing."""
+    """A remark.
+
+    It says who decides in the end, or that it is the participant's turn although the robot says nothing.
+    """
     if sentences[-1][0] == "you" and BACK not in dialogue.acts:
         return hunt.texts.text("popups.your_turn", robot=dialogue.robot)
     return hunt.texts.text(f"popups.decision_of_{hunt.view.has_last_word}", robot=dialogue.robot)

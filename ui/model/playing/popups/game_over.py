@@ -12,7 +12,7 @@ from ui.model.shared.points import scored
 
 
 def game_over_page(hunt: HuntMemory, once: bool) -> GameOverPage:
-    """The reason why the game is over, and its results; `once` where no other game follows."""
+    """The reason why the game is over, and its results; `once` is True if no other game follows."""
     texts, view = hunt.texts, hunt.view
     visited = sum(room.state == "visited" for room in view.rooms)
     debrief = view.debrief or Debrief()
@@ -33,7 +33,7 @@ def game_over_page(hunt: HuntMemory, once: bool) -> GameOverPage:
 
 
 def _end(texts: Texts, reason: str) -> str:
-    """The reason why the game is over; a later release may give one that is unknown here."""
+    """The reason why the game is over; the reason of a later release may be unknown here."""
     key = f"game_over.{reason.replace('-', '_')}"
     return texts.text(key if texts.has(key) else "game_over.unknown")
 
@@ -49,7 +49,10 @@ def _named(texts: Texts, rooms: Iterable[RoomView]) -> str:
 
 
 def _of_room(texts: Texts, view: View, room: RoomView, was: RoomDebrief | None) -> str:
-    """The end of a room in a sentence, with what was in it as far as that is told; empty where nothing is."""
+    """Return a sentence about the outcome of a room, with its treasure as far as the game reveals it.
+
+    Empty if there is none.
+    """
     name, points = ("", 0) if was is None else (view.word_for(was.name), was.points)
     it_was = f" {texts.text('game_over.it_was', name=name, count=points)}" if name else ""
     if room.verdict is not None:

@@ -39,13 +39,13 @@ from ui.model.playing.screen import (
 from ui.model.playing.words import outcome_of, percent, verdict_words
 
 PICTURE_TIMEOUT = 5.0
-"""Seconds after which a picture that was taken will not come any more; its sender may not have it."""
+"""Seconds after which a picture is no longer expected; its sender may not have it."""
 
 
 def treasure_popup(
     hunt: HuntMemory, pictures: Pictures, item: TreasureItem, now: float
 ) -> DialoguePopup | TreasurePopup:
-    """The dialogue about a treasure if one is open, with what is known of it; else the treasure with its acts."""
+    """The dialogue about a treasure if one is open, with the known properties; otherwise the treasure with its acts."""
     dialogue = hunt.treasure_dialogue(item)
     find = _treasure(hunt, pictures, item, now)
     if dialogue is None:
@@ -90,7 +90,7 @@ def _length(action: Action) -> int:
 
 
 def _verdict(hunt: HuntMemory, item: TreasureItem, room: RoomView) -> str | None:
-    """Outcome of a name; robots that decide in the end may have given it by themselves."""
+    """Outcome of naming; robots that decide in the end may have named the treasure by themselves."""
     if room.verdict is None:
         return None
     words = verdict_words(hunt.texts, hunt.view.word_for(room.verdict.name), room.verdict.points)
@@ -100,7 +100,7 @@ def _verdict(hunt: HuntMemory, item: TreasureItem, room: RoomView) -> str | None
 
 
 def _talk(hunt: HuntMemory, item: TreasureItem) -> str:
-    """The end of a dialogue about this: what is left to do of an agreement, or what the robot said last."""
+    """Outcome of a dialogue about this: the next step of an agreement, or the robot's last sentence."""
     words = hunt.last_words(item.robot)
     if words is None or words.matter == "select-room" or words.room != item.room:
         return ""
@@ -109,14 +109,14 @@ def _talk(hunt: HuntMemory, item: TreasureItem) -> str:
         open_name = nameless and item.room not in hunt.submitted_names
         return hunt.texts.text("popups.agreed_to_name") if open_name else ""
     said = [sentence for speaker, sentence in spoken(words) if speaker == "robot"]
-    # That nothing is done it has said as well, and it is said here anyhow.
+    # The robot has also said that nothing is done, and the outcome says so anyway.
     said = said[: -1 if words.is_told else None]
     outcome = outcome_of(hunt.texts, words)
     return f"{outcome} {hunt.texts.text('popups.it_said', sentence=said[-1])}" if said else outcome
 
 
 def _facts(hunt: HuntMemory, item: TreasureItem, room: RoomView) -> tuple[TreasureFact, ...]:
-    """A line for each property that is known, can be sensed for energy, or is the participant's to tell."""
+    """Return a line for each property that is known, or that the robot can sense or the participant can report."""
     facts = []
     for number, each in enumerate(hunt.view.properties, start=1):
         value, key = room.known.get(each.name, ""), f"Ctrl+{number}" if number < 10 else ""
@@ -130,7 +130,7 @@ def _facts(hunt: HuntMemory, item: TreasureItem, room: RoomView) -> tuple[Treasu
 def _sense(
     hunt: HuntMemory, item: TreasureItem, room: RoomView, measured: TreasureProperty, value: str, key: str
 ) -> Action | None:
-    """The act stays when the value is known: else what is below it would move under the pointer."""
+    """Return the act also when the value is known; otherwise the lines below would move under the pointer."""
     if not room.undecided or hunt.robot_in_room(item.room) is None:
         return None
     request = MeasureProperty(item.room, measured.name)
@@ -145,7 +145,7 @@ def _sense(
 
 
 def _cost(hunt: HuntMemory, robot: int, cost: float, sensor: str = "") -> str:
-    """The cost of finding out more of a treasure, with a warning when too little is left to name it then."""
+    """The cost of sensing more of a treasure, with a warning if too little energy is then left to name it."""
     texts, energy = hunt.texts, hunt.view.robots[robot].energy
     hint = (
         texts.text("popups.costs_with", cost=cost, energy=energy, sensor=sensor)
@@ -158,7 +158,7 @@ def _cost(hunt: HuntMemory, robot: int, cost: float, sensor: str = "") -> str:
 
 
 def _tell(hunt: HuntMemory, room: RoomView, told: TreasureProperty, value: str, key: str) -> tuple[Action, ...]:
-    """The values that the participant may say once there is a picture, the next one with the key."""
+    """The values that the participant can report after a picture was taken, the next one with the key."""
     if not room.undecided:
         return ()
     seen = room.picture is not None
@@ -211,7 +211,7 @@ def _take_picture(hunt: HuntMemory, item: TreasureItem, room: RoomView) -> Actio
 
 
 def _name_it(hunt: HuntMemory, item: TreasureItem, name: str | None = None) -> Action:
-    """The act that names it as picked, or as it were for another name."""
+    """The act that names it as selected, or the same for another name."""
     texts, view = hunt.texts, hunt.view
     picked = name or hunt.submitted_names.get(item.room) or hunt.picked
     busy = item.room in hunt.submitted_names
@@ -238,7 +238,7 @@ def _unsure(hunt: HuntMemory, item: TreasureItem) -> Action | None:
 
 
 def _stakes(texts: Texts, view: View, picked: str | None) -> str:
-    """The points that a name may win and lose, with their number where it is told."""
+    """The points that a name can win and lose, with numbers if the study reveals them."""
     worth = dict(zip(view.names, view.worth, strict=False)).get(picked or "")
     right = texts.text("popups.right_wins") if worth is None else texts.text("popups.right_wins_points", count=worth)
     return f"{right} {_wrong(texts, view.wrong_share)}"
