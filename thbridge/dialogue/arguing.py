@@ -1,8 +1,8 @@
 """Dialogues in which a robot argues: persuasion and information-seeking about the decisions of the hunt.
 
-One dialogue of the participant with a robot is a course of dialogue games about one decision: what the participant
-wants opens a persuasion, "I don't know" an information-seeking; when a game has ended without an agreement, she may
-open the next one. Beside the games she may ask for explanations, which change nothing.
+One dialogue of the participant with a robot is a sequence of dialogue games about one decision. A wish of the
+participant opens a persuasion; "I don't know" opens an information-seeking. If a game ends without an agreement, the
+participant may open the next one. Between the games the participant may ask for explanations, which change nothing.
 """
 
 from collections.abc import Mapping
@@ -68,10 +68,10 @@ class ArguingEngine:
 
     Attributes:
         rulebook: locutions and games.
-        manner: of each robot, by its index; those that are not there have the one of `None`.
-        phrasing: words moves.
-        seed: of the game, for what is misheard.
-        strategies: programs of others that choose moves, by robot as `manners`; None for a robot's own.
+        manners: manner of each robot, by its index; robots that are not listed have the manner of `None`.
+        phrasing: words for moves.
+        seed: random seed of the game, for moves that a robot mishears.
+        strategies: installed strategies that choose moves, by robot as `manners`; None for the built-in strategy.
     """
 
     rulebook: Rulebook
@@ -113,11 +113,11 @@ class ArguingEngine:
         return self._opened(dialogue, Speaker.PERSON, opening, held)
 
     def announce(self, number: int, topic: DialogueTopic, move: Move) -> DialogueStep:
-        """Let the robot say something that takes no answer."""
+        """Let the robot say something that needs no answer."""
         return announcement(self.phrasing, number, topic, move)
 
     def move(self, dialogue: Dialogue, move: Move, *, held: bool = False) -> DialogueStep:
-        """Make the person's move, or another one that the robot has heard; see `DialogueEngine`."""
+        """Make the person's move, or the other move that the robot understood instead; see `DialogueEngine`."""
         _check(move in self._possible.legal(dialogue, Speaker.PERSON), move, Speaker.PERSON)
         heard = self._heard(dialogue, move)
         said = None if heard == move else move
@@ -139,11 +139,11 @@ class ArguingEngine:
         return self._run(dialogue, (), held=False)
 
     def retake(self, dialogue: Dialogue, turn: Turn) -> DialogueStep:
-        """Take a turn that was taken before; see `DialogueEngine`."""
+        """Repeat a turn of a dialogue that is restored; see `DialogueEngine`."""
         is_legal = isinstance(turn.move, Echo) or turn.move in self._possible.legal(dialogue, turn.speaker)
         _check(is_legal, turn.move, turn.speaker)
         if isinstance(turn.move, Echo):
-            # The robot tells what it has heard before it tells what comes of it.
+            # The robot repeats the misheard move before it states the result.
             before = tuple(each for each in dialogue.conclusions if each[0] < len(dialogue.turns))
             dialogue = replace(dialogue, conclusions=before)
         dialogue, utterance = self._with_turn(dialogue, turn)
@@ -156,7 +156,7 @@ class ArguingEngine:
         )
 
     def utterances(self, dialogue: Dialogue) -> tuple[DialogueUtterance, ...]:
-        """Return all utterances of a dialogue so far, with what the robot says beside its turns."""
+        """Return all utterances of a dialogue so far, with the robot's conclusions, which are no turns."""
         said: list[DialogueUtterance] = []
         for at, turn in enumerate(dialogue.turns):
             said.append(self._utterance(replace(dialogue, turns=dialogue.turns[:at]), turn))
@@ -168,7 +168,8 @@ class ArguingEngine:
 
     def _opened(self, dialogue: Dialogue, speaker: Speaker, opening: Opening | None, held: bool) -> DialogueStep:
         if opening is None:
-            # She wants what the robot holds already; or nothing is left to be said. A suggestion is hers to answer.
+            # The person wants what the robot already holds, or nothing is left to say. A suggestion is the person's to
+            # answer.
             wanted = dialogue.topic.scenario not in ASKED
             agreed = wanted and _is_settled(dialogue)
             return DialogueStep(dialogue, (), DialogueOutcome.CONSENSUS if agreed else DialogueOutcome.NO_CONSENSUS)
@@ -181,7 +182,7 @@ class ArguingEngine:
             dialogue, outcome = self._outcome(dialogue)
             legal = () if outcome is not None or held else self._possible.legal(dialogue, Speaker.ROBOT)
             if not legal:
-                # Where nothing was said, it was told before.
+                # Without a new utterance, the conclusion was already stated.
                 told = self._conclusion(dialogue) if utterances else None
                 if told is not None:
                     conclusions = (*dialogue.conclusions, (len(dialogue.turns), told))
@@ -195,7 +196,7 @@ class ArguingEngine:
             utterances = (*utterances, replace(utterance, authored=authored))
 
     def _chosen(self, dialogue: Dialogue, legal: tuple[Move, ...]) -> tuple[Move, str]:
-        """Return the robot's move, and the fault of the program that was to choose it, if it failed."""
+        """Return the robot's move, and the fault of the installed strategy if it failed to choose one."""
         conversation, play = dialogue.conversation, current_play(dialogue)
         if conversation is None or play is None or not isinstance(legal[0], DialogueMove):
             return legal[0], ""
@@ -208,7 +209,10 @@ class ArguingEngine:
         return chosen.move, chosen.fault
 
     def _outcome(self, dialogue: Dialogue) -> tuple[Dialogue, DialogueOutcome | None]:
-        """Return the outcome, with the dialogue about what was agreed upon; None while it goes on."""
+        """Return the outcome, with the dialogue changed to the decision agreed on.
+
+        None while the dialogue continues.
+        """
         last = last_move(dialogue)
         conversation = dialogue.conversation
         if isinstance(last, Leave) or conversation is None:
@@ -232,7 +236,7 @@ class ArguingEngine:
         return dialogue, None
 
     def _conclusion(self, dialogue: Dialogue) -> Conclude | None:
-        """The upshot of a game, or of all of the dialogue, that has ended with the person's turn; else None."""
+        """Return the conclusion of a game or dialogue that has ended with the person's turn, otherwise None."""
         dialogue, outcome = self._outcome(dialogue)
         turn = next((turn for turn in reversed(dialogue.turns) if not isinstance(turn.move, Echo)), None)
         ends = DialogueMove | Leave | Override
@@ -249,12 +253,12 @@ class ArguingEngine:
         return Conclude(Upshot.AGREED if accepted else Upshot.DECIDED, claim)
 
     def _concluded(self, dialogue: Dialogue, move: Conclude) -> DialogueUtterance:
-        """The sentence about what comes of a dialogue."""
+        """Return the closing sentence of a dialogue."""
         told = self._utterance(dialogue, Turn(Speaker.ROBOT, move, Author.ROBOT))
         return replace(told, conversation=dialogue.conversation)
 
     def _heard(self, dialogue: Dialogue, move: Move) -> Move:
-        """Return the move that the robot hears: another one at the rate at which it mishears."""
+        """Return the move that the robot understands: a different one with the probability that it mishears."""
         rate = self._possible.manner(dialogue.topic.robot).misheard
         others = [
             each
@@ -284,11 +288,11 @@ class ArguingEngine:
                     self._possible.opening(dialogue, side, game, topic) for game in (PERSUASION, INFORMATION_SEEKING)
                 ]
                 opening = next(each for each in (asked, *ways) if each is not None and each.move == move)
-                # What was said last is the refusal that is asked about.
+                # The last move is the refusal that the question is about.
                 parent = conversation.record[-1].dialogue if opening is asked else None
                 conversation = conversation.open(side, opening, parent=parent, at=at)
         if conversation is not None and isinstance(move, Leave | Override) and play is not None:
-            # With the outermost game those inside it are left, too.
+            # With the outermost game, the person also leaves the games inside it.
             conversation = conversation.withdraw(conversation.open_plays[0].number)
         if conversation is not None and not conversation.open_plays:
             conversation = _sensed(dialogue.topic, conversation)
@@ -313,7 +317,7 @@ class ArguingEngine:
 
 
 def decision_of(facts: WhereFacts | WhatFacts, former: Conversation | None) -> Literal | None:
-    """Return what a robot would do by itself, with what it was told before and has accepted; None: nothing."""
+    """Return the decision of a robot by itself, with the beliefs that it accepted before; None if it has none."""
     if isinstance(facts, WhereFacts):
         return where(facts, told_beliefs(former)).decision
     return what(facts, told_beliefs(former)).decision
@@ -325,9 +329,9 @@ def _check(is_legal: bool, move: Move, speaker: Speaker) -> None:
 
 
 def _sensed(topic: DialogueTopic, conversation: Conversation) -> Conversation:
-    """The conversation after the robot has looked at its evidence anew, in the light of what it was told.
+    """Return the conversation after the robot has looked at its evidence again, with the beliefs that it accepted.
 
-    What a person could say for or against what the robot wants then, and for or against the topic, is hers to say.
+    The person can then put forward reasons for and against the robot's new decision, and for and against the topic.
     """
     evidence, claim = evidence_of(topic, conversation), claim_of(topic)
     robot, person = conversation.agents[Side.ROBOT], conversation.agents[Side.HUMAN]
@@ -349,13 +353,13 @@ def _time(topic: DialogueTopic) -> float:
 
 
 def _is_settled(dialogue: Dialogue) -> bool:
-    """True when the robot holds the claim already."""
+    """True if the robot already holds the claim."""
     conversation = dialogue.conversation
     return conversation is not None and claim_of(dialogue.topic) in conversation.agents[Side.ROBOT].beliefs
 
 
 def _about(dialogue: Dialogue, agreed: Literal) -> Dialogue:
-    """The dialogue, about what was agreed upon in the end."""
+    """Return the dialogue with a topic changed to the decision agreed on in the end."""
     scenario, room, name = dialogue.topic.scenario, dialogue.topic.room, ""
     match agreed.parts[0].proposition:
         case NextRoom(room=room) | VisitOrder(room=room):

@@ -1,4 +1,4 @@
-"""Moves that are possible in a dialogue in which a robot argues, and the state of such dialogues."""
+"""Possible moves in a dialogue in which a robot argues, and the state of such dialogues."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -34,20 +34,20 @@ from thbridge.dialogue.wording.wording import reasons
 
 PERSUASION, INFORMATION_SEEKING = "persuasion", "information-seeking"
 IN_BRIEF = "-in-brief"
-"""Ending of the names of games in which arguments are given as wholes."""
+"""Suffix of the names of games in which arguments are given as a whole."""
 SIDES: Mapping[Speaker, Side] = {Speaker.ROBOT: Side.ROBOT, Speaker.PERSON: Side.HUMAN}
 ASKED = frozenset({Scenario.DONT_KNOW, Scenario.UNSURE_NAME})
-"""Decisions on which the person has no opinion, and asks the robot."""
+"""Decisions on which the person has no opinion and asks the robot."""
 MOST_CHOICES = 5
-"""Greatest number of choices that a person has at once."""
+"""Largest number of choices that a person has at once."""
 
 
 @dataclass(frozen=True, slots=True)
 class PossibleMoves:
-    """Moves that participant and robots may make, by the manners of robots.
+    """Legal moves of participant and robots, according to the manners of robots.
 
     Attributes:
-        manners: of each robot, by its index; those that are not there have the one of `None`.
+        manners: manner of each robot, by its index; robots that are not listed have the manner of `None`.
     """
 
     manners: Mapping[int | None, Manner]
@@ -57,7 +57,7 @@ class PossibleMoves:
         return self.manners.get(robot) or self.manners[None]
 
     def legal(self, dialogue: Dialogue, speaker: Speaker) -> tuple[Move, ...]:
-        """Return the moves that a speaker may make now."""
+        """Return the legal moves of a speaker."""
         conversation, play = dialogue.conversation, current_play(dialogue)
         last = last_move(dialogue)
         if conversation is None:
@@ -90,20 +90,20 @@ class PossibleMoves:
         return (*moves[: MOST_CHOICES - 1], Leave())
 
     def _openings(self, dialogue: Dialogue, conversation: Conversation) -> list[Move]:
-        """Ways in which the person may go on after a game that has ended without an agreement to do something."""
+        """Return the moves with which the person may continue after a game without an agreement to do something."""
         claim, evidence = claim_of(dialogue.topic), evidence_of(dialogue.topic, conversation)
-        # She has no name of her own to argue for.
+        # The person has no name of their own to argue for.
         hers = None if dialogue.topic.scenario is Scenario.UNSURE_NAME else claim
         found = [
             self.opening(dialogue, Side.HUMAN, PERSUASION, hers),
-            # Of a room that it would go to later, the robot tells in which order.
+            # For a room later in its tour, the robot's reason is the order of the tour.
             self.opening(dialogue, Side.HUMAN, INFORMATION_SEEKING, evidence.order or evidence.decision),
             self.question_of_refusal(dialogue, Side.HUMAN),
         ]
         asked = [opening.move for opening in found if opening is not None]
         last = last_play(dialogue)
         if last is not None and last.end is DialogueEnd.AGREEMENT:
-            # She has accepted that it is not done.
+            # The person has accepted that it is not done.
             asked = [move for move in asked if move.content != claim]
         return list(dict.fromkeys(asked))
 
@@ -112,7 +112,7 @@ class PossibleMoves:
         if conversation is None or topic.facts is None or not self.manner(topic.robot).gives_reasons:
             return ()
         put = {turn.move for turn in dialogue.turns if isinstance(turn.move, Enquire)}
-        # Who challenges something has asked why.
+        # A challenge counts as the question why.
         put |= {
             Enquire(Question.WHY_THIS, turn.move.content)
             for turn in dialogue.turns
@@ -122,7 +122,7 @@ class PossibleMoves:
         }
         possible = questions(topic.facts, evidence_of(topic, conversation), claim_of(topic))
         simpler = (Enquire(Question.SIMPLER),) if _last_said(dialogue).because else ()
-        # To hear it in simpler words has to be in reach at once, with the first reasons.
+        # The question for simpler words must be among the first choices, as soon as there are reasons.
         asked = (*possible[:2], *simpler, *possible[2:])
         return tuple(each for each in asked if each not in put or each.question is Question.SIMPLER)
 
@@ -135,9 +135,9 @@ class PossibleMoves:
         return explain(asked, topic.facts, evidence_of(topic, conversation))
 
     def question_of_refusal(self, dialogue: Dialogue, side: Side) -> Opening | None:
-        """The question that a side may put when its reason was refused; None where it has none.
+        """Return the question that a side may ask when its reason was refused; None if it has none.
 
-        Nobody doubts what she wishes. A robot that holds out asks what it does not know yet.
+        No side doubts the other's wishes. A persistent robot asks about things that it does not know yet.
         """
         conversation = dialogue.conversation
         refused = None if conversation is None else conversation.refused
@@ -151,14 +151,14 @@ class PossibleMoves:
         return self.opening(dialogue, side, INFORMATION_SEEKING, asked, refused.number)
 
     def asks(self, dialogue: Dialogue) -> Opening | None:
-        """The question with which the robot, whose reason was refused just now, goes on; None where it has none."""
+        """Return the next question of a robot whose reason was just refused; None if it has none."""
         refused = isinstance(last_move(dialogue), DialogueMove)
         return self.question_of_refusal(dialogue, Side.ROBOT) if refused else None
 
     def opening(
         self, dialogue: Dialogue, side: Side, game: str, topic: Literal | None, parent: int | None = None
     ) -> Opening | None:
-        """Return the opening of a game by a side about a topic; None where it has none."""
+        """Return the opening of a game by a side about a topic; None if it has none."""
         conversation = dialogue.conversation
         if topic is None or conversation is None:
             return None
@@ -178,7 +178,7 @@ def claim_of(topic: DialogueTopic) -> Literal:
 
 
 def evidence_of(topic: DialogueTopic, conversation: Conversation | None) -> Evidence:
-    """Evidence of the robot, with what it was told and has accepted."""
+    """Return the robot's evidence, with the statements of the person that it has accepted."""
     match topic.facts:
         case WhereFacts():
             return where(topic.facts, told_beliefs(conversation), topic.room)
@@ -189,7 +189,7 @@ def evidence_of(topic: DialogueTopic, conversation: Conversation | None) -> Evid
 
 
 def told_beliefs(conversation: Conversation | None) -> Beliefs:
-    """Beliefs that a robot was told by a person, and has accepted."""
+    """Return the statements of the person that the robot has accepted, as beliefs."""
     if conversation is None:
         return Beliefs()
     origins = conversation.agents[Side.ROBOT].beliefs.origins
@@ -200,7 +200,7 @@ def told_beliefs(conversation: Conversation | None) -> Beliefs:
 
 
 def current_play(dialogue: Dialogue) -> GamePlay | None:
-    """The game in which somebody has to speak now, or None."""
+    """Return the game in which a side has to speak now, or None."""
     conversation = dialogue.conversation
     if conversation is None:
         return None
@@ -208,12 +208,12 @@ def current_play(dialogue: Dialogue) -> GamePlay | None:
 
 
 def last_move(dialogue: Dialogue) -> Move | None:
-    """The last move that changes anything."""
+    """Return the last move that has an effect."""
     return next((turn.move for turn in reversed(dialogue.turns) if not isinstance(turn.move, Echo)), None)
 
 
 def _most_agreeable_first(play: GamePlay, moves: tuple[DialogueMove, ...]) -> list[DialogueMove]:
-    """Moves of the person; of the answers to whether a reason is not so, that it is not so comes last."""
+    """Return the person's moves; when a robot asks for the opposite of a reason, agreeing with it comes last."""
     return sorted(moves, key=lambda move: play.questions_refusal and move.content == play.topic)
 
 
@@ -228,7 +228,10 @@ def _may_override(dialogue: Dialogue) -> bool:
 
 
 def _last_said(dialogue: Dialogue) -> Explain:
-    """The robot's last reasons, to be said again; none where it was that, or there were no reasons."""
+    """Return the robot's last reasons for a repetition in simpler words.
+
+    Empty if there are none, or after a repetition.
+    """
     robot = (turn.move for turn in reversed(dialogue.turns) if turn.speaker is Speaker.ROBOT)
     last = next((move for move in robot if not isinstance(move, Echo)), None)
     match last:

@@ -1,4 +1,7 @@
-"""Conditions of a study: how robots and participant decide together, and the manner in which robots argue."""
+"""Conditions of a study.
+
+The way in which robots and participant decide together, and the manner of robots that argue.
+"""
 
 from dataclasses import dataclass
 from enum import StrEnum
@@ -10,7 +13,7 @@ class DialogueCondition(StrEnum):
     """Way in which robots and participant decide together."""
 
     SUPERVISOR = "supervisor"
-    """Robots do what they are told, without a word."""
+    """Robots do what they are asked to, without discussion."""
     SCRIPT = "script"
     """Robots ask the scripted questions of 2016."""
     COLLABORATOR = "collaborator"
@@ -22,7 +25,7 @@ class DialogueCondition(StrEnum):
 
     @property
     def argues(self) -> bool:
-        """True where robots have arguments."""
+        """True if robots have arguments."""
         return self not in {DialogueCondition.SUPERVISOR, DialogueCondition.SCRIPT}
 
 
@@ -31,12 +34,13 @@ class Manner:
     """Manner in which a robot argues.
 
     Attributes:
-        condition: who has the last word.
-        attitude: towards what the participant says.
-        persistence: number of dialogues about the same matter in which it holds out.
-        talkative: gives its arguments part by part, each to be accepted or not; else each as a whole.
-        gives_reasons: answers a question for reasons, and gives them where it refuses.
-        misheard: probability that it takes the participant to have made another legal move.
+        condition: determines which side has the last word.
+        attitude: attitude to statements of the participant.
+        persistence: number of dialogues about the same matter in which it maintains its position.
+        talkative: if True, it gives its arguments part by part, and the other side accepts or refuses each; otherwise
+            as a whole.
+        gives_reasons: True if it answers questions for reasons, and gives reasons when it refuses.
+        misheard: probability that it understands another legal move than the participant made.
     """
 
     condition: DialogueCondition = DialogueCondition.COLLABORATOR

@@ -1,7 +1,7 @@
-"""Dialogue engines: moves of people in; utterances and outcomes out.
+"""Dialogue engines: they receive moves of people, and return utterances and outcomes.
 
-A wizard may speak in a robot's place: a dialogue that is held waits where the robot would speak, until `speak` makes
-its move or `release` lets the robot itself do so.
+A wizard may speak in a robot's place. A dialogue that is held waits at the robot's turn, until `speak` makes its move
+or `release` lets the robot itself do so.
 """
 
 from dataclasses import dataclass
@@ -22,14 +22,17 @@ from thbridge.dialogue.moves import (
 
 
 class Phrasing(Protocol):
-    """Wording of moves as sentences."""
+    """Sentences for moves."""
 
     def say(self, dialogue: Dialogue, move: Move, speaker: Speaker) -> str:
-        """Return the sentence for a move that is, or may be, the next in this dialogue."""
+        """Return the sentence for a move that is, or can be, the next in this dialogue."""
         ...
 
     def authored(self, dialogue: Dialogue, move: Move) -> OfferedSentence | None:
-        """Return what another author offers for the robot's next move; None where there is none, or it is not asked."""
+        """Return the offer of another author for the robot's next move.
+
+        None without an author, or if it is not asked.
+        """
         ...
 
 
@@ -43,12 +46,12 @@ class Choice:
 
 @dataclass(frozen=True, slots=True)
 class DialogueStep:
-    """Result of opening a dialogue or of a move.
+    """Result of an opening or a move.
 
     Attributes:
-        dialogue: the dialogue as it now is.
-        utterances: in order.
-        outcome: of the dialogue; None if it waits, for the person or for the wizard in the robot's place.
+        dialogue: the dialogue in its new state.
+        utterances: the new utterances, in order.
+        outcome: outcome of the dialogue; None while it waits for the person, or for the wizard in the robot's place.
     """
 
     dialogue: Dialogue
@@ -57,51 +60,54 @@ class DialogueStep:
 
 
 class DialogueEngine(Protocol):
-    """Engine for one way of talking. Holds no state: every method takes a dialogue and returns it as it then is.
+    """Engine for one kind of dialogue. It has no state: every method receives a dialogue and returns its new state.
 
-    All methods raise ValueError if somebody, or the strategy, makes a move that is not legal.
+    All methods raise ValueError if a person, a wizard or the strategy makes an illegal move.
     """
 
     @property
     def argues(self) -> bool:
-        """True when topics need the robot's facts."""
+        """True if topics need the robot's facts."""
         ...
 
     def open(
         self, number: int, topic: DialogueTopic, *, held: bool = False, former: Conversation | None = None
     ) -> DialogueStep:
-        """Open a dialogue, and unless held let the robot speak until it is the person's turn or the dialogue ends.
+        """Open a dialogue; unless it is held, let the robot speak until the person's turn or the end of the dialogue.
 
         Args:
-            number: of the dialogue.
-            topic: of the dialogue.
-            held: a wizard speaks in the robot's place.
-            former: all that this robot and the participant have said and believed before, where robots argue.
+            number: number of the dialogue.
+            topic: topic of the dialogue.
+            held: True if a wizard speaks in the robot's place.
+            former: earlier statements and beliefs of this robot and the participant, if robots argue.
         """
         ...
 
     def announce(self, number: int, topic: DialogueTopic, move: Move) -> DialogueStep:
-        """Let the robot say something that takes no answer; the dialogue ends with it."""
+        """Let the robot say something that needs no answer; the dialogue ends with it."""
         ...
 
     def move(self, dialogue: Dialogue, move: Move, *, held: bool = False) -> DialogueStep:
-        """Make the person's move, and unless held let the robot answer."""
+        """Make the person's move; unless the dialogue is held, let the robot answer."""
         ...
 
     def speak(self, dialogue: Dialogue, move: Move, text: str = "") -> DialogueStep:
-        """Make the move of a robot whose dialogue is held, and keep it held; `text` as for `Turn`."""
+        """Make the move of a robot in a held dialogue, and keep it held; `text` is as in `Turn`."""
         ...
 
     def release(self, dialogue: Dialogue) -> DialogueStep:
-        """Let the robot speak in a dialogue that was held."""
+        """Let the robot speak in a held dialogue."""
         ...
 
     def retake(self, dialogue: Dialogue, turn: Turn) -> DialogueStep:
-        """Take a turn that was taken before the dialogue was restored; nobody answers it."""
+        """Repeat a turn from before the dialogue was restored; there is no answer to it."""
         ...
 
     def choices(self, dialogue: Dialogue, speaker: Speaker = Speaker.PERSON) -> tuple[Choice, ...]:
-        """Return the speaker's legal moves in an open dialogue, most agreeable first; none if it is not their turn."""
+        """Return the speaker's legal moves in an open dialogue, most agreeable first.
+
+        None if it is not the speaker's turn.
+        """
         ...
 
     def utterances(self, dialogue: Dialogue) -> tuple[DialogueUtterance, ...]:
@@ -110,7 +116,7 @@ class DialogueEngine(Protocol):
 
 
 def announcement(phrasing: Phrasing, number: int, topic: DialogueTopic, move: Move) -> DialogueStep:
-    """Return the dialogue in which a robot says one thing that takes no answer."""
+    """Return the dialogue in which a robot makes one statement that needs no answer."""
     turn = Turn(Speaker.ROBOT, move, Author.ROBOT)
     text = phrasing.say(Dialogue(number, topic), move, Speaker.ROBOT)
     utterance = DialogueUtterance(number, 0, Speaker.ROBOT, Author.ROBOT, move, text, topic)

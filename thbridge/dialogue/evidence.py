@@ -1,7 +1,7 @@
-"""Evidence of a robot for the three decisions of the hunt: what it knows, and which arguments that makes.
+"""Evidence of a robot for the three decisions of the hunt: its knowledge, and the arguments that follow from it.
 
-Nothing is in here that only the simulator knows: the robot's own energy and costs, what the others of its team say of
-theirs, the joint plan made of these, its own failures, and what was found out about treasures.
+It never contains knowledge that only the simulator has. It contains the robot's own energy and costs, the reports of
+the other robots about theirs, the joint plan made of these, its own failures, and the known properties of treasures.
 """
 
 import math
@@ -51,21 +51,21 @@ class WhereFacts:
     Attributes:
         robot: index in the team, from 0.
         here: the place where it stands.
-        energy: it has left.
-        costs: energy to each room that is left; rooms without a way are left out.
-        left: rooms that nobody has looked into.
-        under_way: rooms that other robots drive to or have agreed to go to.
-        values: what each room as its next one is worth to the team.
-        others: costs of those robots of the team that the plan sends to a room first, by room.
-        failed: rooms that it did not reach when it was sent there, or has no way to.
+        energy: energy that it has left.
+        costs: energy to each room left; rooms without a path are missing.
+        left: rooms that have not been visited.
+        under_way: rooms to which other robots drive or have agreed to go.
+        values: for each room as its next one, the value for the team.
+        others: by room, costs of those robots of the team that the plan sends there first.
+        failed: rooms that it was sent to and did not reach, or to which it has no path.
         team_costs: costs of the other robots to rooms, by their indices.
-        team_values: what a room as the next one of another robot is worth to the team, by that robot's index.
-        tour: rooms that the plan gives it, in their order.
-        advised: the room that its planner has chosen; None: the one of most value.
-        compares: False: it gives no reason but what a room costs, as an adviser does that may err.
-        proven: False: the values are of plans that were found, and others may be better; none is compared with another.
-        left_behind: robots that the plan gives no room when this one goes to a certain room, by that room.
-        confidence: of its localization, 0 to 1.
+        team_values: by the index of another robot, the value for the team of each room as its next one.
+        tour: rooms that the plan assigns to it, in their order.
+        advised: the room that its planner chose. If None, it is the room with the highest value.
+        compares: if False, its only reason for a room is the cost, as for an adviser that may give wrong advice.
+        proven: if False, the plans may not be the best ones, so their values are not compared.
+        left_behind: by room, the robots that get no room in the plan if this robot goes there.
+        confidence: confidence in its localization, 0 to 1.
         at: simulated time, s.
     """
 
@@ -91,12 +91,12 @@ class WhereFacts:
 
 @dataclass(frozen=True, slots=True)
 class Misfit:
-    """Property of a treasure in which a name does not fit it; values are parts of sentences.
+    """Property of a treasure that a name does not fit; its values are parts of sentences.
 
     Attributes:
-        found: what was found.
-        listed: what treasures of that name have.
-        is_told: True when the participant told it.
+        found: the value found.
+        listed: the values of treasures with that name.
+        is_told: True if the participant reported it.
     """
 
     found: str
@@ -106,19 +106,19 @@ class Misfit:
 
 @dataclass(frozen=True, slots=True)
 class WhatFacts:
-    """Facts of a robot about a treasure that was found.
+    """Facts of a robot about a found treasure.
 
     Attributes:
-        room: where it is.
-        energy: the robot has left.
+        room: room of the treasure.
+        energy: energy that the robot has left.
         picture_cost: energy of a picture.
-        naming_cost: energy of naming it.
-        names: that fit all that is known of it, in alphabetical order.
-        has_picture: True when there is a picture of it.
+        naming_cost: energy of naming the treasure.
+        names: names that fit everything known about it, in alphabetical order.
+        has_picture: True if there is a picture of it.
         at: simulated time, s.
-        claimed: name that the participant wants to give it; empty: she has said none.
-        against: properties in which that name does not fit what was found, as parts of sentences.
-        unsure: True when she asks the robot what it is.
+        claimed: name that the participant wants to give it; empty if the participant proposes none.
+        against: properties that this name does not fit, as parts of sentences.
+        unsure: True if the participant asks the robot what it is.
     """
 
     room: Room
@@ -134,7 +134,7 @@ class WhatFacts:
 
 
 def situation_of(facts: WhereFacts | WhatFacts) -> WhereFacts | WhatFacts:
-    """Return the facts without what depends on the time, or on what was asked: equal ones are the same situation."""
+    """Return the facts without those that depend on the time or the question; equal results mean the same situation."""
     if isinstance(facts, WhereFacts):
         return replace(facts, at=0.0, advised=None, left_behind={})
     return replace(facts, at=0.0, claimed="", against=(), unsure=False)
@@ -145,10 +145,10 @@ class Evidence:
     """Beliefs of a robot for one decision.
 
     Attributes:
-        beliefs: sensed and computed, with the rules of the language, and its decision.
-        decision: what it would do; None where it sees nothing to do.
-        order: of its tour up to the room it is compared with; None where that room is not a later stop of it.
-        doubt: what it does not know, and may be asked for; None where it has a decision.
+        beliefs: sensed and computed beliefs, with the rules of the language, and the decision.
+        decision: what the robot would do; None if it sees nothing to do.
+        order: order of its tour up to the compared room; None if that room is not a later stop of the tour.
+        doubt: the literal that it does not know and may be asked about; None if it has a decision.
     """
 
     beliefs: Beliefs
@@ -158,12 +158,12 @@ class Evidence:
 
 
 def where(facts: WhereFacts, told: Beliefs | None = None, rival: Room | None = None) -> Evidence:
-    """Return what a robot believes about where to go.
+    """Return a robot's beliefs about where to go.
 
     Args:
-        facts: what it knows.
-        told: what it was told before and accepted; its decision goes by that too.
-        rival: room with which it compares the best one; None: the one that costs it least.
+        facts: the robot's facts.
+        `told`: accepted statements of the person, as beliefs; they also affect its decision.
+        rival: room to compare with the best one. If None, it is the room with the lowest cost.
     """
     case = _Case(facts.at, told)
     level = case.knows(EnergyLevel(facts.energy))
@@ -172,7 +172,7 @@ def where(facts: WhereFacts, told: Beliefs | None = None, rival: Room | None = N
     if best is None:
         return case.evidence(None, ())
     others = [room for room in facts.left if room != best]
-    # What it was persuaded of may be a room that the plan does not value.
+    # A person may have persuaded the robot of a room that the plan does not value.
     comparable = facts.values if facts.compares and best in facts.values else {}
     compared = {room: _compared(case, facts, best, room) for room in others if room in comparable}
     nearest = min(compared, key=lambda room: (facts.costs.get(room, math.inf), room), default=None)
@@ -183,7 +183,7 @@ def where(facts: WhereFacts, told: Beliefs | None = None, rival: Room | None = N
         reasons = (_planned(case, facts, best),)
     goes = Literal(NextRoom(facts.robot, best))
     case.rule(reasons, goes)
-    # Whoever chooses one room has decided against the others (Sklar and Azhar 2015).
+    # A choice of one room is a decision against the others (Sklar and Azhar 2015).
     rest = tuple(Literal(NextRoom(facts.robot, room), holds=False) for room in others)
     order = None if rival is None else _order(facts.tour, best, rival)
     if order is None or not compared.get(rival or best):
@@ -193,7 +193,7 @@ def where(facts: WhereFacts, told: Beliefs | None = None, rival: Room | None = N
 
 
 def is_decision(literal: Literal) -> bool:
-    """Return True for what is decided, or wished, in one situation only."""
+    """Return True for decisions and wishes, which hold in one situation only."""
     decided = (
         NextRoom | VisitOrder | RoomSequence | Conjunction | TakesPicture | NamesTreasure | NamesTreasureAs | Wanted
     )
@@ -201,12 +201,12 @@ def is_decision(literal: Literal) -> bool:
 
 
 def is_hearsay(literal: Literal) -> bool:
-    """Return True for what a robot holds only because a person has persuaded it."""
+    """Return True for beliefs that a robot holds only because a person persuaded it."""
     return is_decision(literal) or isinstance(literal.proposition, InTheWay | SeenInPicture)
 
 
 def what(facts: WhatFacts, told: Beliefs | None = None) -> Evidence:
-    """Return what a robot believes about naming a treasure, or taking a picture of it first."""
+    """Return a robot's beliefs about naming a treasure, or first taking a picture of it."""
     case = _Case(facts.at, told)
     level = case.knows(EnergyLevel(facts.energy))
     picture, naming = case.knows(PictureCost(facts.picture_cost)), case.knows(NamingCost(facts.naming_cost))
@@ -218,9 +218,9 @@ def what(facts: WhatFacts, told: Beliefs | None = None) -> Evidence:
         found = case.knows(PropertyFound(facts.room, misfit.found), source=source)
         case.rule((found, case.knows(PropertyListed(facts.claimed, misfit.listed))), ~names)
     if facts.claimed:
-        # Whoever sees the picture may tell.
+        # Only a person who sees the picture can answer.
         case.rule((Literal(SeenInPicture(facts.room, facts.claimed)),), names)
-    # Where she has no name, or none that fits, the robot looks for its own.
+    # If the person has no name, or one that does not fit, the robot looks for its own.
     own_name = facts.unsure or bool(facts.against)
     if facts.has_picture:
         taken = case.knows(PictureTaken(facts.room))
@@ -254,17 +254,17 @@ def what(facts: WhatFacts, told: Beliefs | None = None) -> Evidence:
 
 
 def named(facts: WhatFacts) -> Literal:
-    """Return that the treasure is named now: by the name claimed, where there is one."""
+    """Return the literal that the treasure is named now, with the claimed name if there is one."""
     return Literal(NamesTreasureAs(facts.room, facts.claimed) if facts.claimed else NamesTreasure(facts.room))
 
 
 def is_below(energy: float, other: float) -> bool:
-    """Return True when an energy is below another one as people read them, with two decimals."""
+    """Return True if an energy is below another one after rounding to two decimals, as people read them."""
     return round(energy, 2) < round(other, 2)
 
 
 def comparison(better: PlanValue, worse: PlanValue) -> Proposition | None:
-    """Return why a plan is better than another one, or None when it is not."""
+    """Return the reason why a plan is better than another one, or None if it is not better."""
     if better.rooms > worse.rooms:
         return FewerRooms(worse.rooms, better.rooms)
     if better.rooms == worse.rooms and is_below(better.cost, worse.cost):
@@ -273,7 +273,7 @@ def comparison(better: PlanValue, worse: PlanValue) -> Proposition | None:
 
 
 def reasons_of_a_person(claim: Literal, facts: WhereFacts | WhatFacts) -> Beliefs:
-    """Return what a person could put forward for a claim: her wish, and what she sees as well as the robot does."""
+    """Return a person's possible reasons for a claim: a wish, and facts that people see as well as robots."""
     wish = Literal(Wanted(claim))
     reasons: dict[Literal, Rule] = {wish: Rule((wish,), claim, is_said=False)}
     if isinstance(facts, WhereFacts) and isinstance(claim.proposition, NextRoom):
@@ -291,7 +291,7 @@ def reasons_of_a_person(claim: Literal, facts: WhereFacts | WhatFacts) -> Belief
 
 
 class _Case:
-    """Beliefs as they are gathered; what is asked to be known is sensed or computed at this time."""
+    """Beliefs while they are collected; each literal added with `knows` is sensed or computed at this time."""
 
     def __init__(self, at: float, told: Beliefs | None) -> None:
         self._at = at
@@ -301,7 +301,7 @@ class _Case:
 
     def knows(self, proposition: Proposition, *, confidence: float = 1.0, source: Source | None = None) -> Literal:
         literal, usual = Literal(proposition), _SOURCES.get(type(proposition), Source.COMPUTED)
-        # Reasons are given in this order: what compares others comes after all of them.
+        # Reasons are given in the order of this key; comparisons come last.
         self._gathered.pop(literal, None)
         self._gathered[literal] = Origin(source or usual, self._at, confidence)
         return literal
@@ -310,17 +310,20 @@ class _Case:
         self._rules[Rule(premises, conclusion, is_said=False)] = None
 
     def was_told(self, conclusion: Literal) -> bool:
-        """True for something that it was persuaded of."""
+        """True for a conclusion that the robot holds because a person persuaded it."""
         return conclusion in self._told
 
     def is_against(self, conclusion: Literal) -> bool:
-        """True when there is evidence, or something told, against a conclusion."""
+        """True if evidence, or an accepted statement, is against a conclusion."""
         known = self._told.origins.keys() | self._gathered.keys()
         by_rule = (rule for rule in self._rules if rule.conclusion == ~conclusion)
         return self.was_told(~conclusion) or any(known.issuperset(rule.premises) for rule in by_rule)
 
     def evidence(self, decision: Literal | None, rest: tuple[Literal, ...]) -> Evidence:
-        """Beliefs with a decision; what was told gives way to evidence, and to the decision."""
+        """Return the beliefs with a decision.
+
+        Accepted statements that contradict evidence or the decision are dropped.
+        """
         gathered = tuple(self._gathered)
         told = {
             literal: origin
@@ -342,11 +345,11 @@ _SOURCES: Mapping[type[Proposition], Source] = {
     CostOfOther: Source.TOLD,
     UnderWay: Source.TOLD,
 }
-"""Sources of evidence; what is not here is computed."""
+"""Sources of evidence; kinds that are not listed are computed."""
 
 
 def _affordable(case: _Case, facts: WhereFacts, room: Room, level: Literal) -> tuple[Literal, ...]:
-    """Gather whether the robot can get to a room at all; return the reasons if it can."""
+    """Add the beliefs about whether the robot can reach a room at all; return the reasons if it can."""
     goes, cost = Literal(NextRoom(facts.robot, room)), facts.costs.get(room)
     case.rule((Literal(InTheWay(room)),), ~goes)
     if room in facts.under_way:
@@ -359,12 +362,12 @@ def _affordable(case: _Case, facts: WhereFacts, room: Room, level: Literal) -> t
     if cost > facts.energy:
         case.rule((level, way, case.knows(LessThan((facts.energy,), cost))), ~goes)
         return ()
-    # Paying with all that is left is possible, and nothing is below it then.
+    # The robot may spend all of its energy on a move, so that none is left below the cost.
     return (level, way, case.knows(LessThan((cost,), facts.energy))) if is_below(cost, facts.energy) else (level, way)
 
 
 def _best(facts: WhereFacts, case: _Case) -> Room | None:
-    """The room that its planner has chosen, or else the one that the plan values most, if nothing stands against it."""
+    """Return the room that its planner chose, or else the room with the highest value that nothing stands against."""
     wanted = [room for room in facts.left if case.was_told(Literal(NextRoom(facts.robot, room)))]
     if wanted:
         return wanted[0]
@@ -379,7 +382,7 @@ def _best(facts: WhereFacts, case: _Case) -> Room | None:
 
 
 def _contrasted(case: _Case, facts: WhereFacts, best: Room, rival: Room) -> None:
-    """Gather what it costs the team to go to a room instead of the best one."""
+    """Add the belief about the team's costs of going to a room instead of the best one."""
     better, worse = facts.values[best], facts.values[rival]
     if better.rooms > worse.rooms:
         case.knows(ShorterPlan(rival, best, better.rooms - worse.rooms))
@@ -390,14 +393,14 @@ def _contrasted(case: _Case, facts: WhereFacts, best: Room, rival: Room) -> None
 
 
 def _order(tour: tuple[Room, ...], first: Room, later: Room) -> Literal | None:
-    """Return the order of a tour up to a later room; None where the tour does not begin with the first one."""
+    """Return the order of a tour up to a later room; None if the tour does not begin with the first room."""
     if tour[:1] != (first,) or later not in tour[1:]:
         return None
     return Literal(RoomSequence(tour[: tour.index(later) + 1]))
 
 
 def _compared(case: _Case, facts: WhereFacts, best: Room, room: Room) -> tuple[Literal, ...]:
-    """Gather the reasons against another room than the best one; return those for the best one, if it is better."""
+    """Add the reasons against a room other than the best one; return those for the best one, if it is better."""
     goes = Literal(NextRoom(facts.robot, room))
     difference = comparison(facts.values[best], facts.values[room])
     if difference is None:
@@ -417,6 +420,6 @@ def _compared(case: _Case, facts: WhereFacts, best: Room, room: Room) -> tuple[L
 
 
 def _planned(case: _Case, facts: WhereFacts, room: Room) -> Literal:
-    """Gather what the team reaches when the robot goes to a room next."""
+    """Add the belief about the result for the team if the robot goes to a room next."""
     value = facts.values[room]
     return case.knows(TeamPlan(facts.robot, room, value.rooms, value.cost), confidence=facts.confidence)

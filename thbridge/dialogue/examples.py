@@ -1,7 +1,7 @@
 """The worked example of Sklar and Azhar (2015): five exchanges between a robot and a person about a treasure hunt.
 
-The robot stands in room 4 with an energy of 1000. Each exchange begins with fresh stores; the second and third do with
-the costs of the later ones.
+The robot stands in room 4 with an energy of 1000. Each exchange begins with empty stores. The second and third ones use
+the costs of the later exchanges.
 """
 
 from collections.abc import Mapping
@@ -45,10 +45,10 @@ class Exchange:
     """One exchange of the example.
 
     Attributes:
-        title: for people.
-        topics: propositions it is about, in the order in which they are talked over.
-        start: the conversation before anything is said.
-        course: moves in order, each with its side; several where the example leaves open which it is.
+        title: title for people.
+        topics: propositions that it is about, in the order of the dialogues about them.
+        start: the conversation before the first move.
+        course: moves in order, each with its side; several alternatives if the example allows any of them.
     """
 
     title: str
@@ -70,13 +70,13 @@ def jhri2015(rulebook: Rulebook) -> tuple[Exchange, ...]:
 
 
 def course(text: str) -> tuple[tuple[Side, tuple[str, ...]], ...]:
-    """Return the course that is written as a move a line, each after its side, with ` | ` between alternatives."""
+    """Return the course of a text with one move per line, after its side, with ` | ` between alternatives."""
     lines = [line.strip().split(": ", 1) for line in text.strip().splitlines()]
     return tuple((Side(side), tuple(moves.split(" | "))) for side, moves in lines)
 
 
 _COURSES = (
-    # The person is shown her three answers; two of them are the next exchanges.
+    # The person has three answers in the example; two of them are the next exchanges.
     """
     robot: assert(selected(Room3))
     """,
@@ -137,7 +137,7 @@ order(1, Room1) and order(2, Room3))
     robot: accept(in_image(bottle, image2) and color_found(image2, blue) -> treasure_in(blue bottle, Room1))
     """,
 )
-"""The courses of the exchanges, a move a line, with a bar between those of which the example takes any."""
+"""The courses of the exchanges, one move per line; a bar separates moves if the example allows any of them."""
 
 
 def order(*rooms: int) -> RoomSequence:
@@ -156,12 +156,12 @@ def level() -> Literal:
 
 
 def cost(start: int, goal: int, energy: float) -> Literal:
-    """Return what a way costs."""
+    """Return the literal on the cost of a path."""
     return Literal(EnergyCost(Room(start), Room(goal), energy))
 
 
 def less(terms: tuple[float, ...], limit: float) -> Literal:
-    """Return that a sum of energies is below another energy."""
+    """Return the literal that a sum of energies is below another energy."""
     return Literal(LessThan(terms, limit))
 
 
@@ -220,7 +220,7 @@ def _robot(evidence: list[Literal], decided: list[Literal], rules: list[Rule], h
 
 
 def _person(reasons: tuple[Proposition, ...], against: Literal, rules: list[Rule]) -> Agent:
-    """A person who may give each of some reasons against what the robot wants."""
+    """Return a person who may give several reasons against the robot's wish."""
     own = [Rule((Literal(reason),), against, is_said=False) for reason in reasons]
     return Agent(Side.HUMAN, Beliefs.of(map(Literal, reasons), [*rules, *own], Source.TOLD), is_person=True)
 
@@ -230,5 +230,5 @@ def _conversation(rulebook: Rulebook, robot: Agent, person: Agent) -> Conversati
 
 
 def people_see_shapes(side: Side, proposition: Proposition) -> bool:
-    """Return True for what a side is thought to know: the person knows which things pictures show."""
+    """Return True for propositions that a side is assumed to know: the person knows which things pictures show."""
     return side is Side.HUMAN and isinstance(proposition, InImage)

@@ -1,4 +1,4 @@
-"""An exchange of an example being played: what a side may do, and programs that follow its course."""
+"""Playing of an exchange of an example: the possible acts of a side, and programs that follow its course."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -18,9 +18,9 @@ class ExchangeAct:
     """Act of a side: a move in a dialogue, or the opening of another one.
 
     Attributes:
-        move: what is said.
-        number: of the dialogue in which it is said, or which waits for the new one; None where there is none.
-        opening: of a new dialogue; None for a move.
+        move: the move.
+        number: number of the dialogue of the move, or of the dialogue that waits for a new one; None if there is none.
+        opening: opening of a new dialogue; None for a move.
     """
 
     move: DialogueMove
@@ -28,14 +28,14 @@ class ExchangeAct:
     opening: Opening | None = None
 
     def done(self, conversation: Conversation, side: Side) -> Conversation:
-        """Return the conversation after a side has done this."""
+        """Return the conversation after this act of a side."""
         if self.opening is not None:
             return conversation.open(side, self.opening, parent=self.number)
         return conversation if self.number is None else conversation.say(self.number, self.move)
 
 
 def turn_in(conversation: Conversation) -> tuple[int, Side] | None:
-    """Return the dialogue that goes on, of several the inmost one, and whose turn it is; None between dialogues."""
+    """Return the innermost dialogue under way and the side whose turn it is; None between dialogues."""
     going = [play for play in conversation.open_plays if not conversation.waits(play.number)]
     return (going[-1].number, going[-1].speaker) if going else None
 
@@ -43,13 +43,13 @@ def turn_in(conversation: Conversation) -> tuple[int, Side] | None:
 def acts(
     exchange: Exchange, conversation: Conversation, side: Side, game: str | None = None
 ) -> tuple[ExchangeAct, ...]:
-    """Return all that a side may do now: moves in the dialogue that goes on, openings of others, questions of a no.
+    """Return all possible acts of a side: moves in the present dialogue, openings of others, questions about a refusal.
 
     Args:
-        exchange: its topics, and what these are made of, are talked over.
-        conversation: as things are.
-        side: whose turn it is in that dialogue, or either between dialogues.
-        game: the only one that may be opened; None: those that the nine cases call for.
+        exchange: dialogues are about its topics and their parts.
+        conversation: the present conversation.
+        side: the side whose turn it is in that dialogue, or either side between dialogues.
+        game: the only game that may be opened. If None, the nine cases determine the games.
     """
     number = turn[0] if (turn := turn_in(conversation)) is not None else None
     moves = () if number is None else conversation.legal(number)
@@ -64,7 +64,7 @@ def acts(
 
 
 def _questions(conversation: Conversation, side: Side, game: str | None) -> Iterator[ExchangeAct]:
-    """Yield the questions about a refusal with which a dialogue has just ended."""
+    """Yield the questions about a refusal that has just ended a dialogue."""
     refused = conversation.refused
     if refused is None or refused.in_question is None:
         return
@@ -86,7 +86,7 @@ def _openings(
 
 
 def _matters(exchange: Exchange, conversation: Conversation) -> list[Proposition]:
-    """Return what a dialogue may be opened about: topics and their parts, but for what is being talked over."""
+    """Return the possible subjects of a new dialogue: topics and their parts, except those already under discussion."""
     parts = [part.proposition for topic in exchange.topics for part in topic.parts]
     open_ones = {matter_of(play.topic) for play in conversation.open_plays}
     return [each for each in dict.fromkeys([*exchange.topics, *parts]) if each not in open_ones]
@@ -94,14 +94,14 @@ def _matters(exchange: Exchange, conversation: Conversation) -> list[Proposition
 
 @dataclass(slots=True)
 class CourseFollower:
-    """Program that plays a side as the course of an exchange has it.
+    """Program that plays a side according to the course of an exchange.
 
     Attributes:
         exchange: the exchange.
         side: the side that it plays.
-        seed: of the choice among moves that the example leaves open.
-        strategy: chooses moves where the course has none; of an exchange without a course, a dialogue is opened with
-            the first thing that can be said. None: nothing is done then.
+        seed: random seed for the choice among moves that the example allows.
+        strategy: chooses moves that the course does not determine. Without a course, a dialogue is opened with the
+            first possible move. If None, nothing is done in these cases.
     """
 
     exchange: Exchange
@@ -112,7 +112,7 @@ class CourseFollower:
 
     def choose(self, conversation: Conversation, possible: tuple[ExchangeAct, ...]) -> ExchangeAct | None:
         """Return one of the possible acts, or None for none of them."""
-        # Where a move and an opening read alike, the move is meant.
+        # If a move and an opening have the same text, the move is meant.
         by_text = {str(act.move): act for act in reversed(possible)}
         course = self.exchange.course
         for at in range(self._next, len(course)):

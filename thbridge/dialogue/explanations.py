@@ -1,7 +1,7 @@
-"""Explanations that a person may ask for: why this and not that, what is known, what would change the robot's mind.
+"""Explanations on request: reasons for this and not that, the robot's knowledge, and what would change its mind.
 
-An explanation is made of literals, each of which the robot believes, or, of what would change its mind, which would
-lead it to another decision. So what is said is true by construction.
+An explanation consists of literals that the robot believes, or of literals that would each lead it to another decision.
+So its contents are true by construction.
 """
 
 from thbridge.dialogue.argumentation.arguments import Argument
@@ -26,12 +26,12 @@ from thbridge.hunt.rooms import Room
 
 
 def questions(facts: WhereFacts | WhatFacts, evidence: Evidence, claim: Literal) -> tuple[Enquire, ...]:
-    """Return the questions that may be asked about a decision and have an answer.
+    """Return the possible questions about a decision that have an answer.
 
     Args:
-        facts: the robot's.
-        evidence: made of them.
-        claim: what the dialogue is about.
+        facts: the robot's facts.
+        evidence: evidence made of these facts.
+        claim: the literal that the dialogue is about.
     """
     decision = evidence.decision
     possible = [Enquire(Question.WHY_NOT, _rival(facts, evidence, claim))]
@@ -45,7 +45,7 @@ def questions(facts: WhereFacts | WhatFacts, evidence: Evidence, claim: Literal)
 
 
 def explain(asked: Enquire, facts: WhereFacts | WhatFacts, evidence: Evidence) -> Explain:
-    """Return the answer to a question; without reasons where the robot has none."""
+    """Return the answer to a question; without reasons if the robot has none."""
     about, because = asked.about, tuple[Literal, ...]()
     match asked.question:
         case Question.WHY_THIS if about is not None:
@@ -64,7 +64,7 @@ def explain(asked: Enquire, facts: WhereFacts | WhatFacts, evidence: Evidence) -
 
 
 def _rival(facts: WhereFacts | WhatFacts, evidence: Evidence, claim: Literal) -> Literal | None:
-    """Return what the robot would not do, and a person may wonder about."""
+    """Return an alternative that the robot rejects and that a person may wonder about."""
     decision = evidence.decision
     if decision != claim:
         return claim
@@ -78,7 +78,10 @@ def _rival(facts: WhereFacts | WhatFacts, evidence: Evidence, claim: Literal) ->
 
 
 def _best_argument(evidence: Evidence, conclusion: Literal) -> Argument | None:
-    """The argument on the best evidence; of equal ones that which compares, since it says most."""
+    """Return the argument on the best evidence.
+
+    Among equal ones, an argument with comparisons, because it says most.
+    """
     found = evidence.beliefs.arguments(conclusion)
     prefers = evidence.beliefs.prefers
 
@@ -90,7 +93,7 @@ def _best_argument(evidence: Evidence, conclusion: Literal) -> Argument | None:
 
 
 def _contrast(evidence: Evidence, about: Literal) -> tuple[Literal, ...]:
-    """Return what it costs the team to go to a room instead of the best one, where the robot has compared them."""
+    """Return the team's costs of going to a room instead of the best one, if the robot has compared them."""
     room = getattr(about.proposition, "room", None)
     kinds = (ShorterPlan, DearerPlan, LeftBehind)
     found = [literal for literal in evidence.beliefs.origins if isinstance(literal.proposition, kinds)]
@@ -98,14 +101,14 @@ def _contrast(evidence: Evidence, about: Literal) -> tuple[Literal, ...]:
 
 
 def _premises(argument: Argument | None) -> tuple[Literal, ...]:
-    """Premises of an argument, in the order in which it is said."""
+    """Return the premises of an argument, in the order of the sentence."""
     if argument is None:
         return ()
     return tuple(reason for reason in reasons(argument.premises, argument.conclusion) if isinstance(reason, Literal))
 
 
 def _known(evidence: Evidence, about: Literal) -> tuple[Literal, ...]:
-    """All evidence that speaks of the same room, without comparisons."""
+    """Return all evidence about the same room, without comparisons."""
     room = getattr(about.proposition, "room", None)
 
     def speaks_of_it(proposition: Proposition) -> bool:
@@ -120,7 +123,7 @@ def _known(evidence: Evidence, about: Literal) -> tuple[Literal, ...]:
 
 
 def _against_other_robots(facts: WhereFacts, about: Literal) -> tuple[Literal, ...]:
-    """Own value of a room, and that of the robot that would come nearest to it."""
+    """Return the value of a room for this robot, and for the other robot with the closest value."""
     room: Room | None = getattr(about.proposition, "room", None)
     if room is None or room not in facts.values or not facts.compares:
         return ()
@@ -150,7 +153,7 @@ def _against_other_robots(facts: WhereFacts, about: Literal) -> tuple[Literal, .
 
 
 def _before_the_next(facts: WhereFacts, about: Literal) -> tuple[Literal, ...]:
-    """Values of going to a room now, and of beginning with the next one of the tour instead."""
+    """Return the values of going to a room now, and of beginning with the next room of the tour instead."""
     room: Room | None = getattr(about.proposition, "room", None)
     if room is None or facts.tour[:1] != (room,) or len(facts.tour) < 2 or not facts.compares:
         return ()
@@ -166,7 +169,7 @@ def _before_the_next(facts: WhereFacts, about: Literal) -> tuple[Literal, ...]:
 
 
 def _would_change(facts: WhereFacts, about: Literal) -> tuple[Literal, ...]:
-    """Literals each of which would lead to another room: something in the way, or a way that is dearer than so much."""
+    """Return literals that would each lead to another room: an obstacle in the way, or a higher cost of the path."""
     room: Room | None = getattr(about.proposition, "room", None)
     if room is None or room not in facts.values:
         return ()

@@ -1,9 +1,9 @@
 """Values of a dialogue: topic, moves, turns, utterances.
 
 A dialogue's public record (`Dialogue`) is its topic and its moves. Everything else (turn, legal moves, sentences,
-outcome) is computed from the record; where robots argue, what both sides believe is kept beside it.
+outcome) is computed from the record. If robots argue, the beliefs of both sides are kept next to it.
 
-A new way of talking adds its moves to `Move`, and an engine for them.
+A new kind of dialogue adds its moves to `Move`, and an engine for them.
 """
 
 from collections.abc import Mapping
@@ -23,15 +23,15 @@ class Scenario(StrEnum):
     """Decision that a dialogue is about."""
 
     SPECIFIC_ROOM = "specific-room"
-    """To go to the room that the person chose, or not."""
+    """Whether to go to the room that the person chose."""
     DONT_KNOW = "dont-know"
-    """To go to the room that the robot suggests because the person did not know, or not."""
+    """Whether to go to the room that the robot suggests because the person did not know."""
     TAKE_PICTURE = "take-picture"
-    """To take a picture of the treasure where the robot stands, or not."""
+    """Whether to take a picture of the treasure where the robot stands."""
     TAKE_TREASURE = "take-treasure"
-    """To take the treasure where the robot stands, that is, to identify it, or not."""
+    """Whether to take the treasure where the robot stands, that is, to identify it."""
     UNSURE_NAME = "unsure-name"
-    """What the treasure is where the robot stands, which the person does not know; only robots that argue are asked."""
+    """Name of the treasure where the robot stands, when the person does not know it; only for robots that argue."""
 
 
 class Speaker(StrEnum):
@@ -49,36 +49,36 @@ class Author(StrEnum):
     PERSON = "person"
     """The participant."""
     WIZARD = "wizard"
-    """A person who spoke in the robot's place, unknown to the participant (Wizard-of-Oz)."""
+    """A person who speaks in the robot's place, unknown to the participant (Wizard-of-Oz)."""
 
 
 class DialogueOutcome(StrEnum):
     """Outcome of a dialogue."""
 
     CONSENSUS = "consensus"
-    """Agreed: the topic's proposal may be carried out."""
+    """Agreed: the proposal of the topic may be carried out."""
     NO_CONSENSUS = "no-consensus"
     """Not agreed: the proposal is dropped."""
 
 
 @dataclass(frozen=True, slots=True)
 class DialogueTopic:
-    """Topic of a dialogue, with the facts that its sentences may name; it does not change while the dialogue is open.
+    """Topic of a dialogue, with the facts for its sentences; it does not change while the dialogue is open.
 
     Attributes:
         scenario: the decision.
         robot: the robot that asks, from 0 as on the wire.
         room: the destination, or the room of the treasure.
         cost: energy of the proposal.
-        energy: of the robot.
-        room_name: of the room, in the participant's language; empty where it has none of its own.
-        other_robot: the robot that could get to the room for the least energy besides this one; None without one.
-        properties: known of the treasure there.
-        reason: of the robot's suggestion, as part of a sentence; empty for what it did not suggest.
-        confidence: stated in its suggestion, 0 to 1; None where it states none.
-        facts: the robot's, for arguments; None where robots do not argue.
-        opener: the side that brings it up; a robot suggests a room without being asked.
-        name: that the treasure is to be given; empty where none was said.
+        energy: energy of the robot.
+        room_name: name of the room, in the participant's language; empty if it has no name of its own.
+        other_robot: the other robot that could reach the room for the least energy; None if there is none.
+        properties: known properties of the treasure there.
+        reason: reason for the robot's suggestion, as part of a sentence; empty without a suggestion.
+        confidence: confidence stated in its suggestion, 0 to 1; None if it states none.
+        facts: the robot's facts for arguments; None if robots do not argue.
+        opener: the side that brings it up; a robot can suggest a room without a request.
+        name: proposed name of the treasure; empty if there is none.
     """
 
     scenario: Scenario
@@ -98,7 +98,7 @@ class DialogueTopic:
 
 @dataclass(frozen=True, slots=True)
 class Ask:
-    """The robot asks its scripted question number `question`, counted from 0."""
+    """The robot asks its scripted question with index `question`, from 0."""
 
     question: int
 
@@ -114,7 +114,7 @@ class Stop:
 
 
 class Question(StrEnum):
-    """Question of a person about a decision, which the robot answers without anything else changing."""
+    """Question of a person about a decision; the robot's answer changes nothing else."""
 
     WHY_THIS = "why-this"
     WHY_NOT = "why-not"
@@ -127,17 +127,17 @@ class Question(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class OpenQuestions:
-    """The person wants to ask something."""
+    """The person wants to ask a question."""
 
 
 @dataclass(frozen=True, slots=True)
 class CloseQuestions:
-    """The person does not want to ask anything after all."""
+    """The person does not want to ask a question after all."""
 
 
 @dataclass(frozen=True, slots=True)
 class Enquire:
-    """The person asks a question; `about` is the literal that it is about, or None."""
+    """The person asks a question; `about` is the literal concerned, or None."""
 
     question: Question
     about: Literal | None = None
@@ -148,10 +148,10 @@ class Explain:
     """The robot answers a question.
 
     Attributes:
-        question: that it answers.
+        question: the question that it answers.
         about: as in the question.
-        because: beliefs of the robot that are its answer; none where it knows of nothing.
-        restates: the question whose answer it says again; None where it says none again.
+        because: beliefs of the robot that form the answer; empty if it has none.
+        restates: the question that was answered before in other words; None if this is no repetition.
     """
 
     question: Question
@@ -162,36 +162,36 @@ class Explain:
 
 @dataclass(frozen=True, slots=True)
 class Echo:
-    """The robot says what it has understood, where that is not what she said.
+    """The robot repeats the move that it understood, if this is not the person's move.
 
     Attributes:
-        heard: sentence of the move that it has understood.
+        heard: sentence of the move that it understood.
     """
 
     heard: str
 
 
 class Upshot(StrEnum):
-    """Upshot of what was said about a decision."""
+    """Result of the discussion of a decision."""
 
     AGREED = "agreed"
     OVERRIDDEN = "overridden"
-    """It is done because the person wants it all the same."""
+    """It is done because the person insists."""
     DECIDED = "decided"
-    """It is done because the robot wants it all the same."""
+    """It is done because the robot insists."""
     STAYS = "stays"
-    """The robot goes nowhere, as nothing was agreed upon."""
+    """The robot goes nowhere, because there was no agreement."""
     UNDONE = "undone"
-    """Nothing is done about a treasure, as nothing was agreed upon."""
+    """Nothing is done about a treasure, because there was no agreement."""
 
 
 @dataclass(frozen=True, slots=True)
 class Conclude:
-    """The robot tells what comes of what was said, where the person had the last word; it is no turn of the dialogue.
+    """The robot states the result after the person's last move; this is no turn of the dialogue.
 
     Attributes:
-        upshot: what comes of it.
-        about: what is done; None where nothing is.
+        upshot: the result.
+        about: the action that follows; None if there is none.
     """
 
     upshot: Upshot
@@ -200,19 +200,19 @@ class Conclude:
 
 @dataclass(frozen=True, slots=True)
 class DecideAlone:
-    """The robot, which nobody has attended to for so many seconds, tells that it decides by itself."""
+    """The robot says that it decides alone, because the participant has ignored it for some seconds."""
 
     waited: float
 
 
 @dataclass(frozen=True, slots=True)
 class Override:
-    """The person, who has the last word, wants it done all the same."""
+    """The person, who has the last word, insists on the decision."""
 
 
 @dataclass(frozen=True, slots=True)
 class Leave:
-    """The person leaves it at that; the dialogue ends."""
+    """The person gives up; the dialogue ends."""
 
 
 Move = (
@@ -248,12 +248,12 @@ _WORDS: Mapping[type[Move], str] = {
 
 
 def word_of(move: Move) -> str:
-    """Return the word for a move in recordings and for programs; that of a move in a dialogue game is its locution."""
+    """Return the word for a move, for recordings and programs; for a move in a dialogue game, it is its locution."""
     return move.locution if isinstance(move, DialogueMove) else _WORDS[type(move)]
 
 
 def move_text(move: Move) -> str:
-    """Return a move as journals write it; moves that are legal at the same time are written differently."""
+    """Return a move as text for journals; moves that are legal at the same time have different texts."""
     match move:
         case Ask(question):
             return f"ask({question})"
@@ -274,10 +274,11 @@ class Turn:
     Attributes:
         speaker: the side that made it.
         move: the move.
-        author: decided on it.
-        text: replaces the sentence that belongs to the move; empty: that sentence.
-        said: the move that was really made, where another one was heard; None: the same.
-        fault: why the robot's own strategy chose it in place of the study's; empty where it did not.
+        author: the one that decided on it.
+        text: sentence that replaces the usual sentence for the move; if empty, the usual one is said.
+        said: the move that the person really made, if the robot understood another one. If None, it understood
+            correctly.
+        fault: reason why the robot's own strategy chose the move in place of the installed one; empty if it did not.
     """
 
     speaker: Speaker
@@ -293,11 +294,11 @@ class Dialogue:
     """The public record of one dialogue.
 
     Attributes:
-        number: from 1, in order of opening.
-        topic: of the dialogue.
+        number: number of the dialogue, from 1, in order of opening.
+        topic: its topic.
         turns: all moves so far, oldest first.
-        conversation: what both sides have said and believe, where robots argue.
-        conclusions: what the robot has told beside its turns, each with the number of turns before it.
+        conversation: statements and beliefs of both sides, if robots argue.
+        conclusions: the robot's closing statements, which are no turns, each with the number of turns before it.
     """
 
     number: int
@@ -309,13 +310,13 @@ class Dialogue:
 
 @dataclass(frozen=True, slots=True)
 class OfferedSentence:
-    """Sentence of another author, who was asked to word a move.
+    """Sentence for a move, with the offer of another author.
 
     Attributes:
-        sentence: that would be said otherwise.
-        offered: by the author; None where it offered none.
-        refused: reason for which the offer was not taken, for programs; empty where it was, or there was none.
-        why: the same for people.
+        sentence: the usual sentence for the move.
+        offered: sentence that the author offered; None if it offered none.
+        refused: reason why the offer was refused, for programs; empty if it was accepted, or there was none.
+        why: the same reason for people.
     """
 
     sentence: str
@@ -325,7 +326,7 @@ class OfferedSentence:
 
     @property
     def text(self) -> str:
-        """The sentence to be said."""
+        """The sentence to say."""
         return self.sentence if self.offered is None or self.refused else self.offered
 
 
@@ -335,17 +336,17 @@ class DialogueUtterance:
 
     Attributes:
         dialogue: number of the dialogue.
-        index: place of the move in the dialogue, from 0.
+        index: index of the move in the dialogue, from 0.
         speaker: the side that made the move.
-        author: decided on it.
+        author: the one that decided on it.
         move: the move.
         text: the sentence.
-        topic: of the dialogue.
-        formal: moves in dialogue games that it made, those that followed by themselves among them.
-        heard: sentence of the move that the robot took it for; empty where it heard right.
-        conversation: what both sides have said and believe after it, where robots argue.
+        topic: topic of the dialogue.
+        formal: moves in dialogue games that the utterance made, with the moves that followed automatically.
+        heard: sentence of the move that the robot understood instead; empty if it understood correctly.
+        conversation: statements and beliefs of both sides after it, if robots argue.
         fault: as in `Turn`.
-        authored: what another author of sentences was asked, and offered; None where there is none.
+        authored: request to another author of sentences, with its offer; None if there is no such author.
     """
 
     dialogue: int

@@ -1,4 +1,4 @@
-"""Programs of others, such as strategies and authors of wordings: what they may raise, and how it is told."""
+"""Programs of others, such as strategies and authors of wordings: their errors, and texts for these."""
 
 import re
 import traceback
@@ -7,23 +7,23 @@ from pathlib import Path
 import sim
 
 RAISED = (Exception, SystemExit, GeneratorExit)
-"""All that a program of others may raise without ending ours; an interrupt is a person's."""
+"""All exceptions of another program that do not end this one; an interrupt comes from a person, and does."""
 LONGEST_FAULT = 300
-"""Greatest length of a fault, in characters."""
+"""Longest text of a fault, in characters."""
 _OURS = (Path(__file__).parents[1], Path(sim.__path__[0]))
 _ADDRESS = re.compile(r" at 0x[0-9a-fA-F]+")
 
 
 def told_error(error: BaseException) -> str:
-    """Return an error of a program of others, with its place there; it reads the same on each machine."""
+    """Return the text of another program's error, with its place there; it is the same on each machine."""
     text = in_a_line(traceback.format_exception_only(error)[-1])
     frames = traceback.extract_tb(error.__traceback__)
-    # The last one in the program itself, which may have called us again.
+    # The last frame in the other program itself; it may have called functions of thbridge.
     theirs = [frame for frame in frames if not any(map(Path(frame.filename).is_relative_to, _OURS))]
     return f"{text} ({Path(theirs[-1].filename).name}, line {theirs[-1].lineno})" if theirs else text
 
 
 def in_a_line(text: str) -> str:
-    """Return a text of a program of others as it can be recorded, without addresses, which differ each time."""
+    """Return a text of another program for a recording, without memory addresses, which differ each time."""
     line = " ".join(_ADDRESS.sub("", text).split()).encode("utf-8", "replace").decode()
     return line if len(line) <= LONGEST_FAULT else f"{line[:LONGEST_FAULT]}..."

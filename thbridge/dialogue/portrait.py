@@ -1,6 +1,6 @@
-"""Portrait of a conversation: what a robot believes, takes the person to believe, and makes of both, as plain text.
+"""Portrait of a conversation: a robot's beliefs, its picture of the person, and its conclusions, as plain text.
 
-It is what recordings keep of a conversation, and what researchers see of it.
+Recordings contain it, and researchers see it.
 """
 
 import json
@@ -19,9 +19,9 @@ from thbridge.dialogue.games.locutions import origin_of_hearsay
 from thbridge.json_text import json_of
 
 MOST_ARGUMENTS = 40
-"""Greatest number of arguments in a portrait."""
+"""Largest number of arguments in a portrait."""
 MOST_KEPT = 400
-"""Greatest number of beliefs, moves of a store, or games in a portrait; of more, the latest are kept."""
+"""Largest number of beliefs, moves of a store, or games in a portrait; beyond it, only the latest are kept."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,10 +29,10 @@ class PortrayedBelief:
     """Belief of a robot.
 
     Attributes:
-        literal: what is believed.
-        source: kind of place that it comes from.
-        at: simulated time at which it was so, s.
-        confidence: of whoever sensed or computed it, 0 to 1.
+        literal: the believed literal.
+        source: kind of its source.
+        at: simulated time of the observation or computation, s.
+        confidence: confidence of the one that sensed or computed it, 0 to 1.
     """
 
     literal: str
@@ -46,12 +46,12 @@ class PortrayedGame:
     """Dialogue game of a conversation.
 
     Attributes:
-        number: from 1, unique among the games of one robot.
-        parent: number of the game that waits for this one; 0 without one.
+        number: number of the game, from 1, unique among the games of one robot.
+        parent: number of the game that waits for this one; 0 if there is none.
         game: its name.
-        topic: what it is about.
+        topic: topic of the game.
         opener: the side that opened it.
-        end: its end; empty while it goes on.
+        end: its end; empty while it continues.
     """
 
     number: int
@@ -64,12 +64,12 @@ class PortrayedGame:
 
 @dataclass(frozen=True, slots=True)
 class PortrayedArgument:
-    """Argument about what the conversation is about.
+    """Argument about the subject of the conversation.
 
     Attributes:
-        support: what it rests on.
-        conclusion: what follows.
-        sides: who holds all that it rests on: "robot", "human", as far as the robot can tell.
+        support: beliefs on which it rests.
+        conclusion: the conclusion.
+        sides: the sides that hold all of its support, "robot" or "human", as far as the robot knows.
     """
 
     support: tuple[str, ...]
@@ -84,15 +84,17 @@ class DialoguePortrait:
     Attributes:
         games: dialogue games of the present situation, in order of opening.
         sigma: beliefs of the robot: Sigma.
-        rules: that it holds, those of the language left out.
-        held: what it takes the person to hold: Gamma(H).
-        unknown: propositions of which it takes her to know nothing.
-        argued: conclusions for which it takes her to have an argument.
+        rules: rules that the robot holds, without those of the language.
+        held: literals that it takes the person to hold: Gamma(H).
+        unknown: propositions about which it takes the person to know nothing.
+        argued: conclusions for which it takes the person to have an argument.
         robot_store: moves in its commitment store, oldest first.
-        human_store: moves in hers.
-        arguments: about the topics of the games, and about what it would do; of what it believes and was told.
-        attacks: places of attacker and attacked among the arguments; those that the robot's preferences leave.
-        grounded: places of the arguments in the grounded extension.
+        human_store: moves in the person's commitment store.
+        arguments: arguments about the topics of the games and about its decisions, from its beliefs and the person's
+            statements.
+        attacks: pairs of indices of attacker and attacked argument; only attacks that succeed against the robot's
+            preferences.
+        grounded: indices of the arguments in the grounded extension.
     """
 
     games: tuple[PortrayedGame, ...] = ()
@@ -108,7 +110,7 @@ class DialoguePortrait:
     grounded: tuple[int, ...] = ()
 
     def json(self) -> str:
-        """Return the text that recordings keep of it."""
+        """Return the text of the portrait in recordings."""
         return json.dumps(
             {
                 "games": [asdict(game) for game in self.games],
@@ -125,7 +127,7 @@ class DialoguePortrait:
 
 
 def read_portrait(text: str) -> DialoguePortrait:
-    """Return the portrait that was written as this text. Raises ValueError for any other text."""
+    """Return the portrait in a text from `json`. Raises ValueError for any other text."""
     try:
         values = json_of(text)
         gamma, stores, arguments = values["gamma"], values["stores"], values["arguments"]
@@ -159,7 +161,7 @@ def read_portrait(text: str) -> DialoguePortrait:
         raise ValueError(f"no portrait of a conversation: {error}") from None
     places = range(len(portrait.arguments))
     if any(place not in places for pair in (*portrait.attacks, portrait.grounded) for place in pair):
-        raise ValueError("no portrait of a conversation: it tells of an argument that is not there")
+        raise ValueError("no portrait of a conversation: it refers to a missing argument")
     return portrait
 
 
@@ -199,11 +201,11 @@ def portray(conversation: Conversation) -> DialoguePortrait:
 
 
 def _put_forward(robot: Agent, person: Agent) -> Beliefs:
-    """Beliefs of the robot, with what the person has shown to hold, and the rules by which she argues from that."""
+    """Return the robot's beliefs, together with the person's shown beliefs and the rules of the person's arguments."""
     picture = robot.picture
     hers = [rule for rule in person.beliefs.rules if all(premise in picture.held for premise in rule.premises)]
     rules = tuple(dict.fromkeys((*robot.beliefs.rules, *hers)))
-    # What she claims is no reason for itself.
+    # A claim of the person is no reason for itself.
     claims = {rule.conclusion.proposition for rule in (*rules, *person.beliefs.rules)}
     shown = {
         literal: origin_of_hearsay(literal, 0.0)
@@ -214,7 +216,7 @@ def _put_forward(robot: Agent, person: Agent) -> Beliefs:
 
 
 def _arguments(conversation: Conversation, beliefs: Beliefs) -> Iterable[Argument]:
-    """Arguments for and against topics and decisions, then those against what these rest on; each once."""
+    """Return arguments for and against topics and decisions, then those against their supports; each once."""
     robot = conversation.agents[Side.ROBOT]
     topics = [play.topic for play in conversation.plays[conversation.since :]]
     issues = dict.fromkeys(topic.conclusion if isinstance(topic, Rule) else topic for topic in reversed(topics))
@@ -235,7 +237,7 @@ def _arguments(conversation: Conversation, beliefs: Beliefs) -> Iterable[Argumen
 
 
 def _about(conclusions: Iterable[Literal], issues: Iterable[Literal], beliefs: Beliefs) -> dict[Argument, None]:
-    """Arguments for those conclusions that are issues, or opposed to one."""
+    """Return arguments for those conclusions that are issues, or opposed to one."""
     at_issue = [*issues]
     wanted = [each for each in conclusions if each in at_issue or any(opposed(each, issue) for issue in at_issue)]
     return dict.fromkeys(argument for conclusion in wanted for argument in beliefs.arguments(conclusion))

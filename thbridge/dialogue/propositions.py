@@ -1,4 +1,4 @@
-"""Propositions of the hunt: what robots and people may believe, and argue about; written as in Sklar and Azhar 2015."""
+"""Propositions of the hunt: possible beliefs and subjects of arguments, written as in Sklar and Azhar 2015."""
 
 from dataclasses import dataclass, fields
 from math import fsum
@@ -12,18 +12,18 @@ from thbridge.hunt.rooms import Room
 
 @dataclass(frozen=True, slots=True)
 class HuntProposition(Proposition):
-    """A proposition of the hunt: a predicate, and its values, which are written in the order of the fields.
+    """A proposition of the hunt: a predicate with values, which are written in the order of the fields.
 
     Attributes:
-        predicate: its name.
-        unique_by: fields that identify a thing that has one value only; None: several values may hold.
+        predicate: name of the predicate.
+        unique_by: fields that identify a thing with only one value. If None, several values can hold.
     """
 
     predicate: ClassVar[str]
     unique_by: ClassVar[tuple[str, ...] | None] = None
 
     def excludes(self, other: Proposition) -> bool:
-        """Return True for another value of the same thing."""
+        """Return True for a different value of the same thing."""
         if self.unique_by is None or type(other) is not type(self) or self == other:
             return False
         return all(getattr(self, name) == getattr(other, name) for name in self.unique_by)
@@ -50,7 +50,7 @@ def _written(name: str, value: object) -> str:
 
 @dataclass(frozen=True, slots=True)
 class Selected(HuntProposition):
-    """A room is one of those to look into."""
+    """A room is one of those to search."""
 
     predicate: ClassVar[str] = "selected"
     room: Room
@@ -58,23 +58,23 @@ class Selected(HuntProposition):
 
 @dataclass(frozen=True, slots=True)
 class VisitOrder(HuntProposition):
-    """A room is the nth to be visited; at each place there is one room, and each room has one place."""
+    """A room is the nth to be visited; each position has one room, and each room has one position."""
 
     predicate: ClassVar[str] = "order"
     place: int
     room: Room
 
     def excludes(self, other: Proposition) -> bool:
-        """Return True for another room at this place, and for this room at another place."""
+        """Return True for another room at this position, and for this room at another position."""
         return isinstance(other, VisitOrder) and (self.place == other.place) != (self.room == other.room)
 
 
 @dataclass(frozen=True, slots=True)
 class RoomSequence(HuntProposition):
-    """Rooms are visited in this order: for each one at which place it comes.
+    """Rooms are visited in this order, each at its position.
 
     Attributes:
-        rooms: at least two, the first one first.
+        rooms: at least two, in order.
     """
 
     predicate: ClassVar[str] = "tour"
@@ -82,13 +82,13 @@ class RoomSequence(HuntProposition):
 
     @property
     def parts(self) -> tuple[Literal, ...]:
-        """The place of each room; the opposite denies each of them (Sklar and Azhar 2015)."""
+        """The position of each room; the opposite denies each of them (Sklar and Azhar 2015)."""
         return tuple(Literal(VisitOrder(place, room)) for place, room in enumerate(self.rooms, start=1))
 
 
 @dataclass(frozen=True, slots=True)
 class EnergyLevel(HuntProposition):
-    """The robot has so much energy left."""
+    """The robot has this amount of energy left."""
 
     predicate: ClassVar[str] = "current_energy_level"
     unique_by: ClassVar[tuple[str, ...] | None] = ()
@@ -97,7 +97,7 @@ class EnergyLevel(HuntProposition):
 
 @dataclass(frozen=True, slots=True)
 class EnergyCost(HuntProposition):
-    """Going from a place to a room costs so much energy."""
+    """Going from a place to a room costs this amount of energy."""
 
     predicate: ClassVar[str] = "energy_cost"
     unique_by: ClassVar[tuple[str, ...] | None] = ("start", "goal")
@@ -108,7 +108,7 @@ class EnergyCost(HuntProposition):
 
 @dataclass(frozen=True, slots=True)
 class CostsMore(HuntProposition):
-    """Going from a place to a room costs more than so much energy."""
+    """Going from a place to a room costs more than this amount of energy."""
 
     predicate: ClassVar[str] = "costs_more"
     start: Room
@@ -126,7 +126,7 @@ class LessThan(HuntProposition):
 
     @property
     def is_true(self) -> bool:
-        """True when the numbers say so."""
+        """True if the numbers are so."""
         return fsum(self.terms) < self.limit
 
 
@@ -141,7 +141,7 @@ class ColourFound(HuntProposition):
 
 @dataclass(frozen=True, slots=True)
 class InImage(HuntProposition):
-    """Something is to be seen in a picture."""
+    """Something is visible in a picture."""
 
     predicate: ClassVar[str] = "in_image"
     thing: str
@@ -160,7 +160,7 @@ class TreasureIn(HuntProposition):
 
 @dataclass(frozen=True, slots=True)
 class Wanted(HuntProposition):
-    """The speaker wants it so, without a further reason."""
+    """The speaker wants it, without a further reason."""
 
     predicate: ClassVar[str] = "wanted"
     what: Literal
@@ -173,7 +173,7 @@ class Wanted(HuntProposition):
 
 @dataclass(frozen=True, slots=True)
 class Visited(HuntProposition):
-    """A room has been looked into."""
+    """A room has been searched."""
 
     predicate: ClassVar[str] = "visited"
     room: Room
@@ -189,7 +189,7 @@ class TooFar(HuntProposition):
 
 @dataclass(frozen=True, slots=True)
 class NextRoom(HuntProposition):
-    """A robot goes to a room next; it goes to one, and no other robot goes there.
+    """A robot goes to a room next. It goes to only one, and no other robot goes there.
 
     Attributes:
         robot: index in the team, from 0.
@@ -207,15 +207,15 @@ class NextRoom(HuntProposition):
 
 @dataclass(frozen=True, slots=True)
 class TeamPlan(HuntProposition):
-    """Best that the team reaches when a robot goes to a room next: so many rooms, for so much energy in all.
+    """Best result of the team if a robot goes to a room next: a number of rooms, for a total amount of energy.
 
-    Where two are compared, each is the best that the team can do.
+    If two such results are compared, both are proven to be the best.
 
     Attributes:
         robot: index in the team, from 0.
         room: its next room.
         rooms: number of rooms that the team reaches.
-        energy: for all moves of the team.
+        energy: total energy of all moves of the team.
     """
 
     predicate: ClassVar[str] = "plan"
@@ -236,13 +236,13 @@ class FewerRooms(HuntProposition):
 
     @property
     def is_true(self) -> bool:
-        """True when the numbers say so."""
+        """True if the numbers are so."""
         return self.fewer < self.more
 
 
 @dataclass(frozen=True, slots=True)
 class DearerPlan(HuntProposition):
-    """Going to a room next instead of another one costs the team so much more energy, for as many rooms."""
+    """Choosing `room` over `instead` costs the team `energy` more energy, for equally many rooms."""
 
     predicate: ClassVar[str] = "dearer_plan"
     room: Room
@@ -252,7 +252,7 @@ class DearerPlan(HuntProposition):
 
 @dataclass(frozen=True, slots=True)
 class ShorterPlan(HuntProposition):
-    """Going to a room next instead of another one lets the team reach so many rooms less."""
+    """Choosing `room` over `instead` lets the team reach `rooms` fewer rooms."""
 
     predicate: ClassVar[str] = "shorter_plan"
     room: Room
@@ -262,11 +262,11 @@ class ShorterPlan(HuntProposition):
 
 @dataclass(frozen=True, slots=True)
 class LeftBehind(HuntProposition):
-    """Another robot has no room to go to, and stays where it is, when this one goes to a room next.
+    """Another robot has no room to go to, and stays where it is, if this robot goes to a room next.
 
     Attributes:
-        robot: the other one, as index in the team.
-        place: where it stands.
+        robot: index of the other robot in the team.
+        place: place where the other robot stands.
         room: this robot's next room.
     """
 
@@ -278,12 +278,12 @@ class LeftBehind(HuntProposition):
 
 @dataclass(frozen=True, slots=True)
 class CostOfOther(HuntProposition):
-    """Going to a room would cost another robot so much energy, as that one says.
+    """Going to a room would cost another robot this amount of energy, by its own report.
 
     Attributes:
         robot: index in the team, from 0.
         room: the room.
-        energy: of its way there.
+        energy: energy of its move there.
     """
 
     predicate: ClassVar[str] = "energy_cost_of"
@@ -309,7 +309,7 @@ class UnderWay(HuntProposition):
 
 @dataclass(frozen=True, slots=True)
 class NoWay(HuntProposition):
-    """The robot finds no way to a room."""
+    """The robot finds no path to a room."""
 
     predicate: ClassVar[str] = "no_way"
     room: Room
@@ -317,7 +317,7 @@ class NoWay(HuntProposition):
 
 @dataclass(frozen=True, slots=True)
 class InTheWay(HuntProposition):
-    """Something that no map shows is in the way to a room: a door that is shut, a fire."""
+    """Something that is not on the map is in the way to a room, such as a closed door or a fire."""
 
     predicate: ClassVar[str] = "in_the_way"
     room: Room
@@ -341,11 +341,11 @@ class NamesTreasure(HuntProposition):
 
 @dataclass(frozen=True, slots=True)
 class NamesTreasureAs(HuntProposition):
-    """The treasure in a room is named now, by this name.
+    """The treasure in a room is named now, with this name.
 
     Attributes:
-        room: where it is.
-        name: of the treasure.
+        room: room of the treasure.
+        name: name of the treasure.
     """
 
     predicate: ClassVar[str] = "name_as"
@@ -356,11 +356,11 @@ class NamesTreasureAs(HuntProposition):
 
 @dataclass(frozen=True, slots=True)
 class PropertyFound(HuntProposition):
-    """The treasure in a room was found to have a property.
+    """A property of the treasure in a room was found.
 
     Attributes:
-        room: where it is.
-        value: of the property, as part of a sentence: `round and large`, `made of wood`.
+        room: room of the treasure.
+        value: value of the property, as part of a sentence: `round and large`, `made of wood`.
     """
 
     predicate: ClassVar[str] = "found"
@@ -370,11 +370,11 @@ class PropertyFound(HuntProposition):
 
 @dataclass(frozen=True, slots=True)
 class PropertyListed(HuntProposition):
-    """The list of treasures, which everybody knows, has it that a treasure of this name has a property.
+    """The list of treasures, which all sides know, contains a treasure with this name and this property.
 
     Attributes:
-        name: of the treasure.
-        value: of the property, as part of a sentence.
+        name: name of the treasure.
+        value: value of the property, as part of a sentence.
     """
 
     predicate: ClassVar[str] = "listed"
@@ -387,8 +387,8 @@ class SeenInPicture(HuntProposition):
     """A person sees this treasure in the picture of the one in a room.
 
     Attributes:
-        room: where it is.
-        name: of the treasure.
+        room: room of the treasure.
+        name: name of the treasure.
     """
 
     predicate: ClassVar[str] = "seen"
@@ -399,7 +399,7 @@ class SeenInPicture(HuntProposition):
 
 @dataclass(frozen=True, slots=True)
 class CouldBe(HuntProposition):
-    """All that is known of the treasure in a room fits several names.
+    """Everything known about the treasure in a room fits several names.
 
     Attributes:
         room: the room.
@@ -411,26 +411,26 @@ class CouldBe(HuntProposition):
     names: tuple[str, ...]
 
     def excludes(self, other: Proposition) -> bool:
-        """Return True for other names, or a single one, of the same treasure."""
+        """Return True for other names, or a single name, of the same treasure."""
         return isinstance(other, CouldBe | Settled) and self.room == other.room and self != other
 
 
 @dataclass(frozen=True, slots=True)
 class Settled(HuntProposition):
-    """All that is known of the treasure in a room fits one name only."""
+    """Everything known about the treasure in a room fits only one name."""
 
     predicate: ClassVar[str] = "settled"
     room: Room
     name: str
 
     def excludes(self, other: Proposition) -> bool:
-        """Return True for another name, or several ones, of the same treasure."""
+        """Return True for another name, or several names, of the same treasure."""
         return isinstance(other, CouldBe | Settled) and self.room == other.room and self != other
 
 
 @dataclass(frozen=True, slots=True)
 class PictureTaken(HuntProposition):
-    """There is a picture of the treasure in a room already."""
+    """There is already a picture of the treasure in a room."""
 
     predicate: ClassVar[str] = "picture_taken"
     room: Room
@@ -438,7 +438,7 @@ class PictureTaken(HuntProposition):
 
 @dataclass(frozen=True, slots=True)
 class PictureCost(HuntProposition):
-    """Taking a picture costs so much energy."""
+    """Taking a picture costs this amount of energy."""
 
     predicate: ClassVar[str] = "picture_cost"
     energy: float
@@ -446,7 +446,7 @@ class PictureCost(HuntProposition):
 
 @dataclass(frozen=True, slots=True)
 class NamingCost(HuntProposition):
-    """Naming a treasure costs so much energy."""
+    """Naming a treasure costs this amount of energy."""
 
     predicate: ClassVar[str] = "naming_cost"
     energy: float

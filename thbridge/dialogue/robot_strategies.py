@@ -1,4 +1,7 @@
-"""Strategies of robots that argue: their own by manner, and programs of others, whose faults do no harm."""
+"""Strategies of robots that argue.
+
+Built-in ones by manner, and installed ones of others, with protection from faults.
+"""
 
 from dataclasses import dataclass, replace
 from typing import Protocol
@@ -16,22 +19,23 @@ class StrategyFactory(Protocol):
     def __call__(self, manner: Manner, seed: int, /) -> GameStrategy:
         """Return a strategy.
 
-        It is made anew for each move, so that a move depends on nothing but manner, seed and conversation.
+        Each move gets a new strategy, so that a move depends only on manner, seed and conversation.
 
         Args:
-            manner: of the robot.
-            seed: of all chance, keyed by game and robot.
+            manner: manner of the robot.
+            seed: random seed, different for each game and robot.
         """
         ...
 
 
 @dataclass(frozen=True, slots=True)
 class ChosenMove:
-    """Move that a robot makes.
+    """Move of a robot.
 
     Attributes:
         move: the move, which is legal.
-        fault: why the robot's own strategy chose it in place of another program; empty where that program did.
+        fault: reason why the robot's own strategy chose it in place of the installed one; empty if the installed one
+            chose it.
     """
 
     move: DialogueMove
@@ -39,24 +43,24 @@ class ChosenMove:
 
 
 def own_strategy(manner: Manner, _seed: int = 0, /) -> GameStrategy:
-    """Return the strategy that robots come with; see `StrategyFactory`."""
+    """Return the built-in strategy; see `StrategyFactory`."""
     return ArguingStrategy(manner.attitude, manner.persistence)
 
 
 def choose_by(
     factory: StrategyFactory, manner: Manner, seed: int, conversation: Conversation, number: int
 ) -> ChosenMove:
-    """Return the move that a program chooses in a dialogue, or where it fails, that of the robot's own strategy.
+    """Return the move that an installed strategy chooses in a dialogue, or, if it fails, the built-in strategy's move.
 
     Args:
-        factory: makes the program's strategy.
-        manner: of the robot.
-        seed: as for `StrategyFactory`.
-        conversation: as things are.
-        number: of the dialogue, in which it is the robot's turn.
+        factory: makes the installed strategy.
+        manner: manner of the robot.
+        seed: random seed, as for `StrategyFactory`.
+        conversation: the present conversation.
+        number: number of the dialogue, in which it is the robot's turn.
     """
     try:
-        # A copy, so that what it does to what it is given stays with it.
+        # A copy, so that the program cannot change the original.
         given = replace(conversation, agents=dict(conversation.agents))
         chosen: object = factory(manner, seed).choose(given, number)
         legal = conversation.legal(number)
@@ -65,6 +69,6 @@ def choose_by(
         is_move = isinstance(chosen, DialogueMove)
         fault = f"{in_a_line(str(chosen))} is not legal here" if is_move else f"a {type(chosen).__name__} is no move"
     except RAISED as error:
-        # Whatever a program of others does, the game goes on.
+        # The game continues after any error of another program.
         fault = told_error(error)
     return ChosenMove(own_strategy(manner).choose(conversation, number), fault)

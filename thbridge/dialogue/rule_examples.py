@@ -1,6 +1,7 @@
-"""Three exchanges with rules as topics: a robot and a person inquire what pictures say about treasures.
+"""Three exchanges with rules as topics: a robot and a person examine what pictures show about treasures.
 
-What argues for a rule derives it with its premises granted. Who grants the premises has not accepted the rule.
+An argument for a rule derives it when its premises are granted. A side that grants the premises has not accepted the
+rule.
 """
 
 from thbridge.dialogue.argumentation.beliefs import Beliefs

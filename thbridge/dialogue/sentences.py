@@ -1,4 +1,4 @@
-"""Sentences with reserved words: between pound signs, each stands for a value."""
+"""Sentences with reserved words between pound signs; each stands for a value."""
 
 import difflib
 import re
@@ -19,7 +19,7 @@ class WordFault:
 
 
 def spelling_fault(wording: str, allowed: Collection[str]) -> WordFault | None:
-    """Return the first word of a wording that is not one of those allowed, or a pound sign that stands alone, or None.
+    """Return the first fault of a wording: a word that is not allowed, or a single pound sign; None if there is none.
 
     Args:
         wording: a sentence.
@@ -39,7 +39,7 @@ def spelling_fault(wording: str, allowed: Collection[str]) -> WordFault | None:
 
 
 def is_filled(wording: str, words: Mapping[str, str]) -> bool:
-    """Return True when each reserved word of a wording has a value."""
+    """Return True if each reserved word of a wording has a value."""
     return all(name in words for name in reserved_in(wording))
 
 
@@ -49,14 +49,14 @@ def reserved_in(wording: str) -> tuple[str, ...]:
 
 
 def fill(wording: str, words: Mapping[str, str], beginning: re.Pattern[str] = _SENTENCE_START) -> str:
-    """Return the wording with its reserved words replaced, and a capital where one begins a sentence.
+    """Return the wording with its reserved words replaced, and with a capital letter at the beginning of each sentence.
 
-    A word without a value stays as it is.
+    A word without a value stays unchanged.
 
     Args:
         wording: a sentence.
-        words: the values of the reserved words.
-        beginning: finds, at the end of what stands before a word, that a sentence begins.
+        words: values of the reserved words.
+        beginning: pattern that matches, at the end of the text before a word, if a sentence begins there.
     """
 
     def value(found: re.Match[str]) -> str:

@@ -52,15 +52,15 @@ _UPSHOTS = {
 class WordedPhrasing:
     """Sentences for moves, from a language; see `Phrasing`.
 
-    The wording depends on the seed, the dialogue and the place of the move in it alone.
+    The wording depends only on the seed, the dialogue, and the position of the move in it.
 
     Attributes:
         language: the language.
-        condition: of the study.
-        seed: of the game.
-        names: of the rooms.
-        author: of sentences that the language's files word otherwise; None: the files alone speak.
-        known: names of treasures, which an author may say only where the files do.
+        condition: condition of the study.
+        seed: random seed of the game.
+        names: names of the rooms.
+        author: other author of sentences. If None, all sentences come from the language's files.
+        known: names of treasures, which an author may use only where the files do.
     """
 
     language: Language
@@ -71,7 +71,7 @@ class WordedPhrasing:
     known: tuple[str, ...] = ()
 
     def authored(self, dialogue: Dialogue, move: Move) -> OfferedSentence | None:
-        """Return what the author offers for the robot's next move in a dialogue game; None without one."""
+        """Return the author's offer for the robot's next move in a dialogue game; None without an author."""
         if self.author is None or not isinstance(move, DialogueMove):
             return None
         words, chance = self._words(dialogue)
@@ -82,16 +82,16 @@ class WordedPhrasing:
         return OfferedSentence(request.sentence, answer.offered, answer.refusal.reason.value, answer.refusal.why)
 
     def _words(self, dialogue: Dialogue) -> tuple[Wording, float]:
-        """Words of a dialogue's robot, and the chance of its next move."""
+        """Return the words of a dialogue's robot, and the random number for its next move."""
         chance = noise.uniform(noise.key(self.seed, "wording"), dialogue.number, len(dialogue.turns))
         return Wording(self.language, dialogue.topic.robot, self.names), chance
 
     def say(self, dialogue: Dialogue, move: Move, speaker: Speaker) -> str:
-        """Return the sentence for a move that is, or may be, the next in this dialogue."""
+        """Return the sentence for a move that is, or can be, the next in this dialogue."""
         words, chance = self._words(dialogue)
         side = Side.ROBOT if speaker is Speaker.ROBOT else Side.HUMAN
         match move:
-            # What is not so she asks only where a reason of hers was refused.
+            # The person asks for an opposite only after a refusal of their reason.
             case DialogueMove("question", Literal(holds=True)) if side is Side.HUMAN:
                 where = LineKey.WHERE_THEN if dialogue.turns else LineKey.WHERE
                 key = where if _is_about_a_room(move) else LineKey.WHAT_THEN

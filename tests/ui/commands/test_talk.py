@@ -157,7 +157,7 @@ def test_a_no_may_be_questioned_and_the_dialogue_that_has_ended_goes_on() -> Non
     level = "current_energy_level(1000)"
     course = [
         "human: reject(selected(Room3))",
-        "Dialogue 1 ends: disagreement, something was rejected",
+        "Dialogue 1 ends: disagreement, a content was rejected",
         f"Dialogue 2 opens: information-seeking about not {level}, inside dialogue 1, which is paused",
         f"robot: question(not {level})",
         f"human: assert(U({level}))",

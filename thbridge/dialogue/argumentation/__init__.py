@@ -1,1 +1,1 @@
-"""Arguments that attack each other, and which of them stand: pure, and without a word about the game."""
+"""Arguments, their attacks on each other, and the sets that stand; pure, and independent of the game."""

@@ -1,8 +1,8 @@
-"""Arguments from beliefs, and how they attack and support each other (Sklar and Azhar 2015, JHRI 4(3), section 3).
+"""Arguments from beliefs, their attacks and their support for each other (Sklar and Azhar 2015, JHRI 4(3), section 3).
 
-An argument is a support and a conclusion: the support is part of the beliefs, consistent, derives the conclusion, and
-nothing can be left out of it. A support derives a rule if, with the premises of the rule granted, it derives the
-conclusion of the rule; so the premises themselves are no support of it.
+An argument is a support and a conclusion. The support is a consistent part of the beliefs that derives the conclusion,
+and no part of it can be left out. A support derives a rule if it derives the rule's conclusion when the rule's premises
+are granted; so the premises themselves are no part of the support.
 """
 
 from collections.abc import Callable, Collection, Iterator, Sequence
@@ -19,11 +19,11 @@ Preference = Callable[["Argument", "Argument"], bool]
 
 @dataclass(frozen=True, slots=True)
 class Argument:
-    """A conclusion and what it rests on.
+    """A conclusion and the beliefs on which it rests.
 
     Attributes:
-        support: beliefs, all of which are needed.
-        conclusion: what follows from them.
+        support: beliefs; all of them are needed.
+        conclusion: the conclusion from these beliefs.
     """
 
     support: frozenset[Belief]
@@ -44,13 +44,14 @@ def arguments_for(
     rules: Sequence[Rule],
     is_evidence: Callable[[Literal], bool] = lambda _: True,
 ) -> tuple[Argument, ...]:
-    """Return all arguments for a conclusion, in an order that depends on the beliefs alone.
+    """Return all arguments for a conclusion, in an order that depends only on the beliefs.
 
     Args:
-        conclusion: what is argued for.
-        literals: what is believed.
-        rules: that are believed, or belong to the language; those of the language are in no support.
-        is_evidence: True for literals that support themselves, being sensed, computed or told; a decision does not.
+        conclusion: conclusion of the arguments.
+        literals: the believed literals.
+        rules: rules that are believed, or belong to the language; rules of the language are in no support.
+        is_evidence: True for literals that support themselves, because they were sensed, computed or stated; not for
+            decisions.
     """
     held, by_conclusion = frozenset(literals), dict[Literal, list[Rule]]()
     for rule in rules:
@@ -63,7 +64,7 @@ def arguments_for(
             return
         if wanted in held and (above or is_evidence(wanted)):
             yield frozenset([wanted])
-        # A rule whose premises need what is wanted would argue in a circle.
+        # A rule with premises that need the wanted literal would argue in a circle.
         below = above | {wanted}
         for rule in by_conclusion.get(wanted, ()):
             if not below & set(rule.premises):
@@ -77,22 +78,22 @@ def arguments_for(
 
 
 def rebuts(one: Argument, other: Argument) -> bool:
-    """Return True when the conclusions are opposed, which rules never are: nothing says that a rule does not hold."""
+    """Return True if the conclusions are opposed. Conclusions that are rules never are: no literal denies a rule."""
     return isinstance(other.conclusion, Literal) and _denies(one, other.conclusion)
 
 
 def undermines(one: Argument, other: Argument) -> bool:
-    """Return True when the conclusion of one is opposed to something that the other rests on."""
+    """Return True if the conclusion of one is opposed to a belief on which the other rests."""
     return any(_denies(one, premise) for premise in other.premises)
 
 
 def p_supports(one: Argument, other: Argument) -> bool:
-    """Return True when the other rests on the conclusion of one."""
+    """Return True if the other rests on the conclusion of one."""
     return one.conclusion in other.support
 
 
 def c_supports(one: Argument, other: Argument) -> bool:
-    """Return True when both have the same conclusion and nothing in common that they rest on."""
+    """Return True if both have the same conclusion, and their supports have no belief in common."""
     return one.conclusion == other.conclusion and not one.support & other.support
 
 
@@ -101,7 +102,7 @@ def framework_of(
 ) -> ArgumentationFramework:
     """Return the framework of these arguments, each under its text, with the attacks that succeed.
 
-    An attack fails where what is attacked is preferred to the attacker.
+    An attack fails if the attacked argument is preferred to the attacker.
     """
     return ArgumentationFramework.of(
         map(str, arguments),
@@ -115,7 +116,7 @@ def framework_of(
 
 
 def _derivation(conclusion: Belief) -> tuple[frozenset[Literal], Literal]:
-    """Literals that are granted, and the one that a support derives with them; of a literal nothing is granted."""
+    """Return the granted literals, and the one that a support derives with them; for a literal, nothing is granted."""
     if isinstance(conclusion, Literal):
         return frozenset(), conclusion
     granted = frozenset(part for premise in conclusion.premises for part in (premise, *premise.parts))

@@ -1,4 +1,4 @@
-"""Beliefs of an agent (Sigma of Sklar and Azhar 2015): what it holds, where each comes from, and how it is revised."""
+"""Beliefs of an agent (Sigma of Sklar and Azhar 2015): their origins, and their revision."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
@@ -10,15 +10,15 @@ from thbridge.dialogue.argumentation.propositions import Literal, Proposition, R
 
 
 class Source(StrEnum):
-    """Kind of place that a belief comes from, the most trusted first."""
+    """Kind of source of a belief, the most trusted first."""
 
     SENSED = "sensed"
     TOLD = "told"
-    """By somebody who may see what the agent does not."""
+    """Stated by another agent, who may have seen more."""
     COMPUTED = "computed"
-    """From maps and plans, which know of nothing new."""
+    """From maps and plans, which contain nothing new."""
     WISHED = "wished"
-    """By somebody who gives no other reason."""
+    """Stated as a wish, without another reason."""
     DECIDED = "decided"
 
 
@@ -30,9 +30,9 @@ class Origin:
     """Origin of a belief.
 
     Attributes:
-        source: kind of place that it comes from.
-        at: simulated time at which it was so, s.
-        confidence: of whoever sensed or computed it, 0 to 1.
+        source: kind of its source.
+        at: simulated time of the observation or computation, s.
+        confidence: confidence of the agent that sensed or computed it, 0 to 1.
     """
 
     source: Source
@@ -41,22 +41,23 @@ class Origin:
 
     @property
     def is_evidence(self) -> bool:
-        """True when the belief supports itself; a decision needs something else to rest on."""
+        """True if the belief supports itself; a decision needs other beliefs as support."""
         return self.source is not Source.DECIDED
 
     @property
     def weight(self) -> tuple[int, float, float]:
-        """Sorts origins by how much they are worth: a trusted source, then confidence, then a fresh observation."""
+        """Sort key of origins by value: a trusted source, then high confidence, then a recent observation."""
         return _TRUST[self.source], self.confidence, self.at
 
 
 @dataclass(frozen=True, slots=True)
 class Beliefs:
-    """Beliefs of an agent, possibly inconsistent. "Held" means held: what only follows from beliefs is not.
+    """Beliefs of an agent, possibly inconsistent. A belief is "held" if it is in the set; its consequences are not
+    held.
 
     Attributes:
-        origins: of each literal that is held.
-        rules: that are held; those of the language, which nobody has to say, among them.
+        origins: origin of each literal that is held.
+        rules: rules that are held, including those of the language, which need not be said.
     """
 
     origins: Mapping[Literal, Origin] = field(default_factory=dict)
@@ -73,9 +74,9 @@ class Beliefs:
         return all(part in self.origins for part in belief.parts)
 
     def stance(self, proposition: Proposition) -> Stance:
-        """Return the opinion on a proposition, what other beliefs exclude counting as disbelieved.
+        """Return the opinion on a proposition; propositions that other beliefs exclude count as disbelieved.
 
-        It is unknown where there is none, or where beliefs are inconsistent.
+        It is unknown without a belief about the proposition, and for inconsistent beliefs.
         """
         wanted = Literal(proposition)
         yes, no = wanted in self, any(opposed(wanted, held) for held in self.origins)
@@ -84,7 +85,7 @@ class Beliefs:
         return Stance.BELIEVES if yes else Stance.DISBELIEVES
 
     def is_undecided(self, proposition: Proposition) -> bool:
-        """Return True when neither a proposition nor anything opposed to it is held."""
+        """Return True if neither a proposition nor anything opposed to it is held."""
         return self.stance(proposition) is Stance.UNKNOWN and Literal(proposition) not in self
 
     def arguments(self, conclusion: Belief) -> tuple[Argument, ...]:
@@ -92,20 +93,23 @@ class Beliefs:
         return arguments_for(conclusion, self.origins, self.rules, lambda literal: self.origins[literal].is_evidence)
 
     def gaining(self, belief: Belief, origin: Origin) -> "Beliefs":
-        """Return the beliefs with one more, and without what it is opposed to."""
+        """Return the beliefs with one more, and without those that it opposes."""
         if isinstance(belief, Rule):
             return self if belief in self.rules else replace(self, rules=(*self.rules, belief))
         gained = self.losing(other for other in self.origins if opposed(other, belief)).origins
         return replace(self, origins={**gained, **dict.fromkeys((belief, *belief.parts), origin)})
 
     def losing(self, literals: Iterable[Literal]) -> "Beliefs":
-        """Return the beliefs without some literals."""
+        """Return the beliefs without these literals."""
         lost = set(literals)
         return replace(self, origins={each: origin for each, origin in self.origins.items() if each not in lost})
 
     @property
     def prefers(self) -> Preference:
-        """Preference for the argument whose weakest premise has the better origin; unknown premises are the weakest."""
+        """Preference for the argument with the better origin of its weakest premise.
+
+        Unknown premises are the weakest.
+        """
 
         def weakest(argument: Argument) -> tuple[int, float, float]:
             origins = [self.origins[premise] for premise in argument.premises if premise in self.origins]

@@ -1,4 +1,7 @@
-"""The nine cases: which dialogue follows from what two sides think of a proposition (Sklar and Azhar 2015, table 1)."""
+"""The nine cases.
+
+The dialogue that follows from two sides' opinions on a proposition (Sklar and Azhar 2015, table 1).
+"""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -34,8 +37,8 @@ class DialogueCase:
     """Consequence of two stances.
 
     Attributes:
-        number: of the case, as in the paper.
-        kind: of the dialogue.
+        number: number of the case in the paper.
+        kind: kind of the dialogue.
         openers: sides that may open it.
     """
 
@@ -45,15 +48,15 @@ class DialogueCase:
 
 
 def case_of(robot: Stance, human: Stance) -> DialogueCase:
-    """Return the case of what a robot thinks, and takes the human to think, of the same proposition."""
+    """Return the case of a robot's opinion on a proposition, and the opinion that it takes the human to have."""
     return _CASES[robot, human]
 
 
 def case_of_choices(robot: Iterable[str], human: Iterable[str], choices: Iterable[str]) -> DialogueKind:
-    """Return the dialogue that two choices among the same things call for, taken as wholes.
+    """Return the dialogue that follows from two choices among the same things, as wholes.
 
-    What is chosen is believed, what is not chosen disbelieved; who chooses nothing does not know. Choices that agree in
-    part disagree.
+    A chosen thing is believed, the others are disbelieved; a side without a choice does not know. Choices that agree
+    only in part count as disagreement.
     """
     mine, theirs = frozenset(robot), frozenset(human)
     kinds = {case_of(_stance(mine, each), _stance(theirs, each)).kind for each in choices}

@@ -1,6 +1,6 @@
-"""Extensions by clingo, a solver of logic programs: a definition is a program, and each of its answers an extension.
+"""Extensions by clingo, a solver of logic programs: a definition is a program, and each answer is an extension.
 
-Arguments are told to it as numbers, their places in the framework, so that any text may be a name.
+Arguments are passed as numbers, their indices in the framework, so that any text can be a name.
 """
 
 from collections.abc import Mapping, Sequence
@@ -43,15 +43,15 @@ _PROGRAMS: Mapping[Semantics, tuple[str, Sequence[str]]] = {
 }
 
 _LOOK_UP = 0.1
-"""Seconds after which it is looked whether somebody wants to end the program."""
+"""Seconds between checks for an interrupt by the user."""
 
 
 def extensions_by_clingo(framework: ArgumentationFramework, semantics: Semantics) -> tuple[Extension, ...]:
-    """Return all extensions in the order of `extensions`; the grounded one needs no search, and no clingo."""
+    """Return all extensions in the order of `extensions`; the grounded one needs neither a search nor clingo."""
     if semantics is Semantics.GROUNDED:
         return extensions(framework, semantics)
     program, options = _PROGRAMS[semantics]
-    # It would tell on standard error that there is nothing to decide, which is no fault.
+    # clingo would report on standard error that there is nothing to decide, which is no fault.
     control = clingo.Control(["--models=0", *options], logger=lambda _code, _message: None)
     control.add(_COMMON + program + _facts(framework))
     control.ground()
@@ -61,7 +61,7 @@ def extensions_by_clingo(framework: ArgumentationFramework, semantics: Semantics
         places = (symbol.arguments[0].number for symbol in model.symbols(shown=True))
         found.append(frozenset(framework.arguments[place] for place in places))
 
-    # While it solves in its own thread, this one can be interrupted.
+    # It solves in a thread of its own, so that this thread can be interrupted.
     with control.solve(on_model=keep, async_=True) as solving:
         while not solving.wait(_LOOK_UP):
             pass

@@ -1,10 +1,11 @@
-"""Grounded discussion game: why an argument stands, or not, as a dispute (Caminada 2015, A Discussion Game for Grounded
-Semantics, TAFA).
+"""Grounded discussion game: a dispute that shows why an argument stands or not.
 
-A proponent says of an argument that it has to be so (HTB), an opponent that an attacker of it can be so (CB); the
-proponent attacks that in turn. The opponent concedes what has no attacker left, and retracts what is attacked by
-something conceded. Nobody may say the same argument twice. The proponent can win just for what is in the grounded
-extension.
+Source: Caminada 2015, A Discussion Game for Grounded Semantics, TAFA.
+
+A proponent states that an argument has to be so (HTB); an opponent states that an attacker of it can be so (CB); the
+proponent then attacks the attacker. The opponent concedes arguments that have no attacker left, and retracts arguments
+that a conceded one attacks. No argument may be stated twice. The proponent can win exactly for the arguments in the
+grounded extension.
 """
 
 from collections.abc import Sequence
@@ -16,7 +17,7 @@ from thbridge.dialogue.argumentation.semantics import IN, OUT, UNDECIDED, ground
 
 
 class DiscussionLocution(StrEnum):
-    """Kind of a move: the first is the proponent's, the others are the opponent's."""
+    """Kind of a move: the first belongs to the proponent, the others to the opponent."""
 
     HAS_TO_BE = "HTB"
     CAN_BE = "CB"
@@ -38,15 +39,15 @@ class DiscussionMove:
 Discussion = tuple[DiscussionMove, ...]
 
 _OPENINGS = (DiscussionLocution.HAS_TO_BE, DiscussionLocution.CAN_BE)
-"""Kinds of moves that bring an argument in: nobody may bring in the same one again."""
+"""Kinds of moves that introduce an argument; each argument may be introduced only once."""
 
 
 def legal_moves(framework: ArgumentationFramework, discussion: Discussion) -> tuple[DiscussionMove, ...]:
-    """Return the moves that may come next; none once the discussion has ended.
+    """Return the possible next moves; none after the end of the discussion.
 
     Args:
-        framework: what is discussed.
-        discussion: the moves so far, the first of which is HTB of the argument in question.
+        framework: the framework under discussion.
+        discussion: the moves so far; the first is HTB of the argument in question.
     """
     position = _Position(framework)
     for move in discussion:
@@ -55,17 +56,17 @@ def legal_moves(framework: ArgumentationFramework, discussion: Discussion) -> tu
 
 
 def is_won(discussion: Discussion) -> bool:
-    """Return True when the proponent has won: what was in question is conceded."""
+    """Return True if the proponent has won: the argument in question is conceded."""
     return DiscussionMove(DiscussionLocution.CONCEDE, discussion[0].argument) in discussion
 
 
 def discuss(framework: ArgumentationFramework, argument: str) -> Discussion:
-    """Return a discussion of an argument in which both sides play as well as they can."""
+    """Return a discussion of an argument with the best moves of both sides."""
     labels, steps = grounded_labels(framework), grounded_steps(framework)
 
     def rank(move: DiscussionMove) -> tuple[int, int]:
-        # Both sides are best served by what is grounded, then by what is undecided. What became grounded first rests on
-        # nothing that came later, so that nothing has to be said twice.
+        # The best moves of both sides are about grounded arguments, then about undecided ones. An argument that was
+        # grounded first rests on none that was grounded later, so that nothing has to be stated twice.
         place = framework.index[move.argument]
         return (IN, UNDECIDED, OUT).index(labels[place]), steps[place] or 0
 
@@ -81,14 +82,14 @@ class _Position:
     """State of a discussion.
 
     Args:
-        framework: what is discussed.
+        framework: the framework under discussion.
     """
 
     def __init__(self, framework: ArgumentationFramework) -> None:
         self._framework = framework
         self._said: dict[DiscussionLocution, set[str]] = {locution: set() for locution in DiscussionLocution}
         self._claims: list[str] = []
-        # Only a move about an argument, or about one that attacks it, can settle it.
+        # Only a move about an argument, or about one of its attackers, can settle it.
         self._may_be_settled: set[str] = set()
         self._last: DiscussionMove | None = None
         self._is_repeated = False
@@ -107,7 +108,7 @@ class _Position:
         self._last = move
 
     def legal_moves(self) -> tuple[DiscussionMove, ...]:
-        """Return the moves that may come next."""
+        """Return the possible next moves."""
         if self._is_repeated or self._last is None:
             return ()
         if settled := self._settled():
@@ -124,7 +125,7 @@ class _Position:
         return tuple(DiscussionMove(DiscussionLocution.CAN_BE, name) for name in attackers if name not in retracted)
 
     def _settled(self) -> tuple[DiscussionMove, ...]:
-        """The moves by which the opponent gives in, which come before any other."""
+        """Return the moves by which the opponent gives in; they come before any other."""
         moves = [self._settling(name) for name in sorted(self._may_be_settled, key=self._framework.index.__getitem__)]
         found = tuple(move for move in moves if move is not None)
         self._may_be_settled = {move.argument for move in found}

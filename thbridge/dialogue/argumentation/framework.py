@@ -7,14 +7,14 @@ from functools import cached_property
 
 @dataclass(frozen=True)
 class ArgumentationFramework:
-    """Arguments, and which attacks which.
+    """Arguments and their attacks.
 
     Attributes:
-        arguments: their names, each once; results follow this order.
-        attacks: pairs of an attacker and what it attacks.
+        arguments: names of the arguments, each once; results follow this order.
+        attacks: pairs of an attacker and the attacked argument.
 
     Raises:
-        ValueError: a name is there twice, or an attack is of something that is no argument.
+        ValueError: a name occurs twice, or an attack refers to an unknown argument.
     """
 
     arguments: tuple[str, ...]
@@ -23,7 +23,7 @@ class ArgumentationFramework:
     def __post_init__(self) -> None:
         known = set(self.arguments)
         if len(known) < len(self.arguments):
-            raise ValueError("an argument is there twice")
+            raise ValueError("an argument occurs twice")
         if strange := {name for attack in self.attacks for name in attack} - known:
             raise ValueError(f"no arguments: {', '.join(sorted(strange))}")
 
@@ -34,17 +34,17 @@ class ArgumentationFramework:
 
     @cached_property
     def index(self) -> dict[str, int]:
-        """The place of each argument."""
+        """The index of each argument."""
         return {name: place for place, name in enumerate(self.arguments)}
 
     @cached_property
     def attackers(self) -> tuple[tuple[int, ...], ...]:
-        """The places of the attackers of each argument, ascending."""
+        """The indices of the attackers of each argument, ascending."""
         return self._neighbours((target, attacker) for attacker, target in self.attacks)
 
     @cached_property
     def attacked(self) -> tuple[tuple[int, ...], ...]:
-        """The places of what each argument attacks, ascending."""
+        """The indices of the arguments that each argument attacks, ascending."""
         return self._neighbours(self.attacks)
 
     def _neighbours(self, pairs: Iterable[tuple[str, str]]) -> tuple[tuple[int, ...], ...]:

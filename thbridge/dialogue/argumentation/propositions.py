@@ -1,4 +1,4 @@
-"""Propositions, what holds or does not, and rules from some of them to another."""
+"""Propositions, which hold or not, and rules from some of them to another."""
 
 from dataclasses import dataclass
 
@@ -8,17 +8,17 @@ class Proposition:
     """Something that holds or does not; each kind of proposition is a class with fields of its own."""
 
     def excludes(self, other: "Proposition") -> bool:
-        """Return True when this and another proposition cannot both hold, as values of the same thing cannot."""
+        """Return True if this and another proposition cannot both hold, such as two values of the same thing."""
         return False
 
     @property
     def is_wish(self) -> bool:
-        """True when it only says that somebody wants something."""
+        """True if it only states a wish."""
         return False
 
     @property
     def parts(self) -> "tuple[Literal, ...]":
-        """Literals that hold together when this does; all that has no parts is its own only one."""
+        """Literals that hold together if this proposition holds; a proposition without parts is its own only part."""
         return (Literal(self),)
 
 
@@ -39,7 +39,10 @@ class Literal:
 
     @property
     def parts(self) -> "tuple[Literal, ...]":
-        """The literals that it stands for: of a conjunction its parts, of the opposite of one each part negated."""
+        """The literals that it stands for.
+
+        The parts of a conjunction, or for its opposite, the negation of each part.
+        """
         return tuple(part if self.holds else ~part for part in self.proposition.parts)
 
     def __str__(self) -> str:
@@ -53,7 +56,7 @@ class Conjunction(Proposition):
     """Several literals at once, such as an order of rooms; its opposite denies each of them (Sklar and Azhar 2015).
 
     Attributes:
-        literals: at least two, none of which is a conjunction.
+        literals: at least two; none of them is a conjunction.
     """
 
     literals: tuple[Literal, ...]
@@ -69,12 +72,12 @@ class Conjunction(Proposition):
 
 @dataclass(frozen=True, slots=True)
 class Rule:
-    """If all premises hold, the conclusion does.
+    """If all premises hold, the conclusion holds.
 
     Attributes:
         premises: at least one.
-        conclusion: what follows.
-        is_said: False for a rule of the language, which both sides know and nobody has to say.
+        conclusion: the conclusion.
+        is_said: False for a rule of the language, which both sides know and need not say.
     """
 
     premises: tuple[Literal, ...]
@@ -86,7 +89,7 @@ class Rule:
 
 
 def opposed(one: Literal, other: Literal) -> bool:
-    """Return True when two literals cannot both be: one denies the other, or both hold and exclude each other."""
+    """Return True if two literals cannot both hold: one denies the other, or both exclude each other."""
     return any(_clash(part, another) for part in one.parts for another in other.parts)
 
 
@@ -98,6 +101,6 @@ def _clash(one: Literal, other: Literal) -> bool:
 
 
 def consistent(literals: "frozenset[Literal]") -> bool:
-    """Return True when no two of these are opposed."""
+    """Return True if no two of these are opposed."""
     ordered = tuple(literals)
     return not any(opposed(one, other) for at, one in enumerate(ordered) for other in ordered[at + 1 :])

@@ -1,8 +1,8 @@
 """Extensions, the sets of arguments that stand together: grounded, complete, preferred and stable ones, exactly.
 
-Grounded extensions take time linear in the attacks. The others are found as labellings (Caminada 2006, On the Issue of
-Reinstatement in Argumentation): an argument is in when all its attackers are out, out when one of them is in, else
-undecided. The search keeps the labels that each argument may still have, and draws all conclusions before it guesses.
+Grounded extensions take time linear in the number of attacks. The others are found as labelings (Caminada 2006, On the
+Issue of Reinstatement in Argumentation): an argument is in if all its attackers are out, out if one of them is in, and
+otherwise undecided. The search keeps the possible labels of each argument, and draws all conclusions before it guesses.
 """
 
 from collections import deque
@@ -15,12 +15,12 @@ Extension = frozenset[str]
 """Arguments that stand together."""
 
 IN, OUT, UNDECIDED = 1, 2, 4
-"""Labels, as bits of the set of those that an argument may still have."""
+"""Labels, as bits of the set of possible labels of an argument."""
 _ANY = IN | OUT | UNDECIDED
 
 
 class Semantics(StrEnum):
-    """Notion of which arguments stand together, by the names of the competitions of solvers (ICCMA)."""
+    """Definition of sets of arguments that stand together, with the names of the solver competitions (ICCMA)."""
 
     GROUNDED = "GR"
     COMPLETE = "CO"
@@ -29,32 +29,35 @@ class Semantics(StrEnum):
 
 
 def extensions(framework: ArgumentationFramework, semantics: Semantics) -> tuple[Extension, ...]:
-    """Return all extensions, in the order of the places of their arguments; only stable semantics may have none."""
+    """Return all extensions, in the order of the indices of their arguments; only stable semantics can have none."""
     return in_order(framework, _FINDERS[semantics](framework))
 
 
 def in_order(framework: ArgumentationFramework, found: Iterable[Extension]) -> tuple[Extension, ...]:
-    """Return extensions in the order of the places of their arguments."""
+    """Return extensions in the order of the indices of their arguments."""
     return tuple(sorted(found, key=lambda extension: sorted(framework.index[name] for name in extension)))
 
 
 def grounded(framework: ArgumentationFramework) -> Extension:
-    """Return the grounded extension: what must be accepted by whoever accepts as little as possible."""
+    """Return the grounded extension: the arguments that even the most cautious reasoner must accept."""
     return _names(framework, (place for place, label in enumerate(grounded_labels(framework)) if label == IN))
 
 
 def grounded_labels(framework: ArgumentationFramework) -> list[int]:
-    """Return the label of each argument by its place: those that are neither in nor out are undecided."""
+    """Return the label of each argument by its index; an argument that is neither in nor out is undecided."""
     return _grounded(framework)[0]
 
 
 def grounded_steps(framework: ArgumentationFramework) -> list[int | None]:
-    """Return for each place how many arguments came in before it did, or what put it out; None: undecided."""
+    """Return, for each index, the number of arguments that came in before, or the attacker's.
+
+    None for undecided ones.
+    """
     return _grounded(framework)[1]
 
 
 def _grounded(framework: ArgumentationFramework) -> tuple[list[int], list[int | None]]:
-    """Labels and steps; each attack is looked at once."""
+    """Return labels and steps; each attack is examined once."""
     labels = [UNDECIDED] * len(framework.arguments)
     steps: list[int | None] = [None] * len(labels)
     standing = [0] * len(labels)
@@ -85,16 +88,16 @@ def complete(framework: ArgumentationFramework) -> Iterator[Extension]:
 
 
 def stable(framework: ArgumentationFramework) -> Iterator[Extension]:
-    """Yield the stable extensions: those that attack all that is not in them."""
+    """Yield the stable extensions: those that attack all arguments outside them."""
     for labels in _Search(framework, IN | OUT).labellings():
         yield _names(framework, (place for place, label in enumerate(labels) if label == IN))
 
 
 def preferred(framework: ArgumentationFramework) -> Iterator[Extension]:
-    """Yield the preferred extensions: the complete ones that are part of no larger one.
+    """Yield the preferred extensions: the complete ones that are not part of a larger one.
 
-    The search finds larger ones first. So what it finds is preferred unless it is part of an earlier one, and it does
-    not look where only such parts are left.
+    The search finds larger ones first. So each result is preferred unless it is part of an earlier one. The search
+    skips branches in which only such parts are left.
     """
     others: list[int] = []
     for labels in _Search(framework).labellings(others):
@@ -107,29 +110,30 @@ def _names(framework: ArgumentationFramework, places: Iterable[int]) -> Extensio
 
 
 def _bits(places: Iterable[int]) -> int:
-    """A set of places as bits of a number."""
+    """Return a set of indices as the bits of a number."""
     return sum(1 << place for place in places)
 
 
 class _Search:
-    """Search for complete labellings.
+    """Search for complete labelings.
 
     Args:
-        framework: what is labelled.
-        labels: those that arguments may have.
+        framework: the framework to label.
+        labels: labels that arguments may have.
     """
 
     def __init__(self, framework: ArgumentationFramework, labels: int = _ANY) -> None:
         self._attackers, self._attacked = framework.attackers, framework.attacked
         grounded_ones = grounded_labels(framework)
-        # What is grounded has its label in every complete labelling.
+        # A grounded argument has its label in every complete labeling.
         self._start = [labels if label == UNDECIDED else label & labels for label in grounded_ones]
 
     def labellings(self, some_of: Sequence[int] = ()) -> Iterator[list[int]]:
-        """Yield all labellings, each once, and each after those in which more is in.
+        """Yield all labelings, each once, and after those in which more arguments are in.
 
         Args:
-            some_of: sets of places, as bits of numbers; one of each is in. Some may be added between two labellings.
+            some_of: sets of indices, as bits of numbers; one of each set is in. Sets may be added between two
+                labelings.
         """
         start = list(self._start)
         open_ones = self._conclude(start, range(len(start)), some_of)
@@ -145,7 +149,7 @@ class _Search:
             if place is None:
                 yield may_be
                 continue
-            # Pushed last is tried first. The order of these three is what makes larger extensions come first.
+            # The last one pushed is tried first. This order makes larger extensions come first.
             for label in (UNDECIDED, OUT, IN):
                 if may_be[place] & label:
                     guess = list(may_be)
@@ -155,12 +159,12 @@ class _Search:
                         stack.append((guess, still_open, len(some_of)))
 
     def _undetermined(self, may_be: Sequence[int]) -> int | None:
-        """The place of the argument that attacks most, of those whose label is not known."""
+        """Return the index of the argument with an unknown label that attacks most others."""
         places = (place for place, labels in enumerate(may_be) if labels & (labels - 1))
         return max(places, key=lambda place: len(self._attacked[place]), default=None)
 
     def _conclude(self, may_be: list[int], changed: Iterable[int], some_of: Sequence[int]) -> Sequence[int] | None:
-        """Draw all conclusions; return the sets of which nothing is in yet, None where no labelling is left."""
+        """Draw all conclusions; return the sets in which no argument is in yet, or None if no labeling is left."""
         queue = deque(changed)
         waiting = set(queue)
 
@@ -193,7 +197,7 @@ class _Search:
                 return some_of
 
     def _restrict_around(self, place: int, may_be: list[int], restrict: Callable[[int, int], None]) -> None:
-        """Restrict the labels of an argument by those of its attackers, and theirs by its own."""
+        """Restrict the labels of an argument by those of its attackers, and the attackers' labels by its own."""
         attackers = self._attackers[place]
         labels = [may_be[each] for each in attackers]
         if any(each == IN for each in labels):
@@ -220,7 +224,7 @@ class _Search:
 
 
 _NEEDS_ONE = ((OUT, IN), (UNDECIDED, UNDECIDED), (OUT | UNDECIDED, IN | UNDECIDED))
-"""An argument with one of the first labels has an attacker with one of the second ones."""
+"""An argument with one of the first labels has an attacker with one of the second labels."""
 
 _FINDERS: Mapping[Semantics, Callable[[ArgumentationFramework], Iterable[Extension]]] = {
     Semantics.GROUNDED: lambda framework: (grounded(framework),),

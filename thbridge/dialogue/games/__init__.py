@@ -1,1 +1,1 @@
-"""Dialogue games between two agents, without a word about the hunt: locutions and tables as data, legality, control."""
+"""Dialogue games between two agents, independent of the hunt: locutions and tables as data, legality, control."""

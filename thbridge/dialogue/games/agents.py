@@ -1,6 +1,6 @@
-"""The two sides of a conversation: what each believes, takes the other to believe, and has said.
+"""The two sides of a conversation: their beliefs, their pictures of each other, and their statements.
 
-Sklar and Azhar (2015) write Sigma for an agent's beliefs, Gamma(j) for its picture of the agent j, CS for its
+Sklar and Azhar (2015) write Sigma for an agent's beliefs, Gamma(j) for its picture of the agent j, and CS for its
 commitment store.
 """
 
@@ -16,14 +16,14 @@ from thbridge.dialogue.games.contents import Content, DialogueMove, Unknown, mat
 
 @dataclass(frozen=True, slots=True)
 class Picture:
-    """Picture that an agent has of another one, from what that one said or did: Gamma(j).
+    """Picture that an agent has of another one, from the other's statements and moves: Gamma(j).
 
     Attributes:
-        held: literals it is taken to hold.
-        rules: it is taken to hold.
-        unknown: propositions of which it was learnt that it knows nothing.
-        arguments: it was told, or told itself.
-        argued: conclusions for which it is taken to have some argument.
+        held: literals that the other is taken to hold.
+        rules: rules that the other is taken to hold.
+        unknown: propositions about which the other has shown to know nothing.
+        arguments: arguments that one side has put forward to the other.
+        argued: conclusions for which the other is taken to have some argument.
     """
 
     held: frozenset[Literal] = frozenset()
@@ -44,7 +44,7 @@ class Picture:
                 return all(part in self.held for part in content.parts)
 
     def stance(self, proposition: Proposition) -> Stance:
-        """Return the opinion that the other is taken to have, what its other opinions exclude among them."""
+        """Return the opinion that the other is taken to have, also as a consequence of its other opinions."""
         wanted = Literal(proposition)
         if wanted in self:
             return Stance.BELIEVES
@@ -52,7 +52,7 @@ class Picture:
         return Stance.DISBELIEVES if against else Stance.UNKNOWN
 
     def gaining(self, content: Content) -> "Picture":
-        """Return the picture after the other has shown that it holds this, or that it knows nothing of it."""
+        """Return the picture after the other has shown that it holds this, or that it knows nothing about it."""
         match content:
             case Unknown(proposition):
                 held = frozenset(each for each in self.held if not _tells(each, proposition))
@@ -71,11 +71,11 @@ class Picture:
         return replace(self, argued=self.argued | {conclusion})
 
     def has_argument(self, conclusion: Belief, rules: Iterable[Rule] = ()) -> bool:
-        """Return True when the other is taken to have an argument for this.
+        """Return True if the other is taken to have an argument for this.
 
         Args:
-            conclusion: what is argued for.
-            rules: of the language, which everybody knows.
+            conclusion: conclusion of the argument.
+            rules: rules of the language, which all agents know.
         """
         known = (*rules, *sorted(self.rules, key=str))
         return conclusion in self.argued or bool(arguments_for(conclusion, self.held, known))
@@ -87,10 +87,10 @@ class Agent:
 
     Attributes:
         side: the side.
-        beliefs: Sigma; of a person, whose beliefs nobody reads, what she could put forward.
-        is_person: True for a person: what she believes bars none of her moves.
-        picture: of the other side.
-        store: her commitment store: all that she has said, in order.
+        beliefs: Sigma; for a person, whose beliefs are not known, the beliefs that the person could put forward.
+        is_person: True for a person: beliefs do not limit a person's moves.
+        picture: picture of the other side.
+        store: commitment store: all statements of this side, in order.
     """
 
     side: Side
@@ -100,10 +100,10 @@ class Agent:
     store: tuple[DialogueMove, ...] = ()
 
     def proposals(self, proposition: Proposition) -> tuple[Rule, ...]:
-        """Return the rules about a proposition that it holds, and those that its arguments about it amount to.
+        """Return the rules about a proposition that it holds, and the rules that correspond to its arguments about it.
 
-        Such a rule leads from the literals of an argument to its conclusion; what else the argument rests on is its
-        support.
+        Such a rule leads from the literals of an argument to its conclusion; the rest of the argument is the support of
+        the rule.
         """
         rules = [rule for rule in self.beliefs.rules if matter_of(rule) == proposition]
         known = {(frozenset(rule.premises), rule.conclusion) for rule in rules}
@@ -117,6 +117,6 @@ class Agent:
 
 
 def _tells(held: Literal, proposition: Proposition) -> bool:
-    """Return True when whoever holds the one has an opinion on the other."""
+    """Return True if an agent that holds the one has an opinion on the other."""
     yes = Literal(proposition)
     return opposed(held, yes) or opposed(held, ~yes)

@@ -1,4 +1,4 @@
-"""Contents of moves in dialogue games: propositions that hold or not, rules, arguments, and not knowing."""
+"""Contents of moves in dialogue games: literals, rules, arguments, and not knowing."""
 
 from dataclasses import dataclass
 from enum import StrEnum
@@ -35,10 +35,10 @@ class TableWord(StrEnum):
 
 
 class ContentKind(TableWord):
-    """Kind of a content, by which files tell the forms of a locution apart."""
+    """Kind of a content; files distinguish the forms of a locution by it."""
 
     LITERAL = "literal", "a proposition, or that it does not hold"
-    RULE = "rule", "what follows from something else"
+    RULE = "rule", "a conclusion that follows from premises"
     ARGUMENT = "argument", "a conclusion with its support"
     UNKNOWN = "unknown", "not knowing about a proposition"
 
@@ -61,8 +61,8 @@ class DialogueMove:
     """A locution with its content, written as in the paper: `assert(selected(Room3))`.
 
     Attributes:
-        locution: its name in the file of locutions.
-        content: what it is about.
+        locution: name in the file of locutions.
+        content: its content.
     """
 
     locution: str
@@ -70,12 +70,12 @@ class DialogueMove:
 
     def __str__(self) -> str:
         text = str(self.content)
-        # An argument and not knowing bring brackets of their own.
+        # An argument and not knowing have their own brackets.
         return f"{self.locution}{text}" if isinstance(self.content, Argument) else f"{self.locution}({text})"
 
 
 def propositions_in(content: Content) -> frozenset[Proposition]:
-    """Return the propositions that a content speaks of, of conjunctions their parts."""
+    """Return the propositions in a content; for conjunctions, those of their parts."""
     match content:
         case Unknown(proposition):
             return frozenset(part.proposition for part in proposition.parts)
@@ -88,7 +88,7 @@ def propositions_in(content: Content) -> frozenset[Proposition]:
 
 
 def matter_of(topic: Belief) -> Proposition:
-    """Return the proposition that a topic is about, whether it holds or not; of a rule that of its conclusion."""
+    """Return the proposition that a topic is about, affirmed or denied; for a rule, that of its conclusion."""
     return (topic.conclusion if isinstance(topic, Rule) else topic).proposition
 
 

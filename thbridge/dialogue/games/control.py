@@ -1,4 +1,4 @@
-"""Control layer: the dialogues of one robot and one person, in sequence, one inside another, or at the same time."""
+"""Control layer: the dialogues of one robot and one person, in sequence, inside each other, or at the same time."""
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
@@ -28,12 +28,12 @@ class IllegalMoveError(ValueError):
 
 @dataclass(frozen=True, slots=True)
 class Opening:
-    """Legal way to open a dialogue.
+    """Legal opening of a dialogue.
 
     Attributes:
         game: name of the game.
-        topic: what it is about.
-        move: with which it is opened.
+        topic: topic of the dialogue.
+        move: the first move.
     """
 
     game: str
@@ -43,15 +43,15 @@ class Opening:
 
 @dataclass(frozen=True, slots=True)
 class Conversation:
-    """All dialogues of one robot and one person. A value: what changes it returns it as it then is.
+    """All dialogues of one robot and one person. It is a value: methods that change it return the new value.
 
     Attributes:
         rulebook: locutions and games.
         agents: both sides.
-        plays: all dialogues, those that ended among them, in order of opening.
-        record: all that was said, in order.
-        able: what a side is thought able to tell.
-        since: number of dialogues that belong to a past situation: replies used up in them may be used again.
+        plays: all dialogues, including ended ones, in order of opening.
+        record: all utterances, in order.
+        able: returns True if a side is assumed to be able to answer about a proposition.
+        since: number of dialogues that belong to a past situation: their used-up replies may be used again.
     """
 
     rulebook: Rulebook
@@ -62,14 +62,14 @@ class Conversation:
     since: int = 0
 
     def play(self, number: int) -> GamePlay:
-        """Return the dialogue with this number, from 1. Raises IllegalMoveError when there is none."""
+        """Return the dialogue with this number, from 1. Raises IllegalMoveError if there is none."""
         if not 0 < number <= len(self.plays):
             raise IllegalMoveError(f"there is no dialogue {number}")
         return self.plays[number - 1]
 
     @property
     def open_plays(self) -> tuple[GamePlay, ...]:
-        """Dialogues that go on, those that wait for one inside them among them."""
+        """Dialogues that have not ended, including those that wait for one inside them."""
         return tuple(play for play in self.plays if play.end is None)
 
     def waits(self, number: int) -> bool:
@@ -78,7 +78,7 @@ class Conversation:
 
     @property
     def refused(self) -> GamePlay | None:
-        """The dialogue that has just ended with a refusal which its defender may question, or None."""
+        """The dialogue that has just ended with a refusal that its defender may question, or None."""
         if not self.record or (number := self.record[-1].dialogue) <= self.since:
             return None
         play = self.play(number)
@@ -87,22 +87,22 @@ class Conversation:
         return play if play.end is not None and play.in_question is not None and goes_on else None
 
     def case(self, proposition: Proposition) -> DialogueCase:
-        """Return the case of what the robot thinks, and takes the person to think, of a proposition."""
+        """Return the case of the robot's opinion on a proposition, and the opinion that it takes the person to have."""
         robot = self.agents[Side.ROBOT]
         return case_of(robot.beliefs.stance(proposition), robot.picture.stance(proposition))
 
     def legal(self, number: int) -> tuple[DialogueMove, ...]:
-        """Return the legal moves in a dialogue of the side whose turn it is there; none while it waits."""
+        """Return the legal moves in a dialogue of the side whose turn it is; none while the dialogue waits."""
         return tuple(legal.move for legal in self._legal(self.play(number)))
 
     def openings(self, side: Side, proposition: Proposition, parent: int | None = None) -> tuple[Opening, ...]:
-        """Return the ways in which a side may open a dialogue about a proposition.
+        """Return the possible openings of a dialogue about a proposition by a side.
 
         Args:
-            side: who opens it.
-            proposition: what it is about.
-            parent: number of a dialogue in which it is this side's turn, or `refused` when this side is its defender;
-                it waits then.
+            side: the side that opens it.
+            proposition: the proposition that it is about.
+            parent: number of a dialogue in which it is this side's turn, or `refused` if this side is its defender;
+                that dialogue then waits.
         """
         case = self.case(proposition)
         yes = Literal(proposition)
@@ -122,7 +122,7 @@ class Conversation:
         return tuple(opening for game, topic in topics for opening in self.opening(side, game, topic, parent))
 
     def opening(self, side: Side, game: str, topic: Belief, parent: int | None = None) -> tuple[Opening, ...]:
-        """Return the ways in which a side may open this game about this topic, whatever the nine cases say of it."""
+        """Return the possible openings of this game about this topic by a side, independent of the nine cases."""
         fresh = self._new(game, topic, side, parent)
         if parent is not None and not fresh.questions_refusal:
             outer = self.play(parent)
@@ -140,10 +140,10 @@ class Conversation:
         )
 
     def open(self, side: Side, opening: Opening, *, parent: int | None = None, at: float = 0.0) -> "Conversation":
-        """Return the conversation with a new dialogue. Raises IllegalMoveError when that is not legal.
+        """Return the conversation with a new dialogue. Raises IllegalMoveError if it is not legal.
 
         Args:
-            side: who opens it.
+            side: the side that opens it.
             opening: one of the openings of this side.
             parent: number of the dialogue that waits for it.
             at: simulated time, s.
@@ -158,14 +158,14 @@ class Conversation:
         """Return the conversation after a move of the side whose turn it is. Raises IllegalMoveError.
 
         Args:
-            number: of the dialogue.
+            number: number of the dialogue.
             move: the move.
             at: simulated time, s.
         """
         return self._after(self.play(number), move, at)
 
     def withdraw(self, number: int) -> "Conversation":
-        """Return the conversation after the end of a dialogue, and all inside it, whose matter is past."""
+        """Return the conversation after the end of a dialogue with a past matter, and of all dialogues inside it."""
         now = self._with(self.play(number).ended(DialogueEnd.WITHDRAWN))
         for inner in self.open_plays:
             if inner.parent == number:
@@ -173,10 +173,10 @@ class Conversation:
         return now._settled()
 
     def begun_anew(self, is_past: Callable[[Literal], bool]) -> "Conversation":
-        """Return the conversation in a new situation, in which replies that were used up may be used again.
+        """Return the conversation in a new situation, in which used-up replies may be used again.
 
         Args:
-            is_past: True for what was held in the former situation only, such as a decision.
+            is_past: True for literals that were held only in the former situation, such as a decision.
         """
         agents = {}
         for side, agent in self.agents.items():
@@ -206,9 +206,9 @@ class Conversation:
         return GamePlay(number, self.rulebook.games[game], topic, side, parent, asks, barred=used)
 
     def _used_up(self, topic: Belief, initiator: Side) -> frozenset[tuple[DialogueMove, DialogueMove]]:
-        """Openings about a topic, each with a reply that was used up in a dialogue of whatever game that failed.
+        """Return openings about a topic, each with a reply that was used up in a failed dialogue of any game.
 
-        A question may be put, and answered, again; and who was left alone with a claim has not used up an answer.
+        A question may be asked and answered again. If a claim got no reply, no answer was used up.
         """
         return frozenset(
             (play.moves[0][1], play.moves[1][1])
@@ -220,9 +220,9 @@ class Conversation:
         )
 
     def _has_answer(self, fresh: GamePlay, legal: LegalMove) -> bool:
-        """Return True when the other side has a reply that it has not used up in a dialogue that began likewise.
+        """Return True if the other side has a reply that it has not used up in a dialogue with the same beginning.
 
-        A refusal is questioned by what asks rather than claims, and of somebody who has an answer.
+        A refusal is questioned by a locution that asks and does not claim, and only if the other side has an answer.
         """
         if fresh.questions_refusal and self.rulebook.makes_claim(legal.move):
             return False
@@ -240,15 +240,15 @@ class Conversation:
         play, agents, said = say(play, self.agents, self.rulebook, legal, at)
         now = replace(self, agents=agents, record=(*self.record, *said))._with(play)
         if play.parent is not None and play.has_refuted:
-            # The claim of the dialogue that waited has lost its support.
+            # The claim of the waiting dialogue has lost its support.
             now = now._with(now.play(play.parent).ended(DialogueEnd.DISAGREEMENT))
         return now._settled()
 
     def _settled(self) -> "Conversation":
-        """End each dialogue in which nothing is left to be said, as may come of what was said or sensed elsewhere."""
+        """End each dialogue in which no move is left, which can result from utterances and observations elsewhere."""
         for play in self.open_plays:
             if not self.waits(play.number) and not self._legal(play):
-                # Another that waited for it may have nothing left either.
+                # Another dialogue that waited for it may also have no move left.
                 return self._with(play.ended(DialogueEnd.STALEMATE))._settled()
         return self
 
@@ -257,11 +257,11 @@ class Conversation:
 
 
 def _is_talked_over(open_plays: Iterable[GamePlay], topic: Belief) -> bool:
-    """Return True while another dialogue is about the same matter, whose replies and their limits hold for it."""
+    """Return True while another dialogue is about the same matter, so that its replies and their limits apply."""
     return any(matter_of(play.topic) == matter_of(topic) for play in open_plays)
 
 
 def _said_inside(plays: Iterable[GamePlay], parent: int | None, side: Side) -> frozenset[DialogueMove]:
-    """Openings that a side has made inside a dialogue: none comes twice, so that the dialogue that waits ends."""
+    """Return a side's openings inside a dialogue; none may be repeated, so that the waiting dialogue ends."""
     inside = [play for play in plays if parent is not None and (play.parent, play.initiator) == (parent, side)]
     return frozenset(play.moves[0][1] for play in inside)

@@ -1,4 +1,4 @@
-"""One dialogue game being played: its legal moves, and what each changes."""
+"""Play of one dialogue game: its legal moves, and their effects."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
@@ -24,22 +24,24 @@ class GamePlay:
     """Position in a dialogue game.
 
     Attributes:
-        number: of the dialogue, from 1.
-        game: its table.
-        topic: what it is about.
-        initiator: who opened it.
-        parent: number of the dialogue that waits for this one; None without one.
-        questions_refusal: True when it asks whether the opposite holds of the support that was refused in its parent.
-        stage: name of the present state; after the end, of the last one.
-        claim: what is being defended; None before there is anything.
-        defender: who defends it.
-        offered: support of the claim that was said, in order.
-        argument: the argument that was announced as a whole; None without one.
-        moves: all so far, with their speakers.
-        barred: openings, each with a reply to it that was used up by an earlier dialogue.
-        resumes: name of the state in which it goes on if the refusal that has ended it is questioned; None: it may not.
-        put_off: the end that a refusal has, from when it is questioned until another move is made.
-        end: None while it goes on.
+        number: number of the dialogue, from 1.
+        game: table of the game.
+        topic: topic of the dialogue.
+        initiator: the side that opened it.
+        parent: number of the dialogue that waits for this one; None if there is none.
+        questions_refusal: True if it asks whether the opposite of a support holds, after a refusal of the support in
+            its parent.
+        stage: name of the present state; after the end, of the last state.
+        claim: the defended claim; None before there is one.
+        defender: the side that defends it.
+        offered: stated support of the claim, in order.
+        argument: the argument that was stated as a whole; None without one.
+        moves: all moves so far, with their speakers.
+        barred: openings, each with a reply that an earlier dialogue has used up.
+        resumes: name of the state in which it resumes if the refusal that ended it is questioned. If None, it cannot
+            be.
+        put_off: the end that a refusal causes; postponed from the question until another move is made.
+        end: its end; None while it continues.
     """
 
     number: int
@@ -66,7 +68,7 @@ class GamePlay:
 
     @property
     def speaker(self) -> Side:
-        """The side whose turn it is, while the dialogue goes on."""
+        """The side whose turn it is, while the dialogue continues."""
         match self.state.turn:
             case GameRole.INITIATOR:
                 return self.initiator
@@ -79,27 +81,27 @@ class GamePlay:
 
     @property
     def in_question(self) -> Literal | None:
-        """Opposite of the support whose refusal has ended it, which the defender may ask about; None without one."""
+        """Opposite of the support that was refused at the end, about which the defender may ask; None without one."""
         refused = self.offered[-1] if self.resumes is not None and self.offered else None
         return ~refused if isinstance(refused, Literal) else None
 
     @property
     def has_refuted(self) -> bool:
-        """True when the opposite of the support that was refused in its parent is agreed upon."""
+        """True if both sides agree on the opposite of the support that was refused in its parent."""
         return self.questions_refusal and self.end is DialogueEnd.AGREEMENT and self.claim == self.topic
 
     def ended(self, end: DialogueEnd) -> "GamePlay":
-        """Return it after an end to which no move has led; a refusal that was questioned stands then."""
+        """Return the dialogue after an end without a move; a questioned refusal then stands."""
         return replace(self, end=self.put_off or end)
 
     def questioned(self) -> "GamePlay":
-        """Return it, ended by a refusal, as it waits until that has been questioned."""
+        """Return the dialogue, ended by a refusal, while it waits for the answer to a question about the refusal."""
         return replace(self, stage=self.resumes or self.stage, resumes=None, put_off=self.end, end=None)
 
 
 @dataclass(frozen=True, slots=True)
 class LegalMove:
-    """Legal move, and the row of the table that allows it."""
+    """Legal move, with the row of the table that allows it."""
 
     move: DialogueMove
     reply: Reply
@@ -112,7 +114,7 @@ def legal_replies(play: GamePlay, agents: Agents, rulebook: Rulebook, able: Able
         play: the position.
         agents: both sides.
         rulebook: the locutions.
-        able: what the listener is thought able to tell.
+        able: returns True if the listener is assumed to be able to answer about a proposition.
     """
     if play.end is not None or len(play.moves) >= play.game.most_turns:
         return ()
@@ -132,24 +134,24 @@ def legal_replies(play: GamePlay, agents: Agents, rulebook: Rulebook, able: Able
 
 
 def is_last_support(play: GamePlay, agents: Agents, support: Belief | None = None) -> bool:
-    """Return True when nothing is left to be said for the claim after this support; None: as things are."""
+    """Return True if no support is left for the claim after this one. If `support` is None, in the present position."""
     offered = play.offered if support is None else (*play.offered, support)
     return any(not due for _, due in _cases_made(replace(play, offered=offered), agents))
 
 
 @dataclass(frozen=True, slots=True)
 class GameUtterance:
-    """Move as it was made.
+    """A move that was made.
 
     Attributes:
-        dialogue: its number.
-        parent: number of the dialogue that waits for it; None without one.
-        index: of the move in the dialogue, from 0.
-        side: who made it.
+        dialogue: number of the dialogue.
+        parent: number of the dialogue that waits for it; None if there is none.
+        index: index of the move in the dialogue, from 0.
+        side: the side that made it.
         move: the move.
-        before: name of the state in which it was made.
-        after: name of the state, or the end, that followed.
-        is_booked: True for what followed by itself, such as accepting a claim with the last of its support.
+        before: name of the state before it.
+        after: name of the state, or the end, after it.
+        is_booked: True if it followed automatically, such as accepting a claim together with the last of its support.
     """
 
     dialogue: int
@@ -165,7 +167,7 @@ class GameUtterance:
 def say(
     play: GamePlay, agents: Agents, rulebook: Rulebook, legal: LegalMove, at: float
 ) -> tuple[GamePlay, Agents, tuple[GameUtterance, ...]]:
-    """Return dialogue and sides after a legal move of the side whose turn it is, and what was said, in order.
+    """Return the dialogue and the sides after a legal move of the side whose turn it is, and the utterances, in order.
 
     Args:
         play: the position.
@@ -202,7 +204,7 @@ def say(
 
 
 def _follows(play: GamePlay, reply: Reply) -> DialogueMove | None:
-    """The acceptance of the claim that follows from accepting the last of its support."""
+    """Return the acceptance of the claim that follows from accepting the last of its support."""
     if play.end is DialogueEnd.AGREEMENT and reply.slot is Slot.SUPPORT and play.claim is not None:
         return DialogueMove(reply.locution, play.claim)
     return None
@@ -216,7 +218,7 @@ def _after(agents: Agents, locution: Locution | None, side: Side, move: Dialogue
 
 
 def _contents(play: GamePlay, slot: Slot, agents: Agents) -> Iterable[Content]:
-    """Contents for a slot of the present state, most important first."""
+    """Return the contents for a slot of the present state, most important first."""
     match slot:
         case Slot.TOPIC:
             return (play.topic,)
@@ -235,10 +237,10 @@ def _contents(play: GamePlay, slot: Slot, agents: Agents) -> Iterable[Content]:
 
 
 def _cases_made(play: GamePlay, agents: Agents) -> list[tuple[Argument, tuple[Belief, ...]]]:
-    """Arguments for the claim that what was offered belongs to, each with the support that is still due.
+    """Return the arguments for the claim that the offered support belongs to, each with the support that is still due.
 
-    Due is what the listener is not taken to hold, of the argument and of arguments for the parts of its conclusion;
-    the claim itself, on which an observation rests, has been said.
+    Beliefs are due if the listener is not taken to hold them; they can belong to the argument, or to arguments for the
+    parts of its conclusion. The claim itself, on which an observation rests, has already been stated.
     """
     if play.claim is None or play.defender is None:
         return []
@@ -257,13 +259,13 @@ def _cases_made(play: GamePlay, agents: Agents) -> list[tuple[Argument, tuple[Be
 
 def _arguments(defender: Agent, claim: Belief) -> tuple[Argument, ...]:
     found = defender.beliefs.arguments(claim)
-    # Of several, the one that rests on the best evidence comes first; its support is what a program says.
+    # The argument on the best evidence comes first; a program puts forward its support.
     prefers = defender.beliefs.prefers
     return tuple(sorted(found, key=lambda one: (sum(prefers(other, one) for other in found), str(one))))  # of integers
 
 
 def _with_parts(defender: Agent, argument: Argument) -> tuple[Belief, ...]:
-    """Support of an argument and of one for each part of its conclusion, in the order in which it came to be held."""
+    """Return the support of an argument and of one for each part of its conclusion, in the order of the beliefs."""
     supports = set(argument.support)
     if isinstance(argument.conclusion, Literal) and len(parts := argument.conclusion.parts) > 1:
         for part in parts:

@@ -1,7 +1,7 @@
-"""Locutions: what must hold before one is said, and what holds after (Sklar and Azhar 2015, figure 4).
+"""Locutions: their conditions and their effects (Sklar and Azhar 2015, figure 4).
 
-A locution is data. Its conditions and effects are named; the names, and what each means, are the tables of this module.
-A condition of the speaker's own beliefs binds programs alone: what a person believes nobody reads.
+A locution is data: names of conditions and effects. The tables of this module give the meanings of these names.
+Conditions on the speaker's own beliefs apply only to programs, because the beliefs of a person are unknown.
 """
 
 from collections.abc import Callable, Mapping
@@ -16,20 +16,17 @@ from thbridge.dialogue.games.agents import Agent
 from thbridge.dialogue.games.contents import Content, ContentKind, DialogueMove, Unknown
 
 Able = Callable[[Proposition], bool]
-"""True for what an agent is thought able to tell, such as a shape on a picture of a person."""
+"""True for propositions that an agent is assumed to be able to answer, such as a person about a shape on a picture."""
 
 
 @dataclass(frozen=True, slots=True)
 class Locution:
     """Definition of a locution with one kind of content.
 
-    Attributes:
-        name: as it is written.
-        content: kind of what it is about.
-        before: names of the conditions that must hold for a program.
-        before_person: names of those that must hold for a person.
-        after: names of the effects.
-        of: slot that this form is for; None: all for which there is no other form.
+    name: its name, as written.
+        name: as it is written. content: kind of its content. before: names of the conditions for a program.
+        before_person: names of the conditions for a person. after: names of the effects. of: slot that this form is
+        for. If None, it is for all slots without a form of their own.
     """
 
     name: str
@@ -41,7 +38,7 @@ class Locution:
 
     @property
     def makes_claim(self) -> bool:
-        """True when who says it has to defend its content from then on."""
+        """True if the speaker has to defend its content from then on."""
         return "claimed" in self.after
 
 
@@ -50,11 +47,12 @@ class Utterer:
     """Speaker and listener at a move, for conditions.
 
     Attributes:
-        speaker: the one who says it.
-        listener: the other.
-        able: what the listener is thought able to tell.
-        committing: names of locutions by which their speaker shows to hold the content.
-        in_question: what the speaker may ask though it has an opinion, for the listener has just refused the opposite.
+        speaker: the side that speaks.
+        listener: the other side.
+        able: returns True if the listener is assumed to be able to answer about a proposition.
+        committing: names of locutions that show that their speaker holds the content.
+        in_question: a literal on which the speaker may ask despite an opinion, because the listener has just refused
+            its opposite.
     """
 
     speaker: Agent
@@ -66,7 +64,7 @@ class Utterer:
 
 @dataclass(frozen=True, slots=True)
 class Precondition:
-    """Condition on a content, with its meaning for people who write files, and the kinds for which it can hold."""
+    """Condition on a content, with its meaning for authors of files, and the kinds of contents that can meet it."""
 
     meaning: str
     holds: Callable[[Utterer, Content], bool]
@@ -75,9 +73,9 @@ class Precondition:
 
 @dataclass(frozen=True, slots=True)
 class Postcondition:
-    """Effect of a locution, with its meaning for people who write files, and the kinds for which there is one.
+    """Effect of a locution, with its meaning for authors of files, and the kinds of contents that have this effect.
 
-    `apply` takes speaker, listener, the move and the time (s), and returns the two as they are afterwards.
+    `apply` has arguments for speaker, listener, move and time (s), and returns the two sides after the move.
     """
 
     meaning: str
@@ -86,7 +84,7 @@ class Postcondition:
 
 
 def may_say(locution: Locution, at: Utterer, content: Content) -> bool:
-    """Return True when all conditions hold that a locution sets its speaker."""
+    """Return True if all conditions of a locution for its speaker hold."""
     names = locution.before_person if at.speaker.is_person else locution.before
     return all(CONDITIONS[name].holds(at, content) for name in names)
 
@@ -97,9 +95,9 @@ def after_saying(
     """Return speaker and listener after a move.
 
     Args:
-        locution: of the move.
-        speaker: the one who says it.
-        listener: the other.
+        locution: locution of the move.
+        speaker: the side that speaks.
+        listener: the other side.
         move: the move.
         at: simulated time, s.
     """
@@ -193,7 +191,7 @@ CONDITIONS: Mapping[str, Precondition] = {
         "the listener is taken to have an argument for the content", _thought_to_argue, _CLAIMS
     ),
     "answerable": Precondition(
-        "the listener is taken to have an opinion on the content, or to be able to tell; or has refused the opposite",
+        "the listener is taken to have an opinion on the content, or to know the answer; or has refused the opposite",
         _answerable,
         frozenset({ContentKind.LITERAL}),
     ),
@@ -203,16 +201,16 @@ CONDITIONS: Mapping[str, Precondition] = {
         lambda at, content: not _shown(at, content),
     ),
     "premises held": Precondition(
-        "the speaker believes what a rule rests on, or the content",
+        "the speaker believes the premises of the rule, or the content",
         _premises_held,
         _BELIEFS,
     ),
-    "consequence open": Precondition("neither side is taken to hold what would follow from a rule", _consequence_open),
+    "consequence open": Precondition("neither side is taken to hold the conclusion of the rule", _consequence_open),
 }
-"""Conditions by name. "Taken to" is the speaker's picture of the listener."""
+"""Conditions by name. "Taken to" refers to the speaker's picture of the listener."""
 
 CONTRADICTIONS = (("held", "not held"), ("argued", "not argued"), ("news", "attributed"))
-"""Conditions of which at most one holds."""
+"""Pairs of conditions that never hold together."""
 
 
 def _shows(speaker: Agent, listener: Agent, move: DialogueMove, _at: float) -> tuple[Agent, Agent]:
@@ -233,14 +231,14 @@ def _shows_premises(speaker: Agent, listener: Agent, move: DialogueMove, _at: fl
 
 
 def _is_persuaded(speaker: Agent, listener: Agent, move: DialogueMove, at: float) -> tuple[Agent, Agent]:
-    # Accepting what is held already is legal, and leaves it with the origin that it has.
+    # Accepting a content that is already held is legal; the belief keeps its origin.
     if isinstance(move.content, Literal | Rule) and move.content not in speaker.beliefs:
         speaker = replace(speaker, beliefs=speaker.beliefs.gaining(move.content, origin_of_hearsay(move.content, at)))
     return speaker, listener
 
 
 def origin_of_hearsay(belief: Belief, at: float) -> Origin:
-    """Return the origin of what somebody else says, at a simulated time in s."""
+    """Return the origin of a belief stated by another agent, at a simulated time in s."""
     is_wish = isinstance(belief, Literal) and belief.proposition.is_wish
     return Origin(Source.WISHED if is_wish else Source.TOLD, at)
 
@@ -253,7 +251,7 @@ def _concludes(accepter: Agent, proposer: Agent, move: DialogueMove, at: float) 
 
 
 def _with_rule(agent: Agent, rule: Rule, at: float) -> Agent:
-    """Return an agent that holds a rule, takes the other to hold it, and draws its conclusion for whoever can."""
+    """Return an agent that holds a rule and takes the other to hold it; each side that can draws the conclusion."""
     beliefs = agent.beliefs.gaining(rule, Origin(Source.TOLD, at))
     if all(premise in beliefs for premise in rule.premises):
         beliefs = beliefs.gaining(rule.conclusion, Origin(Source.COMPUTED, at))
@@ -272,15 +270,15 @@ EFFECTS: Mapping[str, Postcondition] = {
         "the listener takes the speaker to have an argument for the content", _argues, _CLAIMS
     ),
     "premises shown": Postcondition(
-        "the listener takes the speaker to hold what a rule rests on, from now on",
+        "the listener takes the speaker to hold the premises of the rule, from now on",
         _shows_premises,
         frozenset({ContentKind.RULE}),
     ),
     "believed": Postcondition(
-        "the speaker believes the content, and nothing that it is opposed to", _is_persuaded, _CLAIMS
+        "the speaker believes the content, and drops beliefs opposed to it", _is_persuaded, _CLAIMS
     ),
     "concluded": Postcondition(
-        "both sides learn a rule, and what follows from what they hold", _concludes, frozenset({ContentKind.RULE})
+        "both sides learn the rule, and the conclusions from their beliefs", _concludes, frozenset({ContentKind.RULE})
     ),
 }
-"""Effects by name, besides the one that every locution has: it enters the speaker's commitment store."""
+"""Effects by name, in addition to that of all locutions: the content enters the speaker's commitment store."""

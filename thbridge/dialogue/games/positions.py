@@ -1,4 +1,4 @@
-"""Positions that plays of a game may come to, by its table alone: so a table is checked before anybody plays."""
+"""Positions that plays of a game can reach according to its table, to check a table before it is played."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -7,18 +7,18 @@ from thbridge.dialogue.games.locutions import Locution
 from thbridge.dialogue.games.tables import GameRole, GameTable, Reply, Slot
 
 FormOf = Callable[[Reply], Locution]
-"""Gives the form of a reply's locution for what its slot holds."""
+"""Returns the form of a reply's locution for the content of its slot."""
 
 
 @dataclass(frozen=True, slots=True)
 class TablePosition:
-    """State of a game with what was said until then, as far as it matters for what can be said next.
+    """State of a game with the earlier statements that affect the next moves.
 
     Attributes:
         stage: name of the state.
-        defender: initiator or respondent, whoever made the last claim; None before there is one.
-        is_announced: True when its argument was said as a whole.
-        is_offered: True when some of its support was said.
+        defender: initiator or respondent, the one that made the last claim; None before there is one.
+        is_announced: True if its argument was stated as a whole.
+        is_offered: True if some of its support was stated.
     """
 
     stage: str
@@ -29,32 +29,32 @@ class TablePosition:
 
 @dataclass(frozen=True, slots=True)
 class Obstacle:
-    """Reason for which a reply is not legal in a position, and what its author may do about it."""
+    """Reason why a reply is not legal in a position, and a remedy for the author of the table."""
 
     problem: str
     remedy: str
 
 
 NO_CLAIM = Obstacle(
-    "nothing is claimed before it", "Let a reply before it make a claim: one whose locution has `claimed` after it"
+    "no claim comes before it", "Let a reply before it make a claim: one whose locution has `claimed` after it"
 )
 _NOT_OFFERED = Obstacle(
-    "no support was said before it, which the challenger could speak of", "Let the defender say `of: support` first"
+    "no support that the challenger could refer to comes before it", "Let the defender say `of: support` first"
 )
 _NOT_ANNOUNCED = Obstacle(
-    "no argument was said before it, which the challenger could speak of", "Let the defender say `of: argument` first"
+    "no argument that the challenger could refer to comes before it", "Let the defender say `of: argument` first"
 )
 _TOO_LATE = Obstacle(
     "the argument as a whole comes before its support, not after it", "Move it to the stage before, or write support"
 )
 _OWN_WORDS = Obstacle(
     "it is the defender's turn, and before this locution the other side must have said the same",
-    "Give the turn to the challenger, or take another locution",
+    "Give the turn to the challenger, or use another locution",
 )
 
 
 def speaker_in(table: GameTable, position: TablePosition) -> GameRole | None:
-    """Return who speaks, initiator or respondent; None when a table says defender or challenger before any claim."""
+    """Return the speaker, initiator or respondent; None if a table says defender or challenger before any claim."""
     turn = table.stages[position.stage].turn
     if turn in {GameRole.INITIATOR, GameRole.RESPONDENT}:
         return turn
@@ -64,19 +64,19 @@ def speaker_in(table: GameTable, position: TablePosition) -> GameRole | None:
 
 
 def refuses_support(table: GameTable, position: TablePosition, reply: Reply, form_of: FormOf) -> bool:
-    """Return True when a reply does not agree to a support that was said before it. Arguments as in `obstacle`."""
+    """Return True if a reply does not agree to an earlier support. Arguments as in `obstacle`."""
     agrees = {"shown", "concluded"} & set(form_of(reply).after)
     return position.is_offered and speaker_in(table, position) is not position.defender and not agrees
 
 
 def obstacle(table: GameTable, position: TablePosition, reply: Reply, form_of: FormOf) -> Obstacle | None:
-    """Return the reason for which a reply is never legal in a position, whatever both sides believe, or None.
+    """Return the reason why a reply is never legal in a position, with any beliefs of both sides, or None.
 
     Args:
         table: the game.
         position: a position of it.
-        reply: of the position's state.
-        form_of: gives the forms of locutions.
+        reply: a reply of the position's state.
+        form_of: returns the forms of locutions.
     """
     if reply.slot not in {Slot.CLAIM, Slot.SUPPORT, Slot.ARGUMENT}:
         return None
@@ -93,11 +93,11 @@ def obstacle(table: GameTable, position: TablePosition, reply: Reply, form_of: F
 
 
 def positions(table: GameTable, form_of: FormOf) -> tuple[TablePosition, ...]:
-    """Return all positions that some play of a table may come to, in the order in which they are found.
+    """Return all positions that a play of a table can reach, in the order in which they are found.
 
     Args:
         table: the game.
-        form_of: gives the forms of locutions.
+        form_of: returns the forms of locutions.
     """
     found: dict[TablePosition, None] = {}
     waiting = [TablePosition(table.opening)]

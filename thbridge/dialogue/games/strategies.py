@@ -1,8 +1,9 @@
-"""Strategies of programs in dialogue games: which of the legal moves to make, by attitude and persistence.
+"""Strategies of programs in dialogue games: the choice among legal moves, by attitude and persistence.
 
-Attitudes towards what the other says are those of Parsons, Wooldridge and Amgoud (2003, Properties and Complexity of
-Some Formal Inter-agent Dialogues), with grounded semantics: the credulous accept whatever has a reason, the cautious
-what no standing argument of their own attacks, the sceptical what an argument of their own stands for.
+Attitudes towards the other's statements are those of Parsons, Wooldridge and Amgoud (2003, Properties and Complexity of
+Some Formal Inter-agent Dialogues), with grounded semantics. Credulous agents accept all statements with a reason.
+Cautious agents accept a statement unless a standing argument of their own attacks it. Sceptical agents accept
+statements for which an argument of their own stands.
 """
 
 from dataclasses import dataclass
@@ -22,15 +23,15 @@ from thbridge.dialogue.games.tables import DialogueEnd
 
 
 class GameStrategy(Protocol):
-    """Chooses a program's moves. Must be a function of its arguments and of its constructor's."""
+    """Choice of a program's moves; it must depend only on its arguments and those of its constructor."""
 
     def choose(self, conversation: Conversation, number: int) -> DialogueMove:
-        """Return one of the legal moves, of which there is at least one, in the dialogue with this number."""
+        """Return one of the legal moves in the dialogue with this number; there is at least one."""
         ...
 
 
 class Attitude(StrEnum):
-    """Attitude towards what the other side says."""
+    """Attitude to statements of the other side."""
 
     CREDULOUS = "credulous"
     CAUTIOUS = "cautious"
@@ -42,9 +43,10 @@ class ArguingStrategy:
     """Strategy of a program that argues.
 
     Attributes:
-        attitude: towards what the other says.
-        persistence: number of dialogues about the same claim in which it holds out; 0 gives in at once.
-        announces: says its whole argument before it gives the parts one by one.
+        attitude: attitude to statements of the other side.
+        persistence: number of dialogues about the same claim in which it maintains its position; with 0, it gives in at
+            once.
+        announces: True if it states its whole argument before its parts one by one.
     """
 
     attitude: Attitude = Attitude.CAUTIOUS
@@ -70,7 +72,7 @@ class ArguingStrategy:
     def _say(
         self, play: GamePlay, agent: Agent, by_name: dict[str, list[DialogueMove]], legal: tuple[DialogueMove, ...]
     ) -> DialogueMove:
-        """Choose among assertions: an answer to a question, or what supports a claim."""
+        """Choose among assertions: answers to a question, or support for a claim."""
         wholes = [move for move in legal if kind_of_content(move.content) is ContentKind.ARGUMENT]
         rest = [move for move in legal if move not in wholes]
         if wholes and (self.announces or not rest):
@@ -88,7 +90,7 @@ class ArguingStrategy:
         return len(earlier) >= self.persistence and play.initiator is not play.speaker
 
     def _agrees(self, agent: Agent, claim: Belief, content: Belief) -> bool:
-        """Return True when an agent accepts a content that is the claim, or is said for it."""
+        """Return True if an agent accepts a content that is the claim or its support."""
         if content in agent.beliefs and content == claim:
             return True
         own = agent.beliefs
@@ -100,7 +102,7 @@ class ArguingStrategy:
                 return content in own or bool(_standing(own, content)[0])
             return self.attitude is Attitude.CREDULOUS or not (against or denied)
         if self.attitude is Attitude.CAUTIOUS:
-            # Without a reason for it, one is asked for; only what it argues for itself needs none.
+            # It asks for a missing reason, unless it has its own argument.
             return bool(for_it) and not against
         return bool(for_it) if self.attitude is Attitude.SCEPTICAL else not against
 
@@ -108,12 +110,12 @@ class ArguingStrategy:
 def _standing(beliefs: Beliefs, claim: Belief) -> tuple[list[Argument], list[Argument]]:
     """Return the arguments for and against a claim that are in the grounded extension.
 
-    Against a rule are those against its conclusion, if what it rests on stands.
+    The arguments against a rule are those against its conclusion, if the support of the rule stands.
     """
     against_it: list[Literal] = []
     if isinstance(claim, Literal):
         against_it = [~claim, *(held for held in beliefs.origins if opposed(held, claim) and held != ~claim)]
-    # Arguments against a premise count too.
+    # Arguments against a premise also count.
     arguments = dict.fromkeys(argument for each in (claim, *against_it) for argument in beliefs.arguments(each))
     premises = dict.fromkeys(premise for argument in arguments for premise in sorted(argument.premises, key=str))
     arguments |= dict.fromkeys(argument for premise in premises for argument in beliefs.arguments(~premise))

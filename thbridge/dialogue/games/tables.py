@@ -1,4 +1,4 @@
-"""Dialogue games as transition tables: who may say what in which state, and how a game ends."""
+"""Dialogue games as transition tables: the possible replies of each state, and the ends of a game."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -10,33 +10,33 @@ from thbridge.dialogue.games.locutions import Locution
 
 
 class Slot(TableWord):
-    """Place in a table for what is said there."""
+    """Place in a table for the content of a reply."""
 
     TOPIC = "topic", "what the game is about"
-    OPPOSITE = "not topic", "the opposite of that"
-    CLAIM = "claim", "what was asserted or proposed last, and is being defended"
+    OPPOSITE = "not topic", "the opposite of the topic"
+    CLAIM = "claim", "the last assertion or proposal, which is being defended"
     SUPPORT = "support", "the next part of an argument for the claim that the listener is not taken to hold"
     ARGUMENT = "argument", "the argument for the claim as a whole"
     UNKNOWN = "unknown", "not to know about the topic"
 
 
 class GameRole(TableWord):
-    """Role in a game, by which a table says whose turn it is."""
+    """Role in a game; a table gives the turn to a role."""
 
     INITIATOR = "initiator", "the one who opened the game"
-    RESPONDENT = "respondent", "the other one"
+    RESPONDENT = "respondent", "the other side"
     DEFENDER = "defender", "the one who made the claim"
-    CHALLENGER = "challenger", "the one who did not"
+    CHALLENGER = "challenger", "the side that did not make the claim"
 
 
 class DialogueEnd(TableWord):
     """End of a dialogue game."""
 
     AGREEMENT = "agreement", "one side has accepted the other's claim"
-    DISAGREEMENT = "disagreement", "something was rejected"
+    DISAGREEMENT = "disagreement", "a content was rejected"
     UNKNOWN = "unknown", "the one who was asked does not know"
-    STALEMATE = "stalemate", "there is no legal move left; every game may end so"
-    WITHDRAWN = "withdrawn", "what it was about is past"
+    STALEMATE = "stalemate", "there is no legal move left; every game can end so"
+    WITHDRAWN = "withdrawn", "its matter is past"
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,12 +44,12 @@ class Reply:
     """Legal move of a state.
 
     Attributes:
-        locution: its name.
-        slot: what it is about.
-        next: name of the state, or the end, that follows.
-        last: the same when no support is left that the listener does not have; None: as `next`.
-        questioned: of a refusal of support, which ends the game, name of the state in which it goes on instead when
-            the defender questions that; None: nobody may.
+        locution: name of the locution.
+        slot: content of the reply.
+        next: name of the next state, or of the end.
+        last: the same, if the listener already has all support. If None, it is the same as `next`.
+        questioned: for a refusal of support, which ends the game: name of the state in which the game continues instead
+            if the defender questions the refusal. If None, it cannot be questioned.
     """
 
     locution: str
@@ -59,12 +59,12 @@ class Reply:
     questioned: str | None = None
 
     def leads_to(self, *, is_last: bool) -> str:
-        """Return the name of the state, or of the end, that follows."""
+        """Return the name of the next state, or of the end."""
         return self.last if is_last and self.last is not None else self.next
 
     @property
     def targets(self) -> tuple[str, ...]:
-        """Names of all states and ends that may follow."""
+        """Names of all possible next states and ends."""
         return tuple(target for target in (self.next, self.last, self.questioned) if target is not None)
 
 
@@ -81,11 +81,11 @@ class GameTable:
     """Dialogue game.
 
     Attributes:
-        name: of the game.
-        about: a literal, that is a proposition that holds or does not, or a rule.
-        opening: name of the first state, in which the initiator says one thing about the topic.
-        stages: by name.
-        most_turns: number of moves after which no further one is legal.
+        name: name of the game.
+        about: a literal, which is an affirmed or denied proposition, or a rule.
+        opening: name of the first state, in which the initiator makes one statement about the topic.
+        stages: states by name.
+        most_turns: number of moves after which no other move is legal.
     """
 
     name: str
@@ -95,7 +95,7 @@ class GameTable:
     most_turns: int = 60
 
     def end_of(self, target: str) -> DialogueEnd | None:
-        """Return the end of this name, or None for the name of a state."""
+        """Return the end with this name, or None for the name of a state."""
         return None if target in self.stages else DialogueEnd(target)
 
 
@@ -104,8 +104,8 @@ class Rulebook:
     """Locutions and the games played with them.
 
     Attributes:
-        locutions: each form of each.
-        games: by name.
+        locutions: all forms of all locutions.
+        games: games by name.
     """
 
     locutions: tuple[Locution, ...]
@@ -116,7 +116,7 @@ class Rulebook:
         return {(each.name, each.content, each.of): each for each in self.locutions}
 
     def locution(self, name: str, content: Content, slot: Slot | None = None) -> Locution | None:
-        """Return the form of a locution for a content in a slot, or None when it has none."""
+        """Return the form of a locution for a content in a slot, or None if it has none."""
         kind = kind_of_content(content)
         return self._forms.get((name, kind, slot)) or self._forms.get((name, kind, None))
 
@@ -127,5 +127,5 @@ class Rulebook:
 
     @cached_property
     def committing(self) -> frozenset[str]:
-        """Names of the locutions by which their speaker shows to hold the content."""
+        """Names of the locutions that show that their speaker holds the content."""
         return frozenset(each.name for each in self.locutions if {"shown", "concluded"} & set(each.after))

@@ -1,1 +1,1 @@
-"""Scripted questions of 2016: templates, the turns they leave, and their engine."""
+"""Scripted questions of 2016: templates, the possible turns, and their engine."""

@@ -1,4 +1,4 @@
-"""Dialogue protocols: turn, legal moves and outcome, computed from a dialogue's record alone."""
+"""Dialogue protocols: turn, legal moves and outcome, computed only from a dialogue's record."""
 
 from dataclasses import dataclass
 from typing import Protocol
@@ -8,18 +8,18 @@ from thbridge.dialogue.scripted.templates import Template
 
 
 class DialogueProtocol(Protocol):
-    """Rules of one kind of dialogue. All methods are functions of the record; both sides may know them."""
+    """Rules of one kind of dialogue. All methods are functions of the record, which both sides may know."""
 
     def outcome(self, dialogue: Dialogue) -> DialogueOutcome | None:
-        """Return the outcome of the dialogue, or None while it goes on."""
+        """Return the outcome of the dialogue, or None while it continues."""
         ...
 
     def speaker(self, dialogue: Dialogue) -> Speaker:
-        """Return the side whose turn it is, while the dialogue goes on."""
+        """Return the side whose turn it is, while the dialogue continues."""
         ...
 
     def legal(self, dialogue: Dialogue) -> tuple[Move, ...]:
-        """Return that side's legal moves, at least one, most agreeable first, while the dialogue goes on."""
+        """Return that side's legal moves, at least one, most agreeable first, while the dialogue continues."""
         ...
 
 
@@ -27,7 +27,7 @@ class DialogueProtocol(Protocol):
 class TemplateProtocol:
     """The 2016 dialogue: the robot asks the scripted questions in order, the person continues or stops.
 
-    Consensus is reached only when every question got its Continue; at once when there are none.
+    There is consensus if every question got its Continue; without questions, at once.
     """
 
     template: Template

@@ -1,4 +1,4 @@
-"""Reserved words of scripted questions: each stands for what the topic of a dialogue holds."""
+"""Reserved words of scripted questions: each stands for a fact in the topic of a dialogue."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -14,13 +14,14 @@ _BESIDE_TREASURE = (Scenario.TAKE_PICTURE, Scenario.TAKE_TREASURE)
 
 @dataclass(frozen=True, slots=True)
 class ReservedWord:
-    """A word that sentences may have between pound signs.
+    """A word that sentences may contain between pound signs.
 
     Attributes:
         name: the word.
-        meaning: for people who write sentences.
-        value: of a topic, as people read it within a sentence of their language; empty when it has none.
-        scenarios: in whose questions it may stand.
+        meaning: meaning for people who write sentences.
+        value: function of a topic that returns the value for use within a sentence of the language; empty without a
+            value.
+        scenarios: scenarios with questions in which the word may occur.
     """
 
     name: str
@@ -33,7 +34,7 @@ WORDS = (
     ReservedWord("room", "the number of the room", lambda topic, _: str(topic.room.people)),
     ReservedWord(
         "name",
-        "the name of the room; its number where it has none",
+        "the name of the room, or its number if it has no name",
         lambda topic, texts: topic.room_name or texts.room(topic.room),
     ),
     ReservedWord(
@@ -41,12 +42,12 @@ WORDS = (
         "the room with its number and its name, if it has one: room 3 (Kitchen)",
         lambda topic, texts: texts.room(topic.room, name=topic.room_name),
     ),
-    ReservedWord("cost", "the energy of what is proposed", lambda topic, texts: texts.number(topic.cost)),
+    ReservedWord("cost", "the energy of the proposal", lambda topic, texts: texts.number(topic.cost)),
     ReservedWord("energy", "the energy that the robot has left", lambda topic, texts: texts.number(topic.energy)),
     ReservedWord("robot", "the number of the robot", lambda topic, _: str(number_of(topic.robot))),
     ReservedWord(
         "other_robot",
-        "the number of the other robot that is nearest to the room by its costs",
+        "the number of the other robot with the lowest cost to the room",
         lambda topic, _: "" if topic.other_robot is None else str(number_of(topic.other_robot)),
     ),
     ReservedWord(
@@ -54,36 +55,36 @@ WORDS = (
     ),
     ReservedWord(
         "confidence",
-        "how sure the robot says it is of its suggestion, in percent, where the study has it say so",
+        "the robot's confidence in its suggestion, in percent, if the study makes it state this",
         lambda topic, texts: (
             "" if topic.confidence is None else texts.text("words.percent", number=f"{100.0 * topic.confidence:.0f}")
         ),
         scenarios=(Scenario.DONT_KNOW,),
     ),
 )
-"""All but the properties of treasures, which are words of the questions beside one."""
+"""All words except properties of treasures, which are words of the questions about a treasure."""
 
 
 def allowed_words(scenario: Scenario, properties: Sequence[TreasureProperty]) -> dict[str, str]:
-    """Return the words that the questions of a scenario may have, with what each stands for.
+    """Return the words that the questions of a scenario may contain, with their meanings.
 
     Args:
-        scenario: of the questions.
-        properties: that treasures have.
+        scenario: scenario of the questions.
+        properties: properties of the treasures.
     """
     words = {word.name: word.meaning for word in WORDS if scenario in word.scenarios}
     if scenario in _BESIDE_TREASURE:
-        words |= {each.name: f"{each.label}, of the treasure" for each in properties}
+        words |= {each.name: f"{each.label} of the treasure" for each in properties}
     return words
 
 
 def word_fault(wording: str, scenario: Scenario, properties: Sequence[TreasureProperty]) -> WordFault | None:
-    """Return the first fault in the reserved words of a wording, or None. A pound sign beside a number is only text.
+    """Return the first fault in the reserved words of a wording, or None. A pound sign next to a number is normal text.
 
     Args:
         wording: a sentence.
-        scenario: of the question.
-        properties: that treasures have.
+        scenario: scenario of the question.
+        properties: properties of the treasures.
     """
     beside = [each.name for each in properties]
     allowed = allowed_words(scenario, properties)
@@ -92,30 +93,30 @@ def word_fault(wording: str, scenario: Scenario, properties: Sequence[TreasurePr
             continue
         if name in beside:
             return WordFault(
-                f"£{name}£ is known only beside a treasure",
-                "use it in the sections TakePicture: and TakeTreasure: only",
+                f"£{name}£ is known only at a treasure",
+                "use it only in the sections TakePicture: and TakeTreasure:",
             )
         if any(word.name == name for word in WORDS):
             return WordFault(
-                f"£{name}£ is known only where the robot suggests a room",
-                "use it in the first questions, those for a person who does not know, only",
+                f"£{name}£ is known only if the robot suggests a room",
+                "use it only in the first questions, those for a person who does not know",
             )
     return spelling_fault(wording, allowed)
 
 
 def fill_known(wording: str, words: Mapping[str, str], texts: Texts) -> str:
-    """Return the wording with its reserved words replaced; for those without a value, that it is unknown."""
+    """Return the wording with its reserved words replaced; words without a value are replaced by "unknown"."""
     unknown = dict.fromkeys(reserved_in(wording), texts.text("scripted.unknown"))
     return fill(wording, {**unknown, **words})
 
 
 def words_of(topic: DialogueTopic, texts: Texts, properties: Sequence[TreasureProperty] = ()) -> dict[str, str]:
-    """Return the values of the reserved words that have one, as people read them within a sentence.
+    """Return the values of the reserved words that have one, for use within a sentence.
 
     Args:
-        topic: of the dialogue.
-        texts: of the game's language.
-        properties: that treasures have, with the words for their values in this language.
+        topic: topic of the dialogue.
+        texts: texts of the game's language.
+        properties: properties of the treasures, with the words for their values in this language.
     """
     values = {word.name: word.value(topic, texts) for word in WORDS}
     values |= {name: value_in_words(value) for name, value in topic.properties.items()}

@@ -1,7 +1,7 @@
-"""Scripted dialogues without I/O: moves of people in; utterances and outcomes out; a dialogue is a value.
+"""Scripted dialogues without I/O: they receive moves of people, and return utterances and outcomes as values.
 
-A protocol determines whose turn it is and which moves are legal, a strategy chooses the robot's move, a phrasing words
-it; the person gets the legal moves as sentences and can make no other.
+A protocol determines the turn and the legal moves, a strategy chooses the robot's move, and a phrasing gives its words.
+The person gets the legal moves as sentences and can make no other move.
 """
 
 from dataclasses import dataclass, replace
@@ -15,14 +15,14 @@ from thbridge.dialogue.scripted.strategies import Strategy
 
 @dataclass(frozen=True, slots=True)
 class ScriptedEngine:
-    """Engine for one kind of dialogue. Holds no state: every method takes a dialogue and returns it as it then is.
+    """Engine for one kind of dialogue. It has no state: every method receives a dialogue and returns its new state.
 
-    All methods raise ValueError if somebody, or the strategy, makes a move that is not legal.
+    All methods raise ValueError if a person, a wizard or the strategy makes an illegal move.
 
     Attributes:
         protocol: determines legal moves.
         strategy: chooses the robot's moves.
-        phrasing: words moves.
+        phrasing: words for moves.
     """
 
     protocol: DialogueProtocol
@@ -31,7 +31,7 @@ class ScriptedEngine:
 
     @property
     def argues(self) -> bool:
-        """False: scripts know no facts."""
+        """False: scripts need no facts."""
         return False
 
     def open(
@@ -41,30 +41,33 @@ class ScriptedEngine:
         return self._run(Dialogue(number, topic), (), held)
 
     def announce(self, number: int, topic: DialogueTopic, move: Move) -> DialogueStep:
-        """Let the robot say something that takes no answer."""
+        """Let the robot say something that needs no answer."""
         return announcement(self.phrasing, number, topic, move)
 
     def move(self, dialogue: Dialogue, move: Move, *, held: bool = False) -> DialogueStep:
-        """Make the person's move, and unless held let the robot answer."""
+        """Make the person's move; unless the dialogue is held, let the robot answer."""
         dialogue, utterance = self._with_turn(dialogue, Turn(Speaker.PERSON, move, Author.PERSON))
         return self._run(dialogue, (utterance,), held)
 
     def speak(self, dialogue: Dialogue, move: Move, text: str = "") -> DialogueStep:
-        """Make the move of a robot whose dialogue is held, and keep it held; `text` as for `Turn`."""
+        """Make the move of a robot in a held dialogue, and keep it held; `text` is as in `Turn`."""
         dialogue, utterance = self._with_turn(dialogue, Turn(Speaker.ROBOT, move, Author.WIZARD, text))
         return self._run(dialogue, (utterance,), held=True)
 
     def release(self, dialogue: Dialogue) -> DialogueStep:
-        """Let the robot speak in a dialogue that was held."""
+        """Let the robot speak in a held dialogue."""
         return self._run(dialogue, (), held=False)
 
     def retake(self, dialogue: Dialogue, turn: Turn) -> DialogueStep:
-        """Take a turn that was taken before; see `DialogueEngine`."""
+        """Repeat a turn of a dialogue that is restored; see `DialogueEngine`."""
         dialogue, utterance = self._with_turn(dialogue, turn)
         return self._run(dialogue, (utterance,), held=True)
 
     def choices(self, dialogue: Dialogue, speaker: Speaker = Speaker.PERSON) -> tuple[Choice, ...]:
-        """Return the speaker's legal moves in an open dialogue, most agreeable first; none if it is not their turn."""
+        """Return the speaker's legal moves in an open dialogue, most agreeable first.
+
+        None if it is not the speaker's turn.
+        """
         if self.protocol.speaker(dialogue) is not speaker:
             return ()
         return tuple(Choice(move, self.phrasing.say(dialogue, move, speaker)) for move in self.protocol.legal(dialogue))

@@ -1,4 +1,4 @@
-"""Dialogue strategies: the choice among legal moves. Other strategies of persuasion are plugged in here."""
+"""Dialogue strategies: the choice among legal moves. Other strategies of persuasion belong here."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -8,16 +8,16 @@ from thbridge.dialogue.moves import Dialogue, Move
 
 
 class Strategy(Protocol):
-    """Chooses the robot's moves. Must be a function of its arguments and of its constructor's."""
+    """Choice of the robot's moves; it must depend only on its arguments and those of its constructor."""
 
     def choose(self, dialogue: Dialogue, legal: Sequence[Move]) -> Move:
-        """Return one of the legal moves, of which there is at least one, by a dialogue's topic and moves so far."""
+        """Return one of the legal moves, by a dialogue's topic and moves so far; there is at least one legal move."""
         ...
 
 
 @dataclass(frozen=True, slots=True)
 class TemplateStrategy:
-    """The robot of 2016: it follows its script, which leaves it one move at a time."""
+    """The robot of 2016: it follows its script, which allows one move at a time."""
 
     def choose(self, dialogue: Dialogue, legal: Sequence[Move]) -> Move:
         """Return the first legal move: the next question."""

@@ -1,4 +1,4 @@
-"""Scripted questions of a DialogueText file, and the sentences made of them."""
+"""Scripted questions of a DialogueText file, and their sentences."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -15,7 +15,7 @@ _CONFIDENCE = "£confidence£"
 
 @dataclass(frozen=True, slots=True)
 class ScriptedQuestion:
-    """One scripted question in one or more wordings, with reserved words such as `£room£` still in place."""
+    """One scripted question in one or more wordings, which still contain reserved words such as `£room£`."""
 
     wordings: tuple[str, ...]
 
@@ -26,8 +26,9 @@ class Template:
 
     Attributes:
         name: first line of the file, a description.
-        questions: of each scenario, in order; a scenario without questions is agreed at once.
-        answers: of each scenario, the texts of the buttons that agree and refuse; of others the language's, of 2016.
+        questions: questions of each scenario, in order; without questions, a scenario is agreed at once.
+        answers: by scenario, texts of the buttons that agree and refuse; other scenarios have the language's, as in
+            2016.
     """
 
     name: str
@@ -39,7 +40,7 @@ class Template:
         return self.questions.get(scenario, ())
 
     def answers_in(self, scenario: Scenario, texts: Texts) -> tuple[str, str]:
-        """Return the texts of the two buttons below a question of a scenario: the one that agrees comes first."""
+        """Return the texts of the two buttons for a question of a scenario: first the one that agrees."""
         return self.answers.get(scenario) or (texts.text("scripted.continue"), texts.text("scripted.stop"))
 
 
@@ -47,15 +48,16 @@ class Template:
 class TemplatePhrasing:
     """Sentences for moves, from a template.
 
-    The wording of a question depends on the seed, the dialogue's number and the question alone: other dialogues do not
-    change it, and a restored dialogue has the same sentences. A wording that names what is not known is left out, as
-    long as there is another. A confidence that is to be stated, and that the wording does not name, is said before it.
+    The wording of a question depends only on the seed, the dialogue's number and the question. So other dialogues do
+    not change it, and a restored dialogue has the same sentences. A wording that contains an unknown value is left out
+    if there is another wording. If a confidence is to be stated and the wording does not contain it, a sentence before
+    it states it.
 
     Attributes:
         template: the questions.
-        seed: of the game.
-        texts: of the game's language.
-        properties: that treasures have, with the words for their values in this language.
+        seed: random seed of the game.
+        texts: texts of the game's language.
+        properties: properties of the treasures, with the words for their values in this language.
     """
 
     template: Template
@@ -87,5 +89,5 @@ class TemplatePhrasing:
                 raise ValueError(f"there is no scripted sentence for {move}")
 
     def authored(self, dialogue: Dialogue, move: Move) -> OfferedSentence | None:
-        """Return None: scripts have no other authors."""
+        """Return None, because scripts have no other authors."""
         return None

@@ -1,1 +1,1 @@
-"""Trials of programs of labs, which choose or word what robots that argue say."""
+"""Trials of labs' programs that choose the moves of robots that argue, or word them."""

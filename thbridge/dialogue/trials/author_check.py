@@ -1,4 +1,4 @@
-"""Trial of an author of wordings: the robot's sentences of made-up conversations, in which its faults are collected."""
+"""Trial of an author of wordings: sentences of robots in random conversations, with a collection of its faults."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
@@ -21,10 +21,10 @@ from thbridge.dialogue.wording.language import Language
 from thbridge.dialogue.wording.wording import Wording
 
 _REMEDIES = {
-    RefusalReason.AUTHOR_FAILED: "Mend it for this sentence, or let it return None there",
-    RefusalReason.NO_TEXT: "Let it return a text, or None to leave it at the sentence of the files",
-    RefusalReason.NOT_PRINTABLE: "Let it return one line of printable signs",
-    RefusalReason.TOO_LONG: "Let it be briefer",
+    RefusalReason.AUTHOR_FAILED: "Correct it for this sentence, or let it return None there",
+    RefusalReason.NO_TEXT: "Let it return a text, or None to keep the sentence of the files",
+    RefusalReason.NOT_PRINTABLE: "Let it return one line of printable characters",
+    RefusalReason.TOO_LONG: "Let it return a shorter sentence",
     RefusalReason.OTHER_VALUES: "Keep numbers, names, negations and bound words of the files' sentence, in their order",
 }
 
@@ -34,9 +34,9 @@ class AuthorTrial:
     """Trial of an author.
 
     Attributes:
-        sentences: number of those that it was asked for.
-        taken: number of its own that would have been said.
-        faults: by their problems.
+        sentences: number of requested sentences.
+        taken: number of its own sentences that were accepted.
+        faults: faults by their problems.
     """
 
     sentences: int = 0
@@ -44,7 +44,7 @@ class AuthorTrial:
     faults: dict[str, TrialFault] = field(default_factory=dict)
 
     def judge(self, ask: Callable[[], AuthoredSentence]) -> None:
-        """Ask for one sentence twice, and note what is wrong with it."""
+        """Ask for one sentence twice, and record the faults."""
         first, again = ask(), ask()
         self.sentences += 1
         files = f"The files say: {first.request.sentence}"
@@ -54,8 +54,8 @@ class AuthorTrial:
             problem = why if reason is RefusalReason.AUTHOR_FAILED else f"a sentence is refused ({reason})"
             self._note(problem, _REMEDIES[reason], (files, *(() if first.offered is None else (offered, why))))
         elif (first.offered, first.refusal) != (again.offered, again.refusal):
-            remedy = "Let it depend on its request alone, or no game can be replayed"
-            problem = "asked twice for the same sentence, it offered different ones"
+            remedy = "Let it depend only on its request; otherwise games cannot be replayed"
+            problem = "two requests for the same sentence gave different ones"
             self._note(problem, remedy, (files, offered, f"Then it offered: {again.offered}"))
         else:
             self.taken += first.offered is not None
@@ -68,14 +68,14 @@ class AuthorTrial:
 def try_author(
     author: WordingAuthor, languages: Sequence[Language], rulebook: Rulebook, conversations: int, seed: int
 ) -> AuthorTrial:
-    """Return the trial of an author by what robots say in the worked example, in all games, and in hunts.
+    """Return the trial of an author with the sentences of robots in the worked example, in all games, and in hunts.
 
     Args:
         author: the author.
-        languages: in each of which it is to word everything.
-        rulebook: of the games.
-        conversations: number of those of each kind.
-        seed: of all chance.
+        languages: the languages for the sentences.
+        rulebook: locutions and games.
+        conversations: number of conversations of each kind.
+        seed: random seed.
     """
     trial = AuthorTrial()
     said = moves_of_robots(rulebook, conversations, seed)
@@ -86,7 +86,7 @@ def try_author(
             try:
                 request = request_of(wording, move, Side.ROBOT, condition=DialogueCondition.COLLABORATOR, chance=chance)
             except ValueError:
-                # A lab's own locution may have no words yet.
+                # A lab's own locution can be without words so far.
                 continue
             trial.judge(partial(ask_author, author, request))
     return trial

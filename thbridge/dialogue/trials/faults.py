@@ -1,16 +1,16 @@
-"""Faults of programs of labs that a trial has found."""
+"""Faults that trials have found in labs' programs."""
 
 from dataclasses import dataclass
 
 
 @dataclass(frozen=True, slots=True)
 class TrialFault:
-    """Fault of a program of a lab, where it was found first.
+    """Fault of a lab's program, as first found.
 
     Attributes:
         problem: the problem as a clause.
-        remedy: what its author may do.
-        position: where it was: what was talked about, said, or offered.
+        remedy: remedy for its author.
+        position: its context: the topic, the moves, or the offered sentence.
         times: number of times that it was found.
     """
 

@@ -1,4 +1,4 @@
-"""Trial of a program that chooses robots' moves: conversations of all kinds, in which its faults are collected."""
+"""Trial of a program that chooses robots' moves: conversations of all kinds, with a collection of its faults."""
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
@@ -23,7 +23,7 @@ from thbridge.hunt.rooms import Room
 from thbridge.hunt.team_tour import PlanValue
 
 MOST_ACTS = 60
-"""Number of moves and openings after which a conversation is left."""
+"""Number of moves and openings after which a conversation is stopped."""
 _ROOMS = tuple(map(Room, range(1, 9)))
 _NAMES = ("cup", "hat", "key", "vase")
 T = TypeVar("T")
@@ -35,7 +35,7 @@ class StrategyOpponent(StrEnum):
     ITSELF = "itself"
     RANDOM = "random"
     OWN = "own"
-    """The strategy that robots come with."""
+    """The built-in strategy of robots."""
 
 
 @dataclass(slots=True)
@@ -44,9 +44,9 @@ class StrategyTrial:
 
     Attributes:
         factory: makes the strategy.
-        conversations: number of those that were played.
-        moves: number of those that it was to choose.
-        faults: by their problems.
+        conversations: number of conversations played.
+        moves: number of moves that it had to choose.
+        faults: faults by their problems.
     """
 
     factory: StrategyFactory
@@ -55,21 +55,21 @@ class StrategyTrial:
     faults: dict[str, TrialFault] = field(default_factory=dict)
 
     def on_trial(self, manner: Manner, seed: int, /) -> GameStrategy:
-        """Return the strategy, whose faults are collected; see `StrategyFactory`."""
+        """Return the strategy with a collection of its faults; see `StrategyFactory`."""
         return _OnTrial(self, manner, seed)
 
     def choose(self, manner: Manner, seed: int, conversation: Conversation, number: int) -> DialogueMove:
-        """Return the strategy's move, or the own strategy's where it fails."""
+        """Return the strategy's move, or the built-in strategy's if it fails."""
         self.moves += 1
         first, again = (choose_by(self.factory, manner, seed, conversation, number) for _ in range(2))
         if fault := first.fault or again.fault:
-            remedy = "Mend it for the position below: it has to return one of conversation.legal(number)"
+            remedy = "Correct it for the position below: it must return one of conversation.legal(number)"
             self._note(fault, remedy, _position(conversation, number))
         elif first != again:
-            remedy = "Let it depend on manner, seed and conversation alone: keep nothing, draw by the seed, sort sets"
+            remedy = "Let it depend only on manner, seed and conversation: keep no state, draw by the seed, sort sets"
             chose = f"It chose {first.move}, then {again.move}"
             position = (*_position(conversation, number), chose)
-            self._note("asked twice about the same position, it chose different moves", remedy, position)
+            self._note("two requests for the same position gave different moves", remedy, position)
         return first.move
 
     def _note(self, problem: str, remedy: str, position: Iterable[str]) -> None:
@@ -92,9 +92,9 @@ def try_strategy(factory: StrategyFactory, rulebook: Rulebook, conversations: in
 
     Args:
         factory: makes the strategy.
-        rulebook: of the games.
-        conversations: number of those of each kind.
-        seed: of all chance.
+        rulebook: locutions and games.
+        conversations: number of conversations of each kind.
+        seed: random seed.
     """
     trial = StrategyTrial(factory)
     kinds = [
@@ -113,7 +113,7 @@ def try_strategy(factory: StrategyFactory, rulebook: Rulebook, conversations: in
 
 
 def moves_of_robots(rulebook: Rulebook, conversations: int, seed: int) -> tuple[DialogueMove, ...]:
-    """Return all that robots say by their own strategy in the conversations of a trial, each once, as first said."""
+    """Return all moves of robots with the built-in strategy in a trial's conversations, each once, as first made."""
     said: dict[DialogueMove, None] = {}
 
     @dataclass(frozen=True, slots=True)
@@ -130,7 +130,7 @@ def moves_of_robots(rulebook: Rulebook, conversations: int, seed: int) -> tuple[
 
 
 class _Draws:
-    """Chance of one conversation."""
+    """Random draws of one conversation."""
 
     def __init__(self, seed: int, *names: str) -> None:
         self._key, self._drawn = noise.key(seed, "strategy-check", *names), 0
@@ -155,7 +155,7 @@ class _Draws:
 def _play_exchange(
     trial: StrategyTrial, exchange: Exchange, game: str | None, opponent: StrategyOpponent, draws: _Draws
 ) -> None:
-    """Play the robot's side of an exchange by the strategy on trial; dialogues are opened by chance."""
+    """Play the robot's side of an exchange with the strategy on trial; dialogues are opened at random."""
     now, strategy = exchange.start, trial.on_trial(draws.manner(), draws.below(2**31))
     by_itself = {StrategyOpponent.ITSELF: strategy, StrategyOpponent.OWN: own_strategy(draws.manner())}
     programs = {Side.ROBOT: strategy, Side.HUMAN: by_itself.get(opponent)}
@@ -173,7 +173,7 @@ def _play_exchange(
 
 
 def _play_hunt(trial: StrategyTrial, rulebook: Rulebook, draws: _Draws) -> None:
-    """Play a dialogue of a hunt, in a situation made up by chance, with a person who chooses by chance."""
+    """Play a dialogue of a hunt, in a random situation, with a person who chooses at random."""
     engine = ArguingEngine(rulebook, {None: draws.manner()}, _FormalPhrasing(), draws.below(2**31))
     engine = replace(engine, strategies={None: trial.on_trial})
     step = engine.open(1, _topic(draws))

@@ -1,7 +1,8 @@
-"""Other authors of sentences: programs that word moves, each sentence judged against the one of the language's files.
+"""Other authors of sentences: programs that word moves. Each sentence is compared with that of the language's files.
 
-A sentence is taken if it says the same values in the same order, denies what is denied, and says no other value. So
-robots and people never hear what nobody believes; what cannot be judged is refused, and the files' sentence is said.
+A sentence is accepted if it contains the same values in the same order, the same negations, and no other values. So
+robots and people never say anything that they do not believe. Sentences that cannot be checked are refused, and the
+sentence of the files is said.
 """
 
 import re
@@ -24,22 +25,22 @@ _WORD = r"\w+(?:['’]\w+)*"
 _TOKEN = re.compile(rf"\d+(?:[.,]\d+)*\w*|-(?=\s*\d)|[+−*/%=<>≤≥×÷±?‰°$€£]|[,;:.!…–—]|{_WORD}")
 _LISTED = re.compile(rf"\*?{_WORD}")
 LONGEST_OFFERED = 2000
-"""Characters that are kept of a sentence that is not taken."""
+"""Number of characters that are kept of a refused sentence."""
 _DENIED = "not"
 _BREAK = ","
 _BREAKS = frozenset(",;:.!…–—")
-"""Signs that part clauses: what is denied before one is not what is denied after it."""
+"""Characters between clauses: a negation before one does not apply after it."""
 
 
 @dataclass(frozen=True, slots=True)
 class WordedLiteral:
-    """Literal that a move speaks of, as an author reads it.
+    """Literal of a move, for an author.
 
     Attributes:
-        predicate: its name.
-        holds: False where it is denied.
-        values: as they are said, by name.
-        phrase: of the files.
+        predicate: name of its predicate.
+        holds: False if it is negated.
+        values: values in words, by name.
+        phrase: phrase from the files.
     """
 
     predicate: str
@@ -53,14 +54,14 @@ class WordingRequest:
     """Request for a sentence.
 
     Attributes:
-        move: what is said.
-        speaker: who says it.
-        condition: of the study.
+        move: the move.
+        speaker: the side that speaks.
+        condition: condition of the study.
         language: name of the language.
-        grammar: of the language.
-        literals: that the move speaks of.
-        sentence: of the files, which is said where nothing better is offered.
-        known: names of rooms, treasures and the like, which a sentence may name only where that of the files does.
+        grammar: grammar of the language.
+        literals: literals of the move.
+        sentence: sentence from the files, which is said if no better one is offered.
+        known: names of rooms, treasures and the like; a sentence may contain them only if that of the files does.
     """
 
     move: DialogueMove
@@ -77,12 +78,12 @@ class WordingAuthor(Protocol):
     """Author of sentences: a function."""
 
     def __call__(self, request: WordingRequest, /) -> str | None:
-        """Return a sentence for a request, or None where there is no better one than that of the files."""
+        """Return a sentence for a request, or None to keep the one from the files."""
         ...
 
 
 class RefusalReason(StrEnum):
-    """Reason for which a sentence is not taken."""
+    """Reason for which a sentence is refused."""
 
     AUTHOR_FAILED = "author-failed"
     NO_TEXT = "no-text"
@@ -101,12 +102,12 @@ class SentenceRefusal:
 
 @dataclass(frozen=True, slots=True)
 class AuthoredSentence:
-    """Outcome of a request: all that is needed to record it.
+    """Result of a request, with all data for its recording.
 
     Attributes:
-        request: what was asked.
-        offered: the author's sentence; None where it offered none.
-        refusal: why that was not taken; None where it was, or where none was offered.
+        request: the request.
+        offered: the author's sentence; None if it offered none.
+        refusal: reason why it was refused; None if it was accepted, or none was offered.
     """
 
     request: WordingRequest
@@ -115,7 +116,7 @@ class AuthoredSentence:
 
     @property
     def text(self) -> str:
-        """The sentence to be said."""
+        """The sentence to say."""
         return self.request.sentence if self.offered is None or self.refusal is not None else self.offered
 
 
@@ -131,12 +132,12 @@ def request_of(
     """Return the request for the sentence of a move.
 
     Args:
-        wording: words of the files.
-        move: what is said.
-        speaker: who says it.
-        condition: of the study.
-        chance: chooses the wording of the files.
-        known: names that may not be said where the files' sentence does not; those of rooms are known in any case.
+        wording: words from the files.
+        move: the move.
+        speaker: the side that speaks.
+        condition: condition of the study.
+        `chance`: random number that chooses the wording from the files.
+        known: names that a sentence may contain only if that of the files does; names of rooms are always known.
     """
     literals = tuple(_literals_in(move.content))
     names = {*known, *wording.names.named.values(), *(name for each in literals for name in _names_in(wording, each))}
@@ -153,14 +154,14 @@ def request_of(
 
 
 def ask_author(author: WordingAuthor, request: WordingRequest) -> AuthoredSentence:
-    """Ask an author for a sentence, and judge what it offers; an author that raises an error is refused."""
+    """Ask an author for a sentence, and check its offer; if an author raises an error, its offer is refused."""
     try:
-        # A copy, so that it is judged by what was asked whatever becomes of that.
+        # A copy, so that the check uses the original request even if the author changes its copy.
         offered: object = author(replace(request))
-        # A text may come with methods of its own.
+        # A subclass of `str` can have methods of its own.
         said = str.__str__(offered) if isinstance(offered, str) else offered
     except RAISED as error:
-        # Whatever a program of others does, the sentence of the files is said.
+        # After any error of another program, the sentence from the files is said.
         why = f"the author failed: {told_error(error)}"
         return AuthoredSentence(request, refusal=SentenceRefusal(RefusalReason.AUTHOR_FAILED, why))
     if said is None:
@@ -171,11 +172,11 @@ def ask_author(author: WordingAuthor, request: WordingRequest) -> AuthoredSenten
 
 
 def judge_sentence(sentence: object, request: WordingRequest) -> SentenceRefusal | None:
-    """Return why a sentence is not taken for a move, or None when it is.
+    """Return the reason why a sentence is refused for a move, or None if it is accepted.
 
-    Its numbers, names, negations and the words that the language declares as bound have to be those of the files'
-    sentence, in the same order: `100 is less than 1000` is not `1000 is less than 100`. Clauses have to be parted by
-    signs where theirs are. Beyond these, meaning is not judged.
+    Its numbers, names, negations and the words that the language declares as bound must be those of the files'
+    sentence, in the same order: `100 is less than 1000` is not `1000 is less than 100`. Clauses must be separated by
+    punctuation where those of the files are. Nothing else of the meaning is checked.
     """
     if not isinstance(sentence, str):
         return SentenceRefusal(RefusalReason.NO_TEXT, f"it is no text: a {type(sentence).__name__}")
@@ -194,17 +195,17 @@ def judge_sentence(sentence: object, request: WordingRequest) -> SentenceRefusal
 
 
 def longest_sentence(sentence: str) -> int:
-    """Return the greatest length that a sentence in place of another may have, in characters."""
+    """Return the largest length of a sentence in place of another one, in characters."""
     return 2 * len(sentence) + 80
 
 
 def can_be_found(listed: str) -> bool:
-    """Return True for what a grammar's negations and bound words may be: one word, or `*` and the end of words."""
+    """Return True for possible negations and bound words of a grammar: one word, or `*` and the end of words."""
     return _LISTED.fullmatch(listed) is not None
 
 
 def _bound(text: str, request: WordingRequest) -> tuple[str, ...]:
-    """The parts of a sentence that may not change, in order, with a break between those of different clauses."""
+    """Return the parts of a sentence that must not change, in order, with a break between different clauses."""
     parts: list[str] = []
     for part in _parts(text, request):
         if part == _BREAK and (not parts or parts[-1] == _BREAK):
@@ -216,7 +217,7 @@ def _bound(text: str, request: WordingRequest) -> tuple[str, ...]:
 
 
 def _parts(text: str, request: WordingRequest) -> Iterator[str]:
-    """Numbers, names, negations, words that are bound, and all signs between clauses."""
+    """Yield numbers, names, negations, bound words, and all punctuation between clauses."""
     grammar, folded = request.grammar, text.casefold()
     names = sorted({name.casefold() for name in request.known}, key=lambda name: (-len(name), name))
     negations, bound = _Listed(grammar.negations), _Listed(grammar.bound)
@@ -241,7 +242,7 @@ def _parts(text: str, request: WordingRequest) -> Iterator[str]:
 
 
 class _Listed:
-    """Words that a grammar lists: `*n't` stands for all that end so."""
+    """Words in a list of a grammar: `*n't` stands for all words with this end."""
 
     def __init__(self, words: Collection[str]) -> None:
         self._words = words
@@ -252,7 +253,7 @@ class _Listed:
 
 
 def _stands_at(name: str, text: str, at: int) -> bool:
-    """True when a name stands as whole words at a place of a text."""
+    """Return True if a name occurs as whole words at a position of a text."""
     end = at + len(name)
     starts = at == 0 or not (text[at - 1].isalnum() and name[0].isalnum())
     ends = end >= len(text) or not (text[end].isalnum() and name[-1].isalnum())
@@ -270,7 +271,7 @@ def _worded(wording: Wording, literal: Literal, speaker: Side, chance: float) ->
 
 
 def _names_in(wording: Wording, literal: Literal) -> Iterator[str]:
-    """The names that a literal speaks of, as the language says them."""
+    """Yield the names in a literal, in the words of the language."""
     predicate = predicate_of(literal.proposition)
     for field_name, kind in () if predicate is None else predicate.values.items():
         value = getattr(literal.proposition, field_name)

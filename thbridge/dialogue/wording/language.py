@@ -1,4 +1,4 @@
-"""Languages: the grammar of values, and wordings of phrases, moves and lines, of which the most specific is said."""
+"""Languages: the grammar of values, and wordings of phrases, moves and lines; the most specific wording applies."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
@@ -24,26 +24,26 @@ class Grammar:
     """Forms of values, with the reserved word `£number£` for a number, or a number and a name.
 
     Attributes:
-        rooms: a room, by the preposition that it stands with; the empty one stands for none.
+        rooms: a room, by its preposition; the empty string means no preposition.
         corridor: the corridor, in the same way; without a reserved word.
         first_stop: the first room of a tour, with reserved words as for `rooms`.
-        next_stop: each further one, after a comma.
+        next_stop: each further room of a tour, after a comma.
         robot: a robot.
         picture: a picture.
-        one_room: a single room that is counted.
+        one_room: a number of rooms that is one.
         many_rooms: any other number of rooms.
-        between: what stands between two things of a list.
-        between_clauses: the same between clauses, which may have commas.
-        last_and: what stands before the last one, where all hold.
-        last_or: what stands before the last one, where one does.
-        rule: that something follows, with the words `£premises£` and `£conclusion£`.
+        between: text between two items of a list.
+        between_clauses: the same between clauses, which may contain commas.
+        last_and: text before the last item, if all hold.
+        last_or: text before the last item, if one holds.
+        rule: sentence for a rule, with the words `£premises£` and `£conclusion£`.
         decimal: sign before the decimals of a number.
-        capital_after_colon: True where a sentence after a colon begins with a capital.
-        negations: words that deny what a sentence says; `*n't` stands for all words that end so.
-        bound: words whose place between values gives these their meaning, such as `less`, and numbers in words; `*teen`
+        capital_after_colon: True if a sentence after a colon begins with a capital letter.
+        negations: words that negate a sentence; `*n't` stands for all words with this end.
+        bound: words whose position between values determines the meaning, such as `less`, and numbers in words; `*teen`
             as above.
-        names: values such as colors, as the language says them.
-        capital_nouns: True where nouns have a capital within sentences.
+        names: words for values such as colors.
+        capital_nouns: True if nouns have a capital letter within sentences.
     """
 
     rooms: Mapping[str, str]
@@ -67,11 +67,11 @@ class Grammar:
     capital_nouns: bool = False
 
     def name(self, name: str) -> str:
-        """Return a name as people read it, in the words of the language if it has some for it."""
+        """Return a name for people, in the words of the language if it has some for it."""
         return self.names.get(name) or name_in_words(name)
 
     def named(self, names: Iterable[str]) -> str:
-        """Return a list of names, of which one is right."""
+        """Return a list of names for which one is right."""
         return _listed(map(self.name, names), self.between, self.last_or)
 
     def all_of(self, clauses: Iterable[str]) -> str:
@@ -79,7 +79,7 @@ class Grammar:
         return _listed(clauses, self.between_clauses, self.last_and)
 
     def one_of(self, clauses: Iterable[str]) -> str:
-        """Return a list of clauses of which one holds."""
+        """Return a list of alternative clauses."""
         return _listed(clauses, self.between_clauses, self.last_or)
 
 
@@ -90,16 +90,16 @@ def _listed(items: Iterable[str], between: str, last: str) -> str:
 
 @dataclass(frozen=True, slots=True)
 class PhraseWording:
-    """Wordings of a proposition as a clause, which stands within sentences.
+    """Wordings of a proposition as a clause within sentences.
 
     Attributes:
         of: name of the predicate.
-        robot: only for propositions about this robot; None: about any, or none.
-        speaker: only for this side; None: for both.
-        yes: that it holds.
-        no: that it does not.
-        simply_yes: the same in simpler words, which may leave values out; empty: as the above.
-        simply_no: likewise.
+        robot: only for propositions about this robot. If None, the robot does not matter.
+        speaker: only for this side. If None, for both.
+        yes: wordings for the proposition.
+        no: wordings for its negation.
+        simply_yes: wordings for the proposition in simpler words, which may leave values out; if empty, as `yes`.
+        simply_no: the same for its negation; if empty, as `no`.
     """
 
     of: str
@@ -111,13 +111,13 @@ class PhraseWording:
     simply_no: tuple[str, ...] = ()
 
     def wordings(self, *, holds: bool, simply: bool) -> tuple[str, ...]:
-        """Return the wordings for one purpose; possibly none."""
+        """Return the wordings for one purpose; can be empty."""
         simple = self.simply_yes if holds else self.simply_no
         return (simply and simple) or (self.yes if holds else self.no)
 
     @property
     def narrowing(self) -> tuple[object, ...]:
-        """Conditions that narrow it down, the most important first; None where there is none."""
+        """Conditions of this entry, the most important first; None if it has none of a kind."""
         return self.robot, self.speaker
 
 
@@ -129,10 +129,10 @@ class MoveWording:
         move: name of the locution.
         content: kind of its content.
         speaker: the side that says it.
-        condition: only in this condition of a study; None: in each.
-        of: only for this predicate; None: for all.
-        holds: only for what holds, or for what does not; None: for both.
-        robot: only for propositions about this robot; None: about any, or none.
+        condition: only in this condition of a study. If None, in all.
+        of: only for this predicate. If None, for all.
+        holds: only for affirmed, or only for negated propositions. If None, for both.
+        robot: only for propositions about this robot. If None, the robot does not matter.
         say: the wordings, at least one.
     """
 
@@ -147,7 +147,7 @@ class MoveWording:
 
     @property
     def narrowing(self) -> tuple[object, ...]:
-        """Conditions that narrow it down, the most important first; None where there is none."""
+        """Conditions of this entry, the most important first; None if it has none of a kind."""
         return self.condition, self.of, self.holds, self.robot
 
 
@@ -161,16 +161,16 @@ _Entry = TypeVar("_Entry", bound=_Narrowed)
 
 @dataclass(frozen=True, slots=True)
 class Language:
-    """Language that robots and people speak.
+    """Language of robots and people.
 
     Attributes:
-        name: of its folder: `en`.
-        title: its name in itself: `English`.
+        name: name of its folder: `en`.
+        title: name of the language in itself: `English`.
         grammar: forms of values.
-        phrases: wordings of propositions; of equally specific ones a later one is said.
-        moves: wordings of moves; likewise.
+        phrases: wordings of propositions; among equally specific ones, the last applies.
+        moves: wordings of moves; among equally specific ones, the last applies.
         lines: wordings of other lines.
-        fallback: the language that speaks where this one has no words; None without one.
+        fallback: language for missing words; None if there is none.
     """
 
     name: str
@@ -184,14 +184,14 @@ class Language:
     def phrase(
         self, of: str, speaker: Side, robot: AboutRobot | None, *, holds: bool = True, simply: bool = False
     ) -> tuple[str, ...]:
-        """Return the most specific wordings of a proposition; empty when there are none.
+        """Return the most specific wordings of a proposition; empty if there are none.
 
         Args:
             of: name of its predicate.
-            speaker: who says it.
-            robot: that it is about; None where it is about none.
+            speaker: the side that speaks.
+            robot: robot that it is about; None if it is about none.
             holds: False for its negation.
-            simply: in simpler words, where there are any.
+            simply: True for simpler words, if there are any.
         """
         found = _most_specific(
             (each for each in self.phrases if each.of == of and each.wordings(holds=holds, simply=simply)),
@@ -214,7 +214,7 @@ class Language:
         holds: bool = True,
         robot: AboutRobot | None = None,
     ) -> tuple[str, ...]:
-        """Return the most specific wordings of a move; empty when there are none. Arguments as in `MoveWording`."""
+        """Return the most specific wordings of a move; empty if there are none. Arguments as in `MoveWording`."""
         found = _most_specific(
             (each for each in self.moves if each.move == name and each.content is content and each.speaker is speaker),
             (condition, of, holds, robot),
@@ -226,14 +226,14 @@ class Language:
         return ()
 
     def line(self, key: LineKey) -> tuple[str, ...]:
-        """Return the wordings of a line; empty when there are none."""
+        """Return the wordings of a line; empty if there are none."""
         if key in self.lines:
             return self.lines[key]
         return () if self.fallback is None else self.fallback.line(key)
 
 
 def _most_specific(entries: Iterable[_Entry], case: tuple[object, ...]) -> _Entry | None:
-    """The entry that fits a case and is narrowed down the most; the first part of a case weighs most."""
+    """Return the entry that fits a case with the most conditions; the first part of a case weighs most."""
     best: _Entry | None = None
     for entry in entries:
         fits = all(wanted is None or wanted == given for wanted, given in zip(entry.narrowing, case, strict=True))

@@ -1,4 +1,4 @@
-"""Lines beside the moves of games: how a dialogue begins and ends, what a person may ask, how robots answer."""
+"""Lines that are no moves of games: beginnings and ends of dialogues, questions of a person, and answers of robots."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -45,8 +45,8 @@ class LineMeaning:
 
     Attributes:
         speaker: the side that says it.
-        meaning: when it is said, or what for.
-        values: that it may name, by their reserved words.
+        meaning: its purpose, or the situation in which it is said.
+        values: values that it may contain, by their reserved words.
     """
 
     speaker: Side
@@ -67,30 +67,30 @@ LINES: Mapping[LineKey, LineMeaning] = {
     LineKey.OVERRIDE_PICTURE: LineMeaning(Side.HUMAN, "has the last word, and wants a picture"),
     LineKey.OVERRIDE_NAME: LineMeaning(Side.HUMAN, "has the last word, and names the treasure"),
     LineKey.NEGLECTED: LineMeaning(
-        Side.ROBOT, "when it was told nothing for a while", {"seconds": ValueKind.NUMBER, **_ROOM}
+        Side.ROBOT, "has received no request for a while", {"seconds": ValueKind.NUMBER, **_ROOM}
     ),
-    LineKey.GOES: LineMeaning(Side.ROBOT, "tells where it goes, for that was agreed upon", _ROOM),
-    LineKey.AGREED: LineMeaning(Side.ROBOT, "tells what is done about a treasure, for that was agreed upon", _CONTENT),
-    LineKey.OVERRIDDEN: LineMeaning(Side.ROBOT, "tells what it does, for the person wants it all the same", _CONTENT),
-    LineKey.DECIDED: LineMeaning(Side.ROBOT, "tells what it does, for it has the last word", _CONTENT),
-    LineKey.STAYS: LineMeaning(Side.ROBOT, "tells that it goes nowhere, for nothing was agreed upon"),
+    LineKey.GOES: LineMeaning(Side.ROBOT, "says where it goes, because both sides agreed", _ROOM),
+    LineKey.AGREED: LineMeaning(Side.ROBOT, "says what is done about a treasure, because both sides agreed", _CONTENT),
+    LineKey.OVERRIDDEN: LineMeaning(Side.ROBOT, "says what it does, because the person insists", _CONTENT),
+    LineKey.DECIDED: LineMeaning(Side.ROBOT, "says what it does, because it has the last word", _CONTENT),
+    LineKey.STAYS: LineMeaning(Side.ROBOT, "says that it goes nowhere, because there was no agreement"),
     LineKey.UNDONE: LineMeaning(
-        Side.ROBOT, "tells that it does nothing yet about a treasure, for nothing was agreed upon"
+        Side.ROBOT, "says that it does nothing about a treasure for now, because there was no agreement"
     ),
     LineKey.MISHEARD: LineMeaning(
-        Side.ROBOT, "tells what it has understood, where that is not what was said", {"heard": ValueKind.NAME}
+        Side.ROBOT, "repeats the move that it understood, if it misheard", {"heard": ValueKind.NAME}
     ),
-    LineKey.HAVE_QUESTION: LineMeaning(Side.HUMAN, "wants to ask something"),
-    LineKey.BACK: LineMeaning(Side.HUMAN, "asks nothing after all"),
+    LineKey.HAVE_QUESTION: LineMeaning(Side.HUMAN, "wants to ask a question"),
+    LineKey.BACK: LineMeaning(Side.HUMAN, "asks no question after all"),
     LineKey.WHY_ROBOT: LineMeaning(Side.HUMAN, "asks why this robot, and not another one"),
     LineKey.WHY_NOW: LineMeaning(Side.HUMAN, "asks why now"),
-    LineKey.KNOWN: LineMeaning(Side.HUMAN, "asks for all that the robot knows of it"),
+    LineKey.KNOWN: LineMeaning(Side.HUMAN, "asks for everything that the robot knows about it"),
     LineKey.CHANGE: LineMeaning(Side.HUMAN, "asks what would make the robot change its mind"),
     LineKey.SIMPLER: LineMeaning(Side.HUMAN, "asks the robot to say it again in simpler words"),
-    LineKey.BECAUSE: LineMeaning(Side.ROBOT, "answers a question with what it believes", _BECAUSE),
+    LineKey.BECAUSE: LineMeaning(Side.ROBOT, "answers a question with its beliefs", _BECAUSE),
     LineKey.BECAUSE_NOT_KNOWN: LineMeaning(Side.ROBOT, "has no answer"),
     LineKey.CHANGED_BY: LineMeaning(
-        Side.ROBOT, "tells what would change its mind, each by itself", {"because": ValueKind.ALTERNATIVES}
+        Side.ROBOT, "says what would change its mind; one of these is enough", {"because": ValueKind.ALTERNATIVES}
     ),
     LineKey.CHANGED_BY_NOTHING: LineMeaning(Side.ROBOT, "knows of nothing that would change its mind"),
 }

@@ -1,4 +1,4 @@
-"""Predicates: propositions as wordings know them, by name, each with the reserved words for its values."""
+"""Predicates: propositions by name, as in wordings, each with the reserved words for its values."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -44,34 +44,34 @@ from thbridge.dialogue.propositions import (
 
 
 class ValueKind(StrEnum):
-    """Kind of a value, by which a language says it."""
+    """Kind of a value; a language has a form for each kind."""
 
     ROOM = "room"
     """`£room£`, and with a preposition `£to_room£`, `£from_room£`, `£in_room£`."""
     ROBOT = "robot"
     ENERGY = "energy"
     SUM = "sum"
-    """Energies that are added up."""
+    """A sum of energies."""
     ROOMS = "rooms"
-    """Rooms that are counted."""
+    """A number of rooms."""
     STOPS = "stops"
-    """Rooms in the order in which they are visited."""
+    """Rooms in the order of their visits."""
     NUMBER = "number"
     PICTURE = "picture"
     NAME = "name"
-    """Of a treasure, a thing or a color."""
+    """Name of a treasure, a thing or a color."""
     NAMES = "names"
-    """Names of which one is right."""
+    """Several names; one is right."""
     CLAUSE = "clause"
-    """Something that holds or does not."""
+    """A literal."""
     CLAUSES = "clauses"
-    """Several of them, all at once."""
+    """Several literals that all hold."""
     ALTERNATIVES = "alternatives"
-    """Several of them, of which one is enough."""
+    """Several literals; one is enough."""
 
 
 PREPOSITIONS = ("to", "from", "in")
-"""Prepositions with which rooms may be said, as the first part of a reserved word."""
+"""Prepositions of rooms, as the first part of a reserved word."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,7 +79,7 @@ class Predicate:
     """Predicate of a class of propositions.
 
     Attributes:
-        name: as propositions are written: `next`.
+        name: name as in written propositions: `next`.
         proposition: the class.
         values: kind of each of its fields.
     """
@@ -90,12 +90,12 @@ class Predicate:
 
     @property
     def robot(self) -> str | None:
-        """Name of the field that tells the robot it is about; None without one."""
+        """Name of the field with the robot that it is about; None without one."""
         return next((name for name, kind in self.values.items() if kind is ValueKind.ROBOT), None)
 
 
 def reserved_words(values: Mapping[str, ValueKind]) -> dict[str, str]:
-    """Return the reserved words for values, each with the name of the value that it says."""
+    """Return the reserved words for values, each with the name of its value."""
     words = {name: name for name in values}
     for name, kind in values.items():
         if kind is ValueKind.ROOM:
@@ -146,11 +146,11 @@ PREDICATES: Mapping[str, Predicate] = {
         (FewerRooms, {"fewer": ValueKind.ROOMS, "more": ValueKind.ROOMS}),
     )
 }
-"""Predicates by name: one for each class of propositions of the hunt, in the order in which reasons are said."""
+"""Predicates by name: one for each class of propositions of the hunt, in the order of reasons in a sentence."""
 
 _OF_CLASS = {predicate.proposition: predicate for predicate in PREDICATES.values()}
 
 
 def predicate_of(proposition: Proposition) -> Predicate | None:
-    """Return the predicate of a proposition; None for a conjunction, which has those of its parts."""
+    """Return the predicate of a proposition; None for a conjunction, whose parts have predicates."""
     return _OF_CLASS.get(type(proposition))

@@ -1,4 +1,4 @@
-"""Texts: all that participants read or hear beside dialogues, in one language."""
+"""Texts: everything that participants read or hear except dialogues, in one language."""
 
 import gettext
 import re
@@ -17,9 +17,9 @@ Text = str | tuple[str, ...]
 COUNT = "count"
 """Name of the value that chooses a plural form."""
 ROBOT_VALUES = frozenset({"robot", "other"})
-"""Names of values that are robots, by their index in the team."""
+"""Names of values that are robots, given by their index in the team."""
 ROOM_VALUES = frozenset({"room", "place"})
-"""Names of values that are rooms, or the corridor, by their number as people count."""
+"""Names of values that are rooms, or the corridor, given by their number for people."""
 _WITHIN = re.compile(r"[.?!…]\s*$")
 PREPOSITIONS = ("", "to", "from", "in")
 """Each room has a form for each: `£room£`, `£to_room£`, `£from_room£`, `£in_room£`."""
@@ -27,7 +27,7 @@ PREPOSITIONS = ("", "to", "from", "in")
 
 @dataclass(frozen=True, slots=True)
 class NamedRoom:
-    """A room, or the corridor, by its number as people count, and its own name; empty where it has none."""
+    """A room, or the corridor: its number for people, and its own name; empty if it has none."""
 
     number: int
     name: str
@@ -41,11 +41,11 @@ class TextForms:
         rooms: a room with `£number£`, by the preposition before it.
         corridor: the corridor, in the same way.
         robot: a robot with `£number£`.
-        between: what stands between two things of a list.
-        last: what stands before the last one.
+        between: text between two items of a list.
+        last: text before the last item.
         decimal: sign before the decimals of a number.
-        plural: place of the plural form for a number n, as an expression of C as gettext's files have it: `n != 1`.
-        capital_nouns: True where nouns have a capital within sentences.
+        plural: index of the plural form for a number n, as a C expression as in gettext's files: `n != 1`.
+        capital_nouns: True if nouns have a capital letter within sentences.
     """
 
     rooms: Mapping[str, str]
@@ -62,15 +62,15 @@ class TextForms:
 class Texts:
     """All texts of a language, by their keys: the name of their file, a dot, and their name in it.
 
-    In a text, reserved words between pound signs stand for values; one that begins a sentence gets a capital. A value's
-    name decides its form: see `ROBOT_VALUES`, `ROOM_VALUES` and `COUNT`. Any other text is inserted unchanged, and any
-    other number in the format of the language.
+    In a text, reserved words between pound signs stand for values; at the beginning of a sentence they get a capital
+    letter. The name of a value determines its form: see `ROBOT_VALUES`, `ROOM_VALUES` and `COUNT`. Any other text is
+    inserted unchanged, and any other number in the format of the language.
 
     Attributes:
         language: name of the language's folder: `en`.
-        title: its name in itself: `English`.
+        title: name of the language in itself: `English`.
         entries: the texts.
-        forms: of values.
+        forms: forms of values.
     """
 
     language: str
@@ -82,40 +82,43 @@ class Texts:
         """Return a text with its values.
 
         Args:
-            key: of the text.
+            key: key of the text.
             count: chooses the plural form, and stands for `£count£`.
-            **values: of its reserved words.
+            **values: values of its reserved words.
 
         Raises:
-            KeyError: there is no such text; one that was checked has all texts of English.
+            KeyError: there is no such text; a checked language has all texts that English has.
         """
         return fill(self._form(key, count), self._words(values, count))
 
     def clause(self, key: str, *, count: int | None = None, **values: str | float | Room | NamedRoom) -> str:
-        """Return a text within a sentence: a value at its beginning gets no capital. All else is as for `text`."""
+        """Return a text for use within a sentence: a value at its beginning gets no capital letter.
+
+        Otherwise as `text`.
+        """
         return fill(self._form(key, count), self._words(values, count), _WITHIN)
 
     def has(self, key: str) -> bool:
-        """Return True when there is a text of this key."""
+        """Return True if there is a text with this key."""
         return key in self.entries
 
     def robot(self, robot: int) -> str:
-        """Return a robot's name within a sentence."""
+        """Return a robot's name for use within a sentence."""
         return fill(self.forms.robot, {"number": str(number_of(robot))})
 
     def room(self, room: Room | int, preposition: str = "", *, name: str = "") -> str:
-        """Return a room within a sentence, after a preposition if one is given, and with its own name if it has one."""
+        """Return a room for use within a sentence, with the given preposition, and with its own name if it has one."""
         number = room.people if isinstance(room, Room) else room
         if number == CORRIDOR.people:
             return self.forms.corridor[preposition]
         return fill(self.forms.rooms[preposition], {"number": f"{number} ({name})" if name else str(number)})
 
     def number(self, number: float) -> str:
-        """Return a number with two decimals at most: `13`, `12.5`."""
+        """Return a number with at most two decimals: `13`, `12.5`."""
         return energy_text(number).replace(".", self.forms.decimal)
 
     def noun(self, label: str) -> str:
-        """Return a label, such as `Weight`, as a noun within a sentence."""
+        """Return a label, such as `Weight`, as a noun for use within a sentence."""
         return label if self.forms.capital_nouns else label.lower()
 
     def listed(self, things: Iterable[str]) -> str:
@@ -154,12 +157,12 @@ class Texts:
 
 
 def counted(number: float) -> int:
-    """Return a count that has the plural form of a number with decimals: fractions have that of several."""
+    """Return a whole number with the plural form of a number with decimals: fractions have the form of several."""
     return round(number) if round(number, 2).is_integer() else 2
 
 
 def words_for(value: str) -> tuple[str, ...]:
-    """Return the reserved words that a text may have for a value of this name."""
+    """Return the reserved words that a text may contain for a value with this name."""
     return tuple(_with(preposition, value) for preposition in PREPOSITIONS) if value in ROOM_VALUES else (value,)
 
 

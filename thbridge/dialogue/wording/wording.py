@@ -1,4 +1,4 @@
-"""Sentences of one robot and one person: for moves of dialogue games, for what they believe, and for other lines."""
+"""Sentences of one robot and one person: for moves of dialogue games, for beliefs, and for other lines."""
 
 import re
 from collections.abc import Iterable, Mapping
@@ -18,22 +18,22 @@ from thbridge.hunt.costs import energy_text
 from thbridge.hunt.rooms import Room, RoomNames
 
 Value = Room | float | str | Literal | tuple[float, ...] | tuple[str, ...] | tuple[Literal, ...] | tuple[Room, ...]
-"""Value of a reserved word; its kind tells how it is said."""
+"""Value of a reserved word; its kind determines its form."""
 
 _PICTURE = re.compile(r"image(\d+)")
 
 
 @dataclass(frozen=True, slots=True)
 class Wording:
-    """Words of a robot and a person, of their dialogue alone.
+    """Words of a robot and a person in their dialogue.
 
-    Every move about propositions of the hunt has a sentence, and so has every line. Where there are several wordings,
-    `chance`, a number in [0, 1), chooses one.
+    Every move about propositions of the hunt has a sentence, and so has every line. If there are several wordings,
+    `chance`, a random number in [0, 1), chooses one.
 
     Attributes:
         language: the language.
-        robot: that takes part, as index in the team.
-        names: of the rooms.
+        robot: robot of the dialogue, as index in the team.
+        names: names of the rooms.
     """
 
     language: Language
@@ -52,14 +52,14 @@ class Wording:
         """Return the sentence for a move; for the person's moves, the text of the button.
 
         Args:
-            move: what is said.
-            speaker: who says it.
-            condition: of the study; None for none in particular.
-            chance: chooses one of several wordings.
-            simply: in simpler words, which may leave values out.
+            move: the move.
+            speaker: the side that speaks.
+            condition: condition of the study; None for no particular one.
+            `chance`: random number that chooses one of several wordings.
+            simply: True for simpler words, which may leave values out.
 
         Raises:
-            ValueError: the language has no words for this move; one that was checked has, for each shipped move.
+            ValueError: the language has no words for this move; a checked language has words for each shipped move.
         """
         content = move.content
         say = _Clauses(self, speaker, chance, simply)
@@ -82,14 +82,14 @@ class Wording:
         return say.filled(_drawn(wordings, chance), words)
 
     def phrase(self, literal: Literal, speaker: Side = Side.ROBOT, *, chance: float = 0.0, simply: bool = False) -> str:
-        """Return a clause, without capital and full stop, for what holds or does not. Arguments as in `sentence`."""
+        """Return a clause for a literal, without capital letter and full stop. Arguments as in `sentence`."""
         return _Clauses(self, speaker, chance, simply).of(literal)
 
     def line(self, key: LineKey, *, chance: float = 0.0, simply: bool = False, **values: Value) -> str:
-        """Return a line with its values, each of the kind that `LINES` tells.
+        """Return a line with its values; `LINES` gives their kinds.
 
         Raises:
-            KeyError: a wording names a value that is not given.
+            KeyError: a wording contains a value that is not given.
         """
         say = _Clauses(self, LINES[key].speaker, chance, simply)
         words: dict[str, str] = {}
@@ -98,7 +98,7 @@ class Wording:
         return say.filled(_drawn(self.language.line(key), chance), words)
 
     def values(self, proposition: Proposition, speaker: Side = Side.ROBOT) -> dict[str, str]:
-        """Return the values of a proposition as they are said, by name; of a conjunction none."""
+        """Return the values of a proposition in words, by name; a conjunction has none."""
         predicate = predicate_of(proposition)
         if predicate is None:
             return {}
@@ -106,7 +106,10 @@ class Wording:
         return {name: said[name] for name in predicate.values}
 
     def about(self, proposition: Proposition) -> AboutRobot | None:
-        """Return whether a proposition is about the robot that takes part or another one; None: about no robot."""
+        """Return whether a proposition is about the robot of the dialogue or another one.
+
+        If None, it is about no robot.
+        """
         predicate = predicate_of(proposition)
         if predicate is None or predicate.robot is None:
             return None
@@ -123,7 +126,10 @@ class _Clauses:
     simply: bool
 
     def of(self, literal: Literal) -> str:
-        """Clause for a literal; for one with several parts and no words of its own, all their clauses."""
+        """Return the clause for a literal.
+
+        If it has several parts and no words of its own, the clauses of all parts.
+        """
         predicate = predicate_of(literal.proposition)
         if predicate is None:
             parts = literal.parts
@@ -140,11 +146,11 @@ class _Clauses:
         )
 
     def all_of(self, literals: Iterable[Literal]) -> str:
-        """Clauses for literals that all hold."""
+        """Return the clauses for literals that all hold."""
         return self.wording.language.grammar.all_of(map(self.of, literals))
 
     def words_of(self, content: Content) -> dict[str, str]:
-        """The words for a content as a whole, and its parts."""
+        """Return the words for a content as a whole, and for its parts."""
         match content:
             case Literal() | Rule():
                 return {"content": self.belief(content)}
@@ -210,11 +216,11 @@ class _Clauses:
                 raise TypeError(f"{name}: {value!r} is no {kind}")
 
     def room_words(self, name: str, room: Room) -> dict[str, str]:
-        """The words for a room, with each preposition and without."""
+        """Return the words for a room, with each preposition and without."""
         return {name: self.room("", room)} | {f"{each}_{name}": self.room(each, room) for each in PREPOSITIONS}
 
     def room(self, preposition: str, room: Room) -> str:
-        """A room, with its name, if any, after a preposition."""
+        """Return a room, with its name, if any, after a preposition."""
         grammar = self.wording.language.grammar
         if room.is_corridor:
             return grammar.corridor[preposition]
@@ -225,7 +231,7 @@ class _Clauses:
         return energy_text(number).replace(".", self.wording.language.grammar.decimal)
 
     def filled(self, wording: str, words: Mapping[str, str], *, begins_sentence: bool = True) -> str:
-        """A wording with its words, and capitals where sentences begin."""
+        """Return a wording with its words, and capital letters where sentences begin."""
         after_colon = self.wording.language.grammar.capital_after_colon
         return fill(wording, words, _BEGINNINGS[begins_sentence, after_colon])
 
@@ -236,13 +242,16 @@ _BEGINNINGS = {
     (False, False): re.compile(r"[.?!…]\s*$"),
     (False, True): re.compile(r"[.?!…:]\s*$"),
 }
-"""Text before a capital: where a sentence begins with it or not, with and without a capital after a colon."""
+"""Patterns for text before a capital letter; keys.
+
+Whether a sentence begins, and whether a colon has a capital after it.
+"""
 
 
 def reasons(support: Iterable[Belief], conclusion: Belief) -> list[Belief]:
-    """Return what an argument rests on in the order in which it is said.
+    """Return the beliefs on which an argument rests, in the order of the sentence.
 
-    As predicates are listed, rules last; of several with one predicate first that about the conclusion's room.
+    They follow the list of predicates, rules last; among those with one predicate, the conclusion's room comes first.
     """
     follows = conclusion.conclusion if isinstance(conclusion, Rule) else conclusion
     room: Room | None = getattr(follows.parts[0].proposition, "room", None)
@@ -260,7 +269,7 @@ _ORDER = {name: place for place, name in enumerate(PREDICATES)}
 
 
 def _subject(content: Content) -> Literal | None:
-    """The literal that a content is about, of an argument its conclusion; None for a rule."""
+    """Return the literal that a content is about, for an argument its conclusion; None for a rule."""
     match content:
         case Literal():
             return content

@@ -66,5 +66,5 @@ def test_a_broken_strategy_is_told_of_each_fault_with_the_position() -> None:
     assert raised.position[0].endswith("in the state challenged") and raised.times > 1
     assert raised.position[-1].startswith("The robot may say: assert(")
     assert any(problem.endswith(" is not legal here") for problem in faults)
-    fickle = faults["asked twice about the same position, it chose different moves"]
+    fickle = faults["two requests for the same position gave different moves"]
     assert fickle.position[-1].startswith("It chose ") and "seed" in fickle.remedy
