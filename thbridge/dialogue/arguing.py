@@ -211,7 +211,7 @@ class ArguingEngine:
     def _outcome(self, dialogue: Dialogue) -> tuple[Dialogue, DialogueOutcome | None]:
         """Return the outcome, with the dialogue changed to the decision agreed on.
 
-        None while the dialogue continues.
+        The outcome is None while the dialogue continues.
         """
         last = last_move(dialogue)
         conversation = dialogue.conversation

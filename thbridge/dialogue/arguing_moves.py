@@ -230,7 +230,7 @@ def _may_override(dialogue: Dialogue) -> bool:
 def _last_said(dialogue: Dialogue) -> Explain:
     """Return the robot's last reasons for a repetition in simpler words.
 
-    Empty if there are none, or after a repetition.
+    The result is empty if there are none, or after a repetition.
     """
     robot = (turn.move for turn in reversed(dialogue.turns) if turn.speaker is Speaker.ROBOT)
     last = next((move for move in robot if not isinstance(move, Echo)), None)

@@ -1,6 +1,6 @@
 """Conditions of a study.
 
-The way in which robots and participant decide together, and the manner of robots that argue.
+They determine how robots and participant decide together, and the manner in which robots argue.
 """
 
 from dataclasses import dataclass

@@ -31,7 +31,7 @@ class Phrasing(Protocol):
     def authored(self, dialogue: Dialogue, move: Move) -> OfferedSentence | None:
         """Return the offer of another author for the robot's next move.
 
-        None without an author, or if it is not asked.
+        The result is None if there is no author, or the author is not asked.
         """
         ...
 
@@ -106,7 +106,7 @@ class DialogueEngine(Protocol):
     def choices(self, dialogue: Dialogue, speaker: Speaker = Speaker.PERSON) -> tuple[Choice, ...]:
         """Return the speaker's legal moves in an open dialogue, most agreeable first.
 
-        None if it is not the speaker's turn.
+        There are none if it is not the speaker's turn.
         """
         ...
 

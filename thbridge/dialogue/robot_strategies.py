@@ -1,6 +1,6 @@
 """Strategies of robots that argue.
 
-Built-in ones by manner, and installed ones of others, with protection from faults.
+They are built-in strategies, one for each manner, and installed ones of others; faults of these do no harm.
 """
 
 from dataclasses import dataclass, replace

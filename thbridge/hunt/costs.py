@@ -59,7 +59,7 @@ class CostMatrix:
     def of_plain(cls, rows: Sequence[Sequence[float | None]]) -> "CostMatrix":
         """Return the matrix of rows from JSON; None means that there is no move.
 
-        Raises ValueError as the class does.
+        It raises ValueError as the class does.
         """
         return cls(tuple(tuple(math.inf if cost is None else cost for cost in row) for row in rows))
 

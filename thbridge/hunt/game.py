@@ -209,7 +209,7 @@ class GameState(msgspec.Struct, frozen=True):
     def costs_from(self, robot: int) -> tuple[float, ...]:
         """Return the energy of a robot's moves from where it stands, by the number for people.
 
-        Infinite if there is no move.
+        A cost is infinite if there is no move.
         """
         mover = self.robots[robot]
         return self.started.costs.rows[mover.at.people] if mover.costs is None else mover.costs

@@ -138,7 +138,7 @@ def first_order(
 ) -> tuple[int, ...]:
     """Return the cheapest order for any of these subsets (all of one size) from this place.
 
-    Of equal ones, the lowest.
+    Of equal ones, it is the lowest.
     """
     order: list[int] = []
     while subsets.any():

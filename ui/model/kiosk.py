@@ -38,9 +38,9 @@ class TextToRead(msgspec.Struct, frozen=True, tag=True):
         text: in paragraphs, or Markdown.
         button: label of the button that leads on. If None, it is the usual word; if empty, there is no button, and the
             page stays until another one comes.
-        markdown: True where the text is Markdown.
+        markdown: True if the text is Markdown.
         code: completion code to copy down; empty: none.
-        `anew`: True when the next person begins: the preferences of the person before (size of text, sound) are reset.
+        `anew`: True if the next person begins: the preferences of the person before (size of text, sound) are reset.
         progress: position in the person's run.
     """
 

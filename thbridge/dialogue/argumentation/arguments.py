@@ -14,7 +14,7 @@ from thbridge.dialogue.argumentation.propositions import Literal, Rule, consiste
 
 Belief = Literal | Rule
 Preference = Callable[["Argument", "Argument"], bool]
-"""True when the first argument is strictly better than the second, so that the second's attack on it fails."""
+"""True if the first argument is strictly better than the second, so that the second's attack on it fails."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,6 +1,6 @@
-"""The nine cases.
+"""The nine cases of dialogues that follow from two sides' opinions on a proposition.
 
-The dialogue that follows from two sides' opinions on a proposition (Sklar and Azhar 2015, table 1).
+Source: Sklar and Azhar 2015, table 1.
 """
 
 from collections.abc import Iterable, Mapping

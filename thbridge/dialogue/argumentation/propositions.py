@@ -41,7 +41,7 @@ class Literal:
     def parts(self) -> "tuple[Literal, ...]":
         """The literals that it stands for.
 
-        The parts of a conjunction, or for its opposite, the negation of each part.
+        These are the parts of a conjunction, or for its opposite, the negation of each part.
         """
         return tuple(part if self.holds else ~part for part in self.proposition.parts)
 

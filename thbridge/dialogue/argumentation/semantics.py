@@ -49,9 +49,9 @@ def grounded_labels(framework: ArgumentationFramework) -> list[int]:
 
 
 def grounded_steps(framework: ArgumentationFramework) -> list[int | None]:
-    """Return, for each index, the number of arguments that came in before, or the attacker's.
+    """Return, for each index, the step in which the argument came in or was put out.
 
-    None for undecided ones.
+    In step k, one argument comes in after k others, and puts out those that it attacks. Undecided ones have None.
     """
     return _grounded(framework)[1]
 

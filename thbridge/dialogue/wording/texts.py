@@ -94,7 +94,7 @@ class Texts:
     def clause(self, key: str, *, count: int | None = None, **values: str | float | Room | NamedRoom) -> str:
         """Return a text for use within a sentence: a value at its beginning gets no capital letter.
 
-        Otherwise as `text`.
+        Otherwise it is like `text`.
         """
         return fill(self._form(key, count), self._words(values, count), _WITHIN)
 

@@ -128,7 +128,7 @@ class _Clauses:
     def of(self, literal: Literal) -> str:
         """Return the clause for a literal.
 
-        If it has several parts and no words of its own, the clauses of all parts.
+        If it has several parts and no words of its own, return the clauses of all parts.
         """
         predicate = predicate_of(literal.proposition)
         if predicate is None:
@@ -242,9 +242,9 @@ _BEGINNINGS = {
     (False, False): re.compile(r"[.?!…]\s*$"),
     (False, True): re.compile(r"[.?!…:]\s*$"),
 }
-"""Patterns for text before a capital letter; keys.
+"""Patterns for text before a capital letter.
 
-Whether a sentence begins, and whether a colon has a capital after it.
+The keys are: whether the wording begins a sentence, and whether a capital letter follows a colon.
 """
 
 

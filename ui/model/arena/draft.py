@@ -56,17 +56,17 @@ class ArenaDraft:
 
     @property
     def dirty(self) -> bool:
-        """True when there is something to save."""
+        """True if there is something to save."""
         return self.arena != self._saved
 
     @property
     def can_undo(self) -> bool:
-        """True when a change can be taken back."""
+        """True if a change can be taken back."""
         return bool(self._past)
 
     @property
     def can_redo(self) -> bool:
-        """True when a change that was taken back can be made again."""
+        """True if a change that was taken back can be made again."""
         return bool(self._future)
 
     def saved(self) -> None:

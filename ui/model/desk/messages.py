@@ -108,7 +108,7 @@ class DeskState(msgspec.Struct, frozen=True, tag=True):
         shown: id of the person whose events are listed; empty for none.
         events: of that person, in their order.
         no_next: reason why the next person cannot begin now; empty if they can.
-        rehearsal: True when the people are simulated.
+        rehearsal: True if the people are simulated.
         read_only: reason why the desk cannot send requests; empty if it can.
         pace: sentence on the lag of games behind real time; empty if no game has a real time.
     """

@@ -86,7 +86,7 @@ class Participant:
     def why_silent(self) -> str:
         """The reason why there is no sound, as a sentence.
 
-        Empty if there can be sound, or the game is not known yet.
+        It is empty if there can be sound, or the game is not known yet.
         """
         memory = self._memory
         return "" if memory.hunt is None else why_silent(memory, memory.hunt)

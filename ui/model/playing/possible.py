@@ -32,7 +32,7 @@ from ui.model.playing.words import commanded_words
 
 
 def is_allowed(known: Situation, request: JudgedRequest) -> bool:
-    """Return True when the rules allow a request."""
+    """Return True if the rules allow a request."""
     return isinstance(judge(known, request), tuple)
 
 
@@ -56,7 +56,7 @@ def left_beside(known: Situation, robot: int) -> int | None:
 
 
 def ends_game(known: Situation, event: Event) -> bool:
-    """Return True when nothing is left to do after an event, so that the game ends by itself."""
+    """Return True if nothing is left to do after an event, so that the game ends by itself."""
     return bool(rules.ending(apply(known.state, event)))
 
 
@@ -194,7 +194,7 @@ def _too_little_for(state: GameState, room: Room) -> Literal["name", "picture", 
 
 
 def _is_nameable(state: GameState, room: Room) -> bool:
-    """Return True when the robot in a room can name its treasure."""
+    """Return True if the robot in a room can name its treasure."""
     return isinstance(rules.identify(state, room, "", 0), tuple)
 
 

@@ -188,7 +188,7 @@ class ShowNext(Act):
 class ShowWaiting(Act):
     """Show a pop-up that waits for this robot.
 
-    Its treasure in this room, or otherwise the one that has waited longest.
+    It is the one for its treasure in this room, or otherwise the one that has waited longest.
     """
 
     robot: int

@@ -105,7 +105,7 @@ class StudyDraft:
     def add(self, group: FormGroup, robot: int | None = None) -> str | RequestRefused:
         """Return the text with another item in a repeated section.
 
-        For robots, it is the given number or the next one.
+        The item for robots has the given number, or the next one.
         """
         if group.repeats is RepeatKind.ROBOTS:
             taken = {item.key.rpartition(".")[2] for item in group.groups}

@@ -59,7 +59,7 @@ class ExperimentDraft(StudyDraft):
     def add_key(self, group: FormGroup, name: str) -> str | RequestRefused:
         """Return the text with another key of a study.
 
-        As a factor, it has all choices as its levels, or the default.
+        If the key is a factor, its levels are all choices, or the default.
         """
         field = study_fields().get(name)
         value = "null" if field is None else field.default

@@ -166,7 +166,7 @@ class RobotSceneBuilder:
     def _estimate(self) -> Pose2 | None:
         """Its odometry under the last correction of its localizer.
 
-        Without it, the localizer's pose, or else the odometry's.
+        Without a correction, it is the localizer's pose, or else the odometry's.
         """
         robot, odometry, belief = self._robot, self._odometry, self._belief
         if odometry is not None:

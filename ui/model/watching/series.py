@@ -113,7 +113,7 @@ class Series:
         self.gaps.append((last_ns - self._start_ns) / 1e9 + _SLACK)
 
     def of(self, robot: int) -> RobotSeries:
-        """The series of a robot; empty where it is unknown."""
+        """The series of a robot; empty if it is unknown."""
         builder = self._builders.get(robot)
         return RobotSeries() if builder is None else builder.series
 

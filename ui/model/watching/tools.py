@@ -137,7 +137,7 @@ class Tools:
 def dragged_pose(x: float, y: float, to_x: float, to_y: float, heading: float = 0.0) -> Pose2:
     """Pose at the pressed place, facing the place where the drag ended.
 
-    Facing `heading` if the two are within 0.1 m.
+    It faces `heading` if the two are within 0.1 m.
     """
     dragged = math.hypot(to_x - x, to_y - y) >= 0.1
     return Pose2(x, y, math.atan2(to_y - y, to_x - x) if dragged else heading)

@@ -7,7 +7,7 @@ from thbridge.dialogue.wording.texts import Texts
 STALE_AFTER = 1.5
 """Seconds without telemetry of the robots after which the game counts as standing still.
 
-It arrives 25 times per second.
+Telemetry arrives 25 times per second.
 """
 
 
@@ -43,7 +43,7 @@ class ConnectionStatus:
     def why_lost(self) -> str:
         """The reason why the game is not reached, as a sentence.
 
-        Empty if there is none to add, or the game is reached.
+        It is empty if there is none to add, or the game is reached.
         """
         return self._lost[0] if self._lost else ""
 

@@ -158,7 +158,7 @@ def _granted(request: ParticipantRequest, view: View, known: Situation, before: 
 def _moot(texts: Texts, request: ParticipantRequest, view: View, known: Situation) -> str | None:
     """Return the reason why a request is obsolete.
 
-    Empty if the reason is obvious, None while the request is still valid.
+    The reason is empty if it is obvious, and None while the request is still valid.
     """
     if view.over is not None:
         return None if isinstance(request, PlayAgain) else ""

@@ -17,7 +17,7 @@ OVERRIDE = "override"
 LAST_SENTENCES = 2
 """Number of sentences of an ended dialogue that are shown.
 
-Fewer hide less of the map, where the robot already moves.
+They are few, because the robot already moves on the map behind them.
 """
 
 
@@ -84,7 +84,7 @@ def dialogue_popup(hunt: HuntMemory, dialogue: DialogueView) -> DialoguePopup:
 
 
 def _note(hunt: HuntMemory, dialogue: DialogueView, sentences: Sequence[SpokenLine]) -> str:
-    """A remark.
+    """Return a remark.
 
     It says who decides in the end, or that it is the participant's turn although the robot says nothing.
     """

@@ -51,7 +51,7 @@ def _named(texts: Texts, rooms: Iterable[RoomView]) -> str:
 def _of_room(texts: Texts, view: View, room: RoomView, was: RoomDebrief | None) -> str:
     """Return a sentence about the outcome of a room, with its treasure as far as the game reveals it.
 
-    Empty if there is none.
+    The sentence is empty if there is none.
     """
     name, points = ("", 0) if was is None else (view.word_for(was.name), was.points)
     it_was = f" {texts.text('game_over.it_was', name=name, count=points)}" if name else ""
