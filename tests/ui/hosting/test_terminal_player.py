@@ -200,7 +200,7 @@ def test_a_person_asks_for_a_robot_and_names_what_a_station_left(seat):
     for request in (TakeCommand(0, "ground station 255"), StationSend(0, 3)):
         seat.hunt.session.ask("station", request)
     seat.hunt.run(20)
-    assert seat.type("a 1") == ["You have asked ground station 255 for robot 1 back."]
+    assert seat.type("a 1") == ["You have asked ground station 255 to give robot 1 back."]
     seat.hunt.session.ask("station", StationSend(0, 4))
     seat.hunt.run(3)
     assert any(line.startswith("  Room 3: something") for line in seat.type("?", 2))

@@ -185,7 +185,7 @@ def test_a_robot_that_says_nothing_because_all_was_said_is_explained():
     model = model_of(argued())
     model.do(SelectRoomAct(2), 0.0)
     model.receive(argued(words=(ended(agreed=False, said=()),)), 0.0)
-    assert "talked about that before" in model.screen(0.0).popup.outcome
+    assert "talked about this before" in model.screen(0.0).popup.outcome
 
 
 def test_the_sheet_of_keys_has_those_of_numbered_answers():

@@ -522,8 +522,8 @@ def test_what_was_left_is_taken_up_again_until_the_robot_sets_out():
     assert (screen.popup.room, screen.popup.picked, screen.cards[0].take_up) == (3, None, None)
     assert screen.banner is None
     assert [line.text for line in screen.history][-2:] == [
-        "What is in room 3 is left there.",
-        "What is in room 3 is taken up again.",
+        "The treasure in room 3 is left there.",
+        "The treasure in room 3 is taken up again.",
     ]
     seat.do(LeaveTreasureAct())
     assert go(seat, 5).cards[0].take_up is None

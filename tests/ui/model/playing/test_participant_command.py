@@ -148,9 +148,11 @@ def test_a_robot_of_others_is_asked_for_once_and_again_when_that_may_help():
     screen = model.screen(0.1)
     ask = screen.cards[0].ask_back
     assert (model.requests(), ask.label, ask.enabled, ask.pending) == ((), "Asked", False, False)
-    assert screen.announcement == screen.banner.text == texts(screen)[-1] == f"You have asked {NAME} for robot 1 back."
+    assert (
+        screen.announcement == screen.banner.text == texts(screen)[-1] == f"You have asked {NAME} to give robot 1 back."
+    )
     model.do(RequestHandbackAct(0), 0.1)
-    assert model.requests() == () and "again in some seconds" in model.screen(0.1).banner.text
+    assert model.requests() == () and "again in a few seconds" in model.screen(0.1).banner.text
     model.receive(theirs, 10.0)
     assert model.screen(10.0).cards[0].ask_back.enabled
 
@@ -182,7 +184,7 @@ def test_what_a_station_leaves_unnamed_stays_on_the_table():
     )
     assert (screen.popup.room, screen.popup.title) == (3, "Robot 1 found something in room 3 and was sent on")
     assert screen.popup.picture_note == "No picture was taken."
-    assert screen.popup.take_picture.hint == "Robot 1 is not in room 3 any more."
+    assert screen.popup.take_picture.hint == "Robot 1 is no longer in room 3."
     screen = seat.run(30)
     assert screen.popup.room == 3 and [waiting.text for waiting in screen.waiting] == [
         "Robot 1 is in room 4 and found something"

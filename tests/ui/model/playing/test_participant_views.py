@@ -555,7 +555,7 @@ def test_the_end_says_why_and_what_came_of_it():
     assert screen.ending.title == "The game is over. Score: 20"
     assert screen.ending.lines == (
         "No robot has the energy for another move.",
-        "2 of 3 rooms visited. 1 treasure named, 1 rightly.",
+        "2 of 3 rooms visited. 1 treasure named, 1 correctly.",
         "Room 1: left where it was.",
         "Room 3: Can is right, 20 points won.",
         "Thank you for playing.",
@@ -679,8 +679,8 @@ def test_whoever_listens_is_told_what_matters_and_the_same_words_twice():
     model.receive(UNDER_WAY, 1.0)
     model.receive(FOUND, 2.0)
     assert model.screen(2.0).announcement == (
-        "Robot 1 sets out for room 3; it has 93 energy left. Robot 1 is in room 3. Something pink, round and large "
-        "is in room 3. Robot 1 found something in room 3"
+        "Robot 1 sets out for room 3; it has 93 energy left. Robot 1 is in room 3. Something was found in room 3: "
+        "pink, round and large. Robot 1 found something in room 3"
     )
     model.lost("", 3.0)
     assert model.screen(3.0).announcement == "The connection to the game is lost. Reconnecting…"

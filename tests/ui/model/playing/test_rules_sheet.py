@@ -17,9 +17,9 @@ def sheet(**fields: object) -> str:
     [
         (None, "A wrong name may lose points."),
         (0.0, "A wrong name loses no points."),
-        (1.0, "A wrong name loses as many."),
-        (0.125, "A wrong name loses 12.5% of them."),
-        (0.001, "A wrong name loses 0.1% of them."),
+        (1.0, "A wrong name loses as many points."),
+        (0.125, "A wrong name loses 12.5% of these points."),
+        (0.001, "A wrong name loses 0.1% of these points."),
     ],
 )
 def test_the_share_lost_for_a_wrong_name_is_the_games(share: float | None, told: str) -> None:
