@@ -169,7 +169,7 @@ def test_a_whole_study_by_mouse(kiosk: Kiosk, screen: Desktop, folder: Path) -> 
     screen.found("Not applicable", "check box")
     screen.found("How hard was it?, not marked, line from 0, easy, to 100, hard", "slider")
     screen.click(screen.rested("Continue"))
-    screen.found("Question 2 of 2: How hard was it? Not answered. Please answer this.")
+    screen.found("Question 2 of 2: How hard was it? Not answered. Please answer this question.")
     screen.click(screen.rested("How hard was it?, not marked", "slider"))
     screen.found("How hard was it?, marked at 50", "slider")
     leave(screen, "How you feel", clicking(screen, "Continue"))
@@ -293,7 +293,7 @@ def test_a_screen_reader_reads_every_item_of_every_page_and_sigterm_is_told(scre
         assert "Page 1 of 2. 0 of 4 answered." in shown
         leave(screen, "Page 1 of 2. 0 of 4 answered.", clicking(screen, "Continue"))
         screen.found("4 answers are missing; they are marked.", "label")
-        assert "Question 2 of 4: I was quick. Not answered. Please answer this." in spoken(screen)
+        assert "Question 2 of 4: I was quick. Not answered. Please answer this question." in spoken(screen)
         for name in ("1 of 3, not at all", "2 of 3, seldom", "3 of 3, warm"):
             screen.click(screen.rested(name, "radio button"))
         screen.click(screen.rested("How hard was it?, not marked", "slider"))

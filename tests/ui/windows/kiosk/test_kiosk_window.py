@@ -218,7 +218,7 @@ def test_what_is_missing_is_pointed_at_and_what_is_there_stays(opened: Opened, q
     assert not any(isinstance(one, WentOn) for one in opened.told)
     assert panel(form, "often").missing.isHidden()
     assert panel(form, "age").missing.text() == "Please enter a number from 18 to 99."
-    assert "Please write a number" in panel(form, "age").accessibleName()
+    assert "Please enter a number" in panel(form, "age").accessibleName()
     assert QApplication.focusWidget() is panel(form, "age").field.line
     assert panel(form, "why").missing.isHidden(), "it may be left out"
 

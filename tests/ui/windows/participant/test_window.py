@@ -1014,7 +1014,7 @@ def test_a_room_without_a_cost_has_no_way_only_where_none_leads_there() -> None:
     tile = replace(sample_screens.tile(1, 8), state="unvisited", cost=None, found="")
     impossible = replace(tile, choose=replace(tile.choose, enabled=False))
     assert below(shipped_texts(), impossible) == ("",), "its robot drives, and another one talks about it"
-    assert below(shipped_texts(), replace(impossible, reachable=False)) == ("no way",)
+    assert below(shipped_texts(), replace(impossible, reachable=False)) == ("no path",)
 
 
 def test_one_unit_is_no_units() -> None:
