@@ -62,7 +62,7 @@ ALLOWED: dict[str, frozenset[str]] = {
     # Texts of older recordings.
     "thbridge/app/replay/rewordings.py": frozenset({"somebody"}),
 }
-"""Files that may use some of these words: terms of the field, keys of 2016, recorded sentences, people who tell others."""
+"""Words that some files may use: terms of the field, keys of 2016, recorded sentences, people who tell others."""
 SKIPPED = ("CONTRIBUTING.md", "templates/original-2016/", "tests/")
 """The style sheet, which quotes these words; texts of 2016, and tests."""
 WRITTEN = ("*.md", "*.py", "*.sh", "*.toml", "Makefile", "*/en/*.yaml", "templates/*.yaml", "maps/*.yaml")
