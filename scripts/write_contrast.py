@@ -187,6 +187,8 @@ TINTED = (("study/pages.py", "text on the line of a fault", "text", "bad", 48 / 
 HEAD = """\
 # Visibility and use of the windows
 
+For everyone who checks whether people can see and use the windows.
+
 `scripts/write_contrast.py` writes this page from the windows' palettes (`ui/model/shared/theme.py`). Ratios are those
 of WCAG 2.2: level AA requires 4.5 for text (1.4.3), and 3 for edges, signs and curves (1.4.11). Each row shows the
 worst ratio of its pairs; rows with robot colors include all ten. *Shown elsewhere*: nothing depends on the contrast,

@@ -20,6 +20,8 @@ ROOT = Path(__file__).parents[1]
 HEAD = """\
 # Parameters
 
+For those who tune robots or bring parameter files of ROS.
+
 Every parameter of a robot's software, under its name in ROS. `scripts/write_parameters.py` writes this page from the
 classes in `sim/parameters`, which also define the study file's reader and its error messages.
 

@@ -44,6 +44,8 @@ SIZED = (
 )
 """Pictures that are drawn at all sizes."""
 ABOUT = (
+    "For everyone who wants to see a window before using it.",
+    "",
     "Each window light and dark, and the most important ones at four sizes with text of 100, 125 and 150 %.",
     "`make pictures` draws them from real games and a real recording, and writes this page. The windows are",
     "explained in [windows.md](windows.md), [watching.md](../how-to/watching.md),",

@@ -25,7 +25,7 @@ _FENCE = re.compile(r"^```.*?^```$", re.MULTILINE | re.DOTALL)
 def test_a_page_says_whom_it_is_for_and_is_short_and_its_links_resolve(page: Path) -> None:
     text = page.read_text(encoding="utf-8")
     if page.parent.name != "decisions":
-        assert re.match(r"# .+\n\nFor ", text), "the first sentence says whom the page is for"
+        assert re.match(r"# .+\n\n(For|This page is for) ", text), "the first sentence says whom the page is for"
         assert page.name in LISTS or text.count("\n") <= LONGEST
     assert broken_links(page, text) == []
     for picture, after in pairwise([*_FENCE.sub("", text).split("\n\n"), ""]):
