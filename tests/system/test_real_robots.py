@@ -77,7 +77,7 @@ def test_real_robots_are_recorded_from_the_yes_on_with_what_is_latched(tmp_path:
         until("the bag", lambda: bool(list(tmp_path.glob("real*"))), programs)
         until("an arrival", lambda: "arrived" in kinds(tmp_path), programs)
         field.kill()
-        until("the silence", lambda: "robot 1: it is silent: no odometry any more" in simr.text, programs)
+        until("the silence", lambda: "robot 1: it is silent: no more odometry" in simr.text, programs)
         programs.append(field.again())
         until("the robot again", lambda: "its odometry is back" in simr.text, programs)
         assert "is registered with the ROS master" in simr.text, "the simulation was the master"

@@ -1,1 +1,1 @@
-"""ROS 1 graph: XML-RPC, master, node and TCPROS as `wire`, the same over TCP as `sockets`, and its `files`."""
+"""ROS 1 graph: XML-RPC, master, node and TCPROS as bytes (`wire`), the same over TCP (`sockets`), and `files`."""

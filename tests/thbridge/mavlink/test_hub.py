@@ -289,7 +289,7 @@ def test_gaps_in_a_senders_count_are_lost_frames(hub):
     hub.receive(A, frame_of(HEARTBEAT, 254, sequence=100))
     report = hub.link(A)
     assert (report.received, report.lost, report.sent) == (6, 5, 0)
-    assert str(report) == "a: 6 frames came in, 5 were lost on the way, 0 went out"
+    assert str(report) == "a: 6 frames received, 5 lost in transmission, 0 sent"
 
 
 @pytest.mark.parametrize(

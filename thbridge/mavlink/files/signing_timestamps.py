@@ -37,7 +37,7 @@ class TimestampFile:
         except FileNotFoundError:
             return None
         except (OSError, ValueError, RecursionError) as error:
-            _log.warning("%s is of no use (%s): it is as if nothing were known", self._path, error)
+            _log.warning("%s cannot be used (%s): only frames signed from now on are accepted", self._path, error)
             return None
 
     def write(self, known: KnownTimestamps) -> None:
@@ -45,7 +45,12 @@ class TimestampFile:
         streams = [[*stream, timestamp] for stream, timestamp in sorted(known.streams.items())]
         text = json.dumps({"format": _FORMAT, "latest": known.latest, "streams": streams})
         try:
-            write_whole(self._path, text.encode(), "make room: after a restart stations may be refused", mode=0o600)
+            write_whole(
+                self._path,
+                text.encode(),
+                "free disk space; otherwise stations may be refused after a restart",
+                mode=0o600,
+            )
         except BadFile as fault:
             if not self._has_failed:
                 _log.warning("%s", fault)
@@ -61,7 +66,7 @@ def _known(read: object) -> KnownTimestamps:
                     case [int(link), int(system), int(component), int(timestamp)] if timestamp <= latest:
                         streams[link, system, component] = timestamp
                     case _:
-                        raise ValueError("a row that is no timestamp")
+                        raise ValueError("a row is not a timestamp")
             if 0 <= latest < 1 << 48 and len(streams) <= MAX_STREAMS:
                 return KnownTimestamps(latest, streams)
-    raise ValueError("it is no file of timestamps")
+    raise ValueError("it is not a file of timestamps")

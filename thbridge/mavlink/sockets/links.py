@@ -173,7 +173,7 @@ class MavlinkLinks:
         """Close a link; closing it twice has no effect."""
         closed = self._links.pop(link, None)
         if closed is not None and self._exchange is not None:
-            _log.info("MAVLink: %s; %d were too many", self._exchange.link(link), closed.dropped)
+            _log.info("MAVLink: %s; %d arrived too fast", self._exchange.link(link), closed.dropped)
             self._exchange.close_link(link)
 
     def frames_in(self, name: str, channel: Channel, data: bytes) -> list[Frame]:
@@ -183,7 +183,7 @@ class MavlinkLinks:
         if frames and self._stopwatch() - self._stored > _STORE_SECONDS:
             self.store_timestamps()
         if channel.last_fault:
-            self.complaints.warn(f"MAVLink: {name}: thrown away: {channel.last_fault}")
+            self.complaints.warn(f"MAVLink: {name}: discarded: {channel.last_fault}")
         return frames
 
     def store_timestamps(self) -> None:
@@ -217,7 +217,7 @@ class MavlinkLinks:
         self._dropped += count
         there.dropped += count
         if there.dropped == count:
-            self.complaints.warn(f"MAVLink: {there.name} sends more than can be handled; some frames are dropped")
+            self.complaints.warn(f"MAVLink: {there.name} sends more frames than can be processed; some are dropped")
             self.transmit([OutgoingFrame(link, self._flood_warning(link))])
 
     def _flood_warning(self, link: LinkId) -> Frame:
@@ -259,7 +259,7 @@ class MavlinkLinks:
             return ()
         outcome = self._exchange.receive_frame(link, there.waiting.popleft())
         if outcome.dropped is not None:
-            self.complaints.warn(f"MAVLink: {there.name}: a frame goes nowhere: {outcome.dropped}")
+            self.complaints.warn(f"MAVLink: {there.name}: a frame was dropped: {outcome.dropped}")
         there.taken += 1
         if there.waiting:
             (self._turns if there.taken < LINK_FRAMES else self._served).append(link)

@@ -94,7 +94,7 @@ class MavlinkServer:
         await self._opened.aclose()
         self._links.store_timestamps()
         totals = self._links.totals
-        told = f"{totals.received} frames came in, {totals.sent} went out, {totals.unsent} could not be sent"
+        summary = f"{totals.received} frames received, {totals.sent} sent, {totals.unsent} could not be sent"
         if totals.dropped:
-            told += f", {totals.dropped} came too fast"
-        _log.log(logging.WARNING if totals.unsent or totals.dropped else logging.INFO, "MAVLink: %s", told)
+            summary += f", {totals.dropped} arrived too fast"
+        _log.log(logging.WARNING if totals.unsent or totals.dropped else logging.INFO, "MAVLink: %s", summary)

@@ -76,11 +76,11 @@ class TcpPort:
         """Add a connection; return False if there is no room for it."""
         most = self._door.most
         if len(self._open) >= most:
-            self.links.complaints.warn(f"MAVLink: {most} are connected by TCP; not all of them are heard")
+            self.links.complaints.warn(f"MAVLink: {most} clients are connected by TCP, which is the limit")
             silent = next((each for each in self._open if not each.has_spoken), None)
             if silent is None:
                 return False
-            silent.cut_off("says nothing, and others want to be heard")
+            silent.cut_off("is silent, and others are waiting")
             del self._open[silent]
         self._open[connection] = None
         return True
@@ -123,7 +123,7 @@ class _Connection(Protocol):
         self._transport = transport
         stranger = self._port.admission.refused(transport)
         if stranger is not None:
-            self._port.links.complaints.warn(f"MAVLink: {stranger} is in none of the networks of open_to")
+            self._port.links.complaints.warn(f"MAVLink: {stranger} is not in a network of open_to")
         if stranger is not None or not self._port.connection_opened(self):
             transport.abort()
             return
@@ -132,7 +132,7 @@ class _Connection(Protocol):
     def data_received(self, data: bytes) -> None:
         begun, self._begun = self._begun, True
         if not begun and begins_http(data):
-            self.cut_off("speaks HTTP, as a page in a browser does")
+            self.cut_off("sends HTTP, like a web page in a browser")
         self._unparsed.extend(data[at : at + _SEGMENT] for at in range(0, len(data), _SEGMENT))
         self._parse_some()
 
@@ -146,7 +146,7 @@ class _Connection(Protocol):
             if self._link is not None:
                 self._port.links.receive(self._link, frames)
             if self._channel.bytes_since_good > GARBAGE_LIMIT:
-                self.cut_off("sends nothing of use")
+                self.cut_off("sends no valid frames")
                 return
         if not self._unparsed:
             self._transport.resume_reading()
@@ -184,7 +184,7 @@ class _Connection(Protocol):
     def cut_off(self, why: str) -> None:
         """Close the connection at once."""
         if self._transport is not None and not self._transport.is_closing():
-            self._port.links.complaints.warn(f"MAVLink: {self._name} {why}, and is cut off")
+            self._port.links.complaints.warn(f"MAVLink: {self._name} {why}, and is disconnected")
             self._transport.abort()
 
     def _leave(self) -> None:

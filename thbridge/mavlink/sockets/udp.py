@@ -194,15 +194,15 @@ class UdpPort:
         elif peer.channel.bytes_since_good > GARBAGE_LIMIT:
             peer.channel.bytes_since_good = 0
             peer.muted = now + MUTE_SECONDS
-            self._links.complaints.warn(f"MAVLink: {_name(address)} sends nothing of use, and is not listened to")
+            self._links.complaints.warn(f"MAVLink: {_name(address)} sends no valid frames, and is ignored")
         return len(frames)
 
     def _meet(self, address: SocketAddress, now: float) -> _Peer | None:
         if not (self._admission.admits(address[0]) or address[0] == self._target_host):
-            self._links.complaints.warn(f"MAVLink: {address[0]} is in none of the networks of open_to")
+            self._links.complaints.warn(f"MAVLink: {address[0]} is not in a network of open_to")
             return None
         if len(self._met) == MEETINGS and now - self._met[0] < 1.0:
-            self._links.complaints.warn(f"MAVLink: more than {MEETINGS} new peers in a second; not all are heard")
+            self._links.complaints.warn(f"MAVLink: more than {MEETINGS} new peers in a second; some are ignored")
             return None
         self._met.append(now)
         if len(self._peers) > MAX_PEERS:

@@ -12,13 +12,13 @@ MOST_STATIONS = 16
 
 
 class DropReason(StrEnum):
-    """Reason why a complete frame is dropped; completes the log message "a frame goes nowhere: ..."."""
+    """Reason why a complete frame is dropped; completes the log message "a frame was dropped: ..."."""
 
     OURS = "its sender has the ids of one of our vehicles"
-    BROADCAST_SENDER = "its sender has the system id 0, which stands for everybody"
-    CROWDED = f"{MOST_STATIONS} other senders are heard on this link"
+    BROADCAST_SENDER = "its sender has the system id 0, which means all systems"
+    CROWDED = f"{MOST_STATIONS} other senders use this link already"
     SECRET = "it carries a signing key, and keys come from a file"
-    UNKNOWN = "the dialect does not know its message"
+    UNKNOWN = "its message is not in the dialect"
 
 
 @dataclass(slots=True)
@@ -55,8 +55,8 @@ class HubLink:
     _counts: dict[int, int] = field(default_factory=dict)
 
     def __str__(self) -> str:
-        counts = f"{self.received} frames came in, {self.lost} were lost on the way, {self.sent} went out"
-        dropped = "".join(f"; {count} went nowhere: {why}" for why, count in self.dropped.items())
+        counts = f"{self.received} frames received, {self.lost} lost in transmission, {self.sent} sent"
+        dropped = "".join(f"; {count} dropped: {why}" for why, count in self.dropped.items())
         return f"{self.name}: {counts}{dropped}"
 
     def reaches(self, robot: int) -> bool:

@@ -56,12 +56,12 @@ def sentence_of_change(robot: str, named: RemoteNames, before: frozenset[RobotPa
     """
     status = named.action("status")
     words = {
-        RobotPart.ODOMETRY: ("it is silent: no odometry any more", "its odometry is back"),
+        RobotPart.ODOMETRY: ("it is silent: no more odometry", "its odometry is back"),
         RobotPart.NAVIGATION: (
-            f"its navigation is silent: nothing on {status} any more",
+            f"its navigation is silent: no more messages on {status}",
             f"its navigation is back on {status}",
         ),
-        RobotPart.LOCALIZATION: ("it does not know where it is any more", "it knows where it is again"),
+        RobotPart.LOCALIZATION: ("it no longer knows where it is", "it knows where it is again"),
     }
     gone = [words[part][0] for part in RobotPart if part in now - before]
     back = [words[part][1] for part in RobotPart if part in before - now]

@@ -240,7 +240,7 @@ class RemoteRobot:
 def missing_of(robots: Sequence[RemoteRobot]) -> list[str]:
     """Return a sentence for each robot about the messages that are missing before it can take part."""
     return [
-        f"{robot_name(robot)} is not there yet: {'; '.join(parts)}"
+        f"{robot_name(robot)} is not ready yet: {'; '.join(parts)}"
         for robot, remote in enumerate(robots)
         if (parts := remote.missing())
     ]

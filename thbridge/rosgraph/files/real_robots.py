@@ -1,6 +1,6 @@
-"""Records real robots: their own messages as they came, and the messages of our program.
+"""Recorder of real robots: their own messages unchanged, and the messages of our program.
 
-Messages of robots are not encoded again from our values: the bag has their own bytes, types and names.
+Messages of robots are not encoded again from our values: the bag contains their own bytes, types and names.
 """
 
 from collections.abc import Iterable, Sequence
@@ -26,11 +26,11 @@ class _ForeignMessage(NamedTuple):
 
 
 class FleetRecorder:
-    """Writes a bag of a `Fleet`: its `TrafficRecorder`, and the recorder of the session's ticks.
+    """Recorder of a `Fleet` to a bag: the `TrafficRecorder`, and the recorder of the session's ticks.
 
     Args:
         writer: an empty bag; the caller closes it.
-        session: the first record of the bag.
+        session: first record of the bag.
         rooms: names of the map's rooms.
     """
 
@@ -42,7 +42,7 @@ class FleetRecorder:
         self._last_ns = 0
 
     def received(self, topic: links.TopicHeader, publisher: str, stamp_ns: int, data: bytes) -> None:
-        """Keep a message of a robot until it is written."""
+        """Keep a robot's message until it is written."""
         source = ForeignTopic(topic.name, topic.type, topic.md5, topic.definition, publisher, topic.latched)
         self._waiting.append(_ForeignMessage(source, stamp_ns, data))
 
@@ -77,7 +77,7 @@ class FleetRecorder:
             self._write(RosMessage(SESSION, item.stamp_ns, pack.session(tick, session)))
             if self._rooms:
                 self._write(RosMessage(ROOMS, item.stamp_ns, pack.room_labels(tick, MAP_FRAME, self._rooms)))
-        # A tick begins up to 20 ms before the messages received in it, but stamps in a bag must not go back.
+        # A tick begins up to 20 ms before the messages received in it, but time stamps in a bag must not go back.
         self._last_ns = max(self._last_ns, item.stamp_ns)
         if isinstance(item, _ForeignMessage):
             self._writer.write_foreign(item.source, self._last_ns, item.data)

@@ -10,15 +10,15 @@ HANDSHAKE_SECONDS = 10.0
 """Seconds that a peer may take from the connection to the end of its header."""
 
 _LINGER = 60.0
-"""Seconds that a peer has to read the rest after the close: a large map, over a poor radio."""
+"""Seconds that a peer has to read the rest after the close, such as a large map over a slow radio link."""
 
 
 _KEEPALIVE = ((("TCP_KEEPIDLE", "TCP_KEEPALIVE"), 60), (("TCP_KEEPINTVL",), 10), (("TCP_KEEPCNT",), 9))
-"""Options of TCP and their values: seconds of silence, seconds between probes, probes; macOS has another name."""
+"""TCP options and their values: seconds of silence, seconds between probes, probes; macOS has another name for one."""
 
 
 def keep_alive(transport: Transport) -> None:
-    """Let the system detect a peer that disappeared, with ROS's own figures, within some two minutes."""
+    """Make the system detect a peer that disappeared, with ROS's values, within about two minutes."""
     link = transport.get_extra_info("socket")
     link.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
     for names, value in _KEEPALIVE:
@@ -28,7 +28,7 @@ def keep_alive(transport: Transport) -> None:
 
 
 def close_gently(transport: Transport) -> asyncio.TimerHandle:
-    """Close once everything is sent, at the latest in a minute; cancel the handle when the connection is lost."""
+    """Close once everything is sent, at the latest after a minute; cancel the handle when the connection is lost."""
     transport.close()
     return asyncio.get_running_loop().call_later(_LINGER, transport.abort)
 
@@ -36,5 +36,5 @@ def close_gently(transport: Transport) -> asyncio.TimerHandle:
 def endpoints(transport: Transport) -> tuple[int, str, int, int]:
     """Return local port, remote host, remote port and socket number of an open transport."""
     here = transport.get_extra_info("sockname")
-    there = transport.get_extra_info("peername") or ("", 0)  # it was gone before it was asked
+    there = transport.get_extra_info("peername") or ("", 0)  # empty if the peer has already left
     return here[1], there[0], there[1], transport.get_extra_info("socket").fileno()

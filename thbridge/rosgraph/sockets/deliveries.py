@@ -1,4 +1,4 @@
-"""Queues of the master's notifications to nodes, of which some are slow, silent or invented."""
+"""Queues of the master's notifications to nodes; some nodes may be slow, silent or invented."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from thbridge.rosgraph.wire.master import NodeShutdown, Notification, ParamUpdat
 from thbridge.sockets.warn_once import WarnOnce
 
 AT_ONCE = 32
-"""Most calls in progress to nodes that answered the last one, and again to all others."""
+"""Largest number of calls in progress to nodes that answered the last one, and the same for all others."""
 
 MOST_WAITING = 65_536
-"""Most notifications in all queues."""
+"""Largest number of notifications in all queues."""
 
 _MOST_KNOWN = 4096
-"""Most addresses of which it is remembered that they answered."""
+"""Largest number of addresses remembered as answering."""
 
 _Subject: TypeAlias = tuple[str, str, str]
 
@@ -28,20 +28,20 @@ _log = logging.getLogger(__name__)
 
 @dataclass(slots=True)
 class _Lane:
-    """Addresses that wait for their turn, and the number of those that have it."""
+    """Addresses that wait for their turn, and the number of those that have a turn now."""
 
     line: OrderedDict[str, None] = field(default_factory=OrderedDict)
     busy: int = 0
 
 
 class Deliveries:
-    """Queues of notifications: in order and one at a time for each address, a bounded number of addresses at once.
+    """Queues of notifications: in order and one at a time for each address, for a limited number of addresses at once.
 
     A later notification about the same topic or parameter replaces the earlier one, at the end of the queue. Addresses
-    that answered last time are served apart from all others, so that those who are silent hold up only each other.
+    that answered last time are served separately from all others, so that silent nodes delay only each other.
 
     Args:
-        deliver: makes a call and returns True if it was answered.
+        deliver: makes a call and returns True if the node answered.
     """
 
     def __init__(self, deliver: Callable[[Notification], Awaitable[bool]]) -> None:
@@ -60,7 +60,7 @@ class Deliveries:
         return len(self._calls)
 
     def post(self, notification: Notification) -> None:
-        """Queue a notification; when too many wait, those of an address that never answered are dropped for it."""
+        """Queue a notification; if too many wait, those of an address that never answered are dropped for it."""
         address = _address_of(notification.api)
         if self._count >= MOST_WAITING and not self._drop_some(address):
             return
@@ -80,7 +80,7 @@ class Deliveries:
         await asyncio.gather(*self._calls, return_exceptions=True)
 
     def _drop_some(self, address: str) -> bool:
-        self._complaints.warn(f"more than {MOST_WAITING} notifications wait for nodes; some are not told")
+        self._complaints.warn(f"more than {MOST_WAITING} notifications wait for nodes; some are dropped")
         if not self._others.line:
             return False
         dropped, _ = self._others.line.popitem(last=False)
@@ -125,7 +125,7 @@ class Deliveries:
 
 
 def _address_of(api: str) -> str:
-    """Return host and port of a URI, however its path is varied."""
+    """Return host and port of a URI, whatever its path is."""
     return api.partition("//")[2].partition("/")[0]
 
 

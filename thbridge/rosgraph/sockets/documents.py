@@ -1,6 +1,6 @@
-"""XML-RPC documents read and written beside other work of the event loop, which also ticks the game.
+"""XML-RPC documents read and written without blocking the event loop, which also runs the game.
 
-Short ones take less than some milliseconds and are done at once; long ones on a thread, one after the other.
+Short documents take at most some milliseconds and are processed at once; long ones on a thread, one after the other.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from typing import TypeVar
 from thbridge.rosgraph.wire.xmlrpc import XmlRpcValue, written_size
 
 SHORT = 16 * 1024
-"""Bytes of a document that is read or written at once."""
+"""Largest number of bytes of a document that is read or written at once."""
 
 _Result = TypeVar("_Result")
 
@@ -31,7 +31,7 @@ async def write_document(encode: Callable[[], bytes], value: XmlRpcValue) -> byt
     """Encode a document with this value in it.
 
     Raises:
-        ValueError: it cannot be written.
+        ValueError: the value cannot be written.
     """
     if written_size(value, SHORT) <= SHORT:
         return encode()

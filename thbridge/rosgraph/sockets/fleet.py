@@ -41,11 +41,11 @@ from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.warn_once import WarnOnce
 
 CALLER = "/thbridge_fleet"
-"""Name of the node; a simulated session on the same graph has another."""
+"""Name of the node; a simulated session on the same graph has another name."""
 TEAM_TOPICS = (names.TF, names.TF_STATIC, names.MAP, names.MAP_METADATA, names.ROSOUT, names.DIAGNOSTICS)
 """Recorded topics that belong to no single robot."""
 PLACEMENT_TOLERANCE = 0.5
-"""Meters from its start pose within which a robot need not be moved."""
+"""Distance in meters from its start pose within which a robot need not be moved."""
 
 _log = logging.getLogger(__name__)
 
@@ -57,7 +57,7 @@ class TrafficRecorder(Protocol):
         """Record a received message, byte for byte, at this ROS time."""
 
     def sent(self, message: RosMessage) -> None:
-        """Record a message that was sent to a robot."""
+        """Record a message sent to a robot."""
 
 
 class Fleet:
@@ -67,8 +67,8 @@ class Fleet:
         graph: address of their ROS graph.
         robots: state and messages of each robot.
         recorder: records all messages.
-        offset: time by which odometry leads the scans; its default holds at the start.
-        wall: returns nanoseconds of the wall clock.
+        offset: time by which odometry is ahead of the scans; its default is valid at the start.
+        wall: returns the time of the wall clock, nanoseconds.
     """
 
     def __init__(
@@ -105,7 +105,7 @@ class Fleet:
         self._clock_stands = SettledState(False)
 
     async def start(self) -> NodeStarted | CannotListen:
-        """Join the graph; neither master nor robots need be there yet."""
+        """Join the graph; master and robots may appear later."""
         started = await self._node.start()
         if isinstance(started, NodeStarted):
             self._joining = asyncio.get_running_loop().create_task(self._join())
@@ -137,24 +137,24 @@ class Fleet:
             goal = remote.names.action("goal")
             if all(connection.peer == CALLER for connection in self._publications[goal].connections()):
                 yield (
-                    f"{robot_name(robot)} does not listen to {goal} yet: its machine must be able to reach this one at "
-                    f"{self._node.host} (--ros-host)"
+                    f"{robot_name(robot)} does not subscribe to {goal} yet: its machine must be able to reach this one "
+                    f"at {self._node.host} (--ros-host)"
                 )
 
     @property
     def joined(self) -> bool:
-        """True since a master was found; that it is not there, or gone, is told by the node."""
+        """True once a master was found; the node reports a master that is missing or gone."""
         return self._clock is not None
 
     def tell_changes(self) -> None:
-        """Log odometry that cannot be true, and parts that have been silent, or back, for a second."""
+        """Log impossible odometry, and parts that have been silent, or back, for a second."""
         if self._clock is None or not self._clock.runs:
             return
         wall_ns = self._wall()
         now_ns = self._clock.now(wall_ns)
         if self._clock_stands.take(self._clock.stands(wall_ns), wall_ns):
             stands = self._clock_stands.settled
-            told = "silent, so time goes on by this machine's clock" if stands else "it is back"
+            told = "silent, so time continues with this machine's clock" if stands else "it is back"
             _log.warning("%s: %s", names.CLOCK, told)
         for robot, remote in enumerate(self._robots):
             state = self._silent[robot]
@@ -165,10 +165,10 @@ class Fleet:
                 _log.warning("%s: %s", robot_name(robot), notice)
             if remote.resent_goals != self._resent[robot]:
                 self._resent[robot] = remote.resent_goals
-                _log.warning("%s: its navigation did not know its goal, which is sent again", robot_name(robot))
+                _log.warning("%s: its navigation did not list its goal; the goal is sent again", robot_name(robot))
 
     def now(self) -> int | None:
-        """Return nanoseconds of ROS time; None while unknown."""
+        """Return the ROS time in nanoseconds; None while it is unknown."""
         return None if self._clock is None or not self._clock.runs else self._clock.now(self._wall())
 
     @property
@@ -187,10 +187,10 @@ class Fleet:
         return ()
 
     def step(self, inputs: Sequence[TeamInput] = ()) -> TeamSnapshot:
-        """Carry out the inputs and return the present state of the robots; the tick is that of ROS time.
+        """Carry out the inputs and return the current state of the robots; the tick is that of ROS time.
 
         Raises:
-            ValueError: something is still missing.
+            ValueError: the robots cannot be commanded yet, see `missing`.
         """
         now_ns = self.now()
         if now_ns is None:
@@ -220,18 +220,16 @@ class Fleet:
             case SendGoal(robot) | CancelGoal(robot) | DriveManually(robot) | SetPoseEstimate(robot):
                 self._robots[robot].take(item, now_ns)
             case SetCharge():
-                pass  # The keeper counts the game's energy; a real battery cannot be set.
+                pass  # the keeper counts the game's energy; a real battery cannot be set
             case PlaceRobot(robot, pose):
                 if (
                     self._last is None
                     or self._last.robots[robot].estimate.base_in_map.distance(pose) > PLACEMENT_TOLERANCE
                 ):
-                    _log.warning(
-                        "%s belongs at (%.2f, %.2f): somebody must bring it", robot_name(robot), pose.x, pose.y
-                    )
+                    _log.warning("%s belongs at (%.2f, %.2f): please move it there", robot_name(robot), pose.x, pose.y)
             case _:
                 name = next(name for name, input_class in TEAM_INPUTS.items() if input_class is type(item))
-                self._complaints.warn(f"real robots cannot be asked to {name}")
+                self._complaints.warn(f"real robots do not support {name}")
 
     # The graph
 
@@ -252,7 +250,7 @@ class Fleet:
                 wanted.setdefault(topic, [])
             for topic in robot.subscriptions:
                 wanted.setdefault(topic, []).append(robot)
-        wanted.pop(names.CLOCK, None)  # Not recorded: the player of a bag publishes its own clock.
+        wanted.pop(names.CLOCK, None)  # not recorded, because the player of a bag publishes its own clock
         for topic, robots in wanted.items():
             self._listen(topic, {robot: robot.subscriptions[topic] for robot in robots})
 
@@ -261,7 +259,7 @@ class Fleet:
             try:
                 clock.receive(Cursor(data).stamp(), self._wall())
             except ValueError as error:
-                self._complaints.warn(f"{names.CLOCK}: what {publisher} says is of no use: {error}")
+                self._complaints.warn(f"{names.CLOCK}: ignored a message of {publisher}: {error}")
 
         self._node.subscribe(names.CLOCK, types.CLOCK, self._definitions.of(types.CLOCK).md5, on_message)
 
@@ -272,7 +270,7 @@ class Fleet:
             self._headers[topic, publisher] = header
             if header.md5 not in wanted.values() and wanted:
                 kind = next(iter(robots.values()))
-                self._complaints.warn(f"{topic}: {publisher} says {header.type} there, but {kind} was expected")
+                self._complaints.warn(f"{topic}: {publisher} publishes {header.type}, but {kind} was expected")
 
         def on_message(data: bytes, publisher: str) -> None:
             if publisher == CALLER or self._clock is None:
@@ -282,7 +280,7 @@ class Fleet:
             self._recorder.received(header, publisher, now_ns, data)
             for robot, md5 in wanted.items():
                 if header.md5 == md5 and isinstance(refused := robot.receive(topic, data, now_ns), InvalidMessage):
-                    self._complaints.warn(f"{topic}: what {publisher} says is of no use: {refused.sentence}")
+                    self._complaints.warn(f"{topic}: ignored a message of {publisher}: {refused.sentence}")
 
         self._node.subscribe(topic, "*", "*", on_message, on_publisher=on_publisher)
 
@@ -297,5 +295,5 @@ class Fleet:
             self._recorder.sent(message)
 
     def _asked_to_leave(self, reason: str) -> None:
-        _log.error("the robots are out of reach: this program must leave the ROS graph (%s)", reason)
+        _log.error("the robots cannot be reached: this program must leave the ROS graph (%s)", reason)
         self._node.leave()

@@ -1,4 +1,4 @@
-"""Odometry's time offset of real robots on a ROS graph: on the parameter server, and by dynamic_reconfigure."""
+"""Time offset of real robots' odometry on a ROS graph: on the parameter server, and by dynamic_reconfigure."""
 
 import logging
 import math
@@ -21,16 +21,16 @@ _log = logging.getLogger(__name__)
 
 
 class FleetParameters:
-    """The time offset that holds now, for nodes of the graph to read and change.
+    """Current time offset, which nodes of the graph can read and change.
 
     Args:
-        node: of the fleet.
-        definitions: of message types.
-        offset: the parameter; its default holds at the start.
-        apply: takes each new value, seconds.
+        node: node of the fleet.
+        definitions: definitions of message types.
+        offset: the parameter; its default is valid at the start.
+        apply: called with each new value, seconds.
 
     Attributes:
-        topic: of dynamic_reconfigure, which tells each change.
+        topic: topic of dynamic_reconfigure with a message for each change.
     """
 
     def __init__(
@@ -69,7 +69,7 @@ class FleetParameters:
         return config
 
     def _reconfigure(self, data: bytes) -> bytes | ServiceFailed:
-        """Serve a change by a client of dynamic_reconfigure, as ROS's servers do it: within the bounds."""
+        """Serve a change by a client of dynamic_reconfigure, within the bounds, as ROS's servers do."""
         requested = reconfigure.requested_values(self._server, data)
         if isinstance(requested, InvalidMessage):
             return ServiceFailed(requested.sentence)
@@ -78,7 +78,7 @@ class FleetParameters:
         return self._publish()
 
     def _set(self, key: str, value: XmlRpcValue) -> None:
-        """Take a change on the parameter server; what is no offset, or deleted, is set back."""
+        """Apply a change on the parameter server; a value that is not an offset, or a deletion, is undone."""
         given = dict(leaves(key.rstrip("/"), value))
         if given != {self._key: self._seconds}:
             self._change(given.get(self._key, self._seconds))

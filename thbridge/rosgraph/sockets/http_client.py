@@ -26,12 +26,12 @@ from thbridge.rosgraph.wire.xmlrpc import (
 from thbridge.sockets.listening import check_room
 
 _SEGMENT = 64 * 1024
-"""Most bytes that are read at a time."""
+"""Largest number of bytes read at a time."""
 
 
 @dataclass(frozen=True, slots=True)
 class CallFailed:
-    """Call without a valid answer: no server, too slow, or not XML-RPC; its text is one line."""
+    """Call without a valid answer: no server, too slow, or not XML-RPC. Its text is one line."""
 
     uri: str
     reason: str
@@ -58,7 +58,7 @@ class _Link:
 
 
 class _HungUpError(Exception):
-    """The server closed the connection before it answered anything."""
+    """The server closed the connection before it answered."""
 
 
 class _NotAnAnswerError(Exception):
@@ -66,12 +66,12 @@ class _NotAnAnswerError(Exception):
 
 
 class XmlRpcClient:
-    """XML-RPC client that keeps one idle connection to each of the last servers.
+    """XML-RPC client that keeps one idle connection to each of the most recent servers.
 
-    A kept connection that the server has closed meanwhile is replaced by a new one, as in ROS's own clients.
+    A kept connection that the server has closed is replaced by a new one, as in ROS's own clients.
 
     Args:
-        kept: number of idle connections that are kept.
+        kept: largest number of idle connections.
     """
 
     def __init__(self, kept: int = 32) -> None:
@@ -87,7 +87,7 @@ class XmlRpcClient:
             uri: URI of the server, ``http://host:port/``.
             method: name of the method.
             params: parameters by position.
-            timeout: seconds for everything, connecting included.
+            timeout: seconds for everything, including the connection.
 
         Raises:
             ValueError: a parameter cannot be written as XML-RPC.
@@ -96,10 +96,10 @@ class XmlRpcClient:
         return await self.post(uri, await write_document(lambda: encode_call(method, given), given), timeout)
 
     async def post(self, uri: str, body: bytes, timeout: float = 5.0) -> MethodResponse | Fault | CallFailed:
-        """Make a call that is encoded already; see `call`."""
+        """Make a call that is already encoded; see `call`."""
         address = _address_of(uri)
         if address is None:
-            return CallFailed(uri, "that is no http URI")
+            return CallFailed(uri, "that is not an http URI")
         try:
             async with asyncio.timeout(timeout):
                 answer = await read_document(decode_response, await self._exchange(address, body))
@@ -109,10 +109,10 @@ class XmlRpcClient:
             return CallFailed(uri, reason_of(error))
         except _HungUpError:
             return CallFailed(uri, "it hung up")
-        except (h11.ProtocolError, _NotAnAnswerError, UnicodeError) as error:  # the last: a host's name that is none
+        except (h11.ProtocolError, _NotAnAnswerError, UnicodeError) as error:  # UnicodeError: an invalid host name
             return CallFailed(uri, str(error))
         if isinstance(answer, MalformedDocument):
-            return CallFailed(uri, f"the answer is no XML-RPC: {answer.reason}")
+            return CallFailed(uri, f"the answer is not XML-RPC: {answer.reason}")
         return answer
 
     async def close(self) -> None:
@@ -131,13 +131,13 @@ class XmlRpcClient:
             try:
                 return await self._ask(kept, address, body)
             except (_HungUpError, ConnectionError):
-                pass  # the server had closed it; if the server is gone, the next attempt fails
+                pass  # the server has closed it; if the server is gone, the next attempt fails
         check_room()
         reader, writer = await asyncio.open_connection(address.host, address.port)
         return await self._ask(_Link(reader, writer, h11.Connection(h11.CLIENT)), address, body)
 
     async def _ask(self, link: _Link, address: _Address, body: bytes) -> bytes:
-        """Send a request and return the body of the answer; the connection is kept or closed in any case."""
+        """Send a request and return the body of the answer; the connection is then kept or closed."""
         try:
             head = link.http.send(
                 h11.Request(
@@ -197,7 +197,7 @@ async def _answer(link: _Link) -> bytes:
         elif isinstance(event, h11.EndOfMessage):
             return bytes(body)
         elif not isinstance(event, h11.InformationalResponse):
-            raise _NotAnAnswerError("the connection ended amid the answer")
+            raise _NotAnAnswerError("the connection ended during the answer")
 
 
 def _address_of(uri: str) -> _Address | None:

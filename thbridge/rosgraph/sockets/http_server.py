@@ -1,6 +1,6 @@
 """XML-RPC over HTTP/1.1: server of ROS 1's master and slave APIs.
 
-A peer may be slow, silent, hostile or gone. Every wait has a deadline, every buffer and every collection a bound.
+A peer may be slow, silent, hostile or gone. Every wait has a deadline; every buffer and every collection has a limit.
 """
 
 from __future__ import annotations
@@ -34,10 +34,10 @@ from thbridge.sockets.listening import ServerDoor
 _log = logging.getLogger(__name__)
 
 _SEGMENT = 64 * 1024
-"""Most bytes that are read at a time."""
+"""Largest number of bytes read at a time."""
 
 _APPLICATION_ERROR = 1
-"""Fault code that Python's XML-RPC servers, and so rospy and rosmaster, use for every error."""
+"""Fault code that Python's XML-RPC servers use for every error, and so do rospy and rosmaster."""
 
 _PARSE_ERROR = -32700
 """Fault code of a malformed call. Source: http://xmlrpc-epi.sourceforge.net/specs/rfc.fault_codes.php."""
@@ -51,10 +51,10 @@ class HttpLimits:
     """Limits of a server.
 
     Args:
-        connections: connections at a time; one more ends, of the address that has most, the one that has been idle
-            longest.
-        header_bytes: bytes of a request's header, checked after each read.
-        held_bytes: bytes of requests that are not decoded yet, over all connections; likewise of unread answers.
+        connections: largest number of connections. One more closes another: of the address with the most connections,
+            the one that has been idle longest.
+        header_bytes: size of a request's header, checked after each read.
+        held_bytes: bytes of requests that are not decoded yet, over all connections; the same limit for unread answers.
         request_seconds: seconds from the first byte of a request to its last, and again to read the answer.
         idle_seconds: seconds between two requests of a connection.
     """
@@ -67,12 +67,12 @@ class HttpLimits:
 
 
 class XmlRpcServer:
-    """XML-RPC server with several requests a connection.
+    """XML-RPC server that accepts several requests per connection.
 
     ``system.listMethods`` and ``system.multicall`` are answered here.
 
     Args:
-        methods: names that the handler knows; it is never called for others.
+        methods: names of the handler's methods; it is never called for others.
         handler: answers a call. An exception becomes a fault and a line in the log.
         limits: limits of the server.
     """
@@ -101,7 +101,7 @@ class XmlRpcServer:
         return len(self._connections)
 
     async def start(self, host: str = "127.0.0.1", port: int = 0) -> ListeningAddress | CannotListen:
-        """Begin to serve; port 0 takes any that is free."""
+        """Start to serve; port 0 chooses a free one."""
         if not 0 <= port <= 65535:
             return CannotListen(host, port, "a port is a number from 0 to 65535")
         try:
@@ -110,7 +110,7 @@ class XmlRpcServer:
             return CannotListen.because(error, host, port)
 
     async def stop(self) -> None:
-        """Close the port and cut off every connection."""
+        """Close the port and every connection."""
         self._door.close()
         for connection in self._connections:
             connection.cancel()
@@ -119,7 +119,7 @@ class XmlRpcServer:
         await self._door.wait_closed()
 
     async def answer(self, call: MethodCall, peer: str) -> XmlRpcValue | Fault:
-        """Answer a call, also one of this process without a socket."""
+        """Answer a call, including calls of this process without a socket."""
         if call.method == "system.listMethods":
             return [*sorted(self._methods), "system.listMethods", "system.multicall"]
         if call.method == "system.multicall":
@@ -134,7 +134,7 @@ class XmlRpcServer:
             return Fault(_APPLICATION_ERROR, f"internal error: {error!r}")
 
     async def _multicall(self, multicall: MethodCall, peer: str) -> XmlRpcValue | Fault:
-        """Answer several calls at once: a list of one-element lists, or of faults as structs.
+        """Answer several calls: a list of one-element lists, with faults as structs.
 
         Source: https://mirrors.talideon.com/articles/multicall.html
         """
@@ -143,7 +143,7 @@ class XmlRpcServer:
                 answers: list[XmlRpcValue] = []
                 room = MAX_BYTES
                 for call in calls:
-                    await asyncio.sleep(0)  # there may be thousands of them
+                    await asyncio.sleep(0)  # there may be thousands of calls
                     answers.append(await self._one_of_many(call, peer))
                     room -= written_size(answers[-1], room)
                     if room < 0:
@@ -178,14 +178,14 @@ class XmlRpcServer:
             longest_idle = next(task for task, other in self._connections.items() if other == most)
             del self._connections[longest_idle]
             longest_idle.cancel()
-        # Drained means handed to the kernel, so no data waits in this process for a peer that does not read.
+        # Drained means passed to the kernel, so no data waits in this process for a peer that does not read.
         writer.transport.set_write_buffer_limits(0)
         task = asyncio.get_running_loop().create_task(self._serve(reader, writer, peer))
         self._connections[task] = peer
 
         def ended(task: asyncio.Task[None]) -> None:
             self._connections.pop(task, None)
-            writer.close()  # here, because a task that is cancelled before its first step has no `finally`
+            writer.close()  # here, because a task cancelled before its first step runs no `finally`
 
         task.add_done_callback(ended)
 
@@ -212,13 +212,13 @@ class XmlRpcServer:
         except h11.RemoteProtocolError as error:
             if http.our_state in {h11.IDLE, h11.SEND_RESPONSE}:
                 await self._turn_away(http, writer, error)
-        except (OSError, asyncio.CancelledError):  # gone, too slow (a TimeoutError), or cut off
+        except (OSError, asyncio.CancelledError):  # gone, too slow (a TimeoutError), or disconnected
             writer.transport.abort()
 
     async def _request(
         self, http: h11.Connection, reader: asyncio.StreamReader, writer: asyncio.StreamWriter
     ) -> bytes | None:
-        """Return the body of the next request, which is held until the caller releases it; None at the end.
+        """Return the body of the next request, held until the caller releases it; None at the end.
 
         Raises:
             TimeoutError: the peer is idle or too slow.
@@ -254,7 +254,7 @@ class XmlRpcServer:
                         complete = bytes(body)
                         body.clear()
                         return complete
-                    else:  # closed, or a switch of protocols, which is not supported
+                    else:  # closed, or a change of protocols, which is not supported
                         return None
         finally:
             self._held -= len(body)
@@ -265,7 +265,7 @@ class XmlRpcServer:
             self._connections.move_to_end(task)
 
     async def _call_in(self, body: bytes) -> MethodCall | MalformedDocument:
-        # One call in each round of the loop, however many connections have one: there is other work between them.
+        # Only one call runs in each round of the event loop, so that other work is not delayed by many connections.
         async with self._turn:
             await asyncio.sleep(0)
         return await read_document(decode_call, body)
@@ -304,15 +304,15 @@ class XmlRpcServer:
         http.send(h11.Data(data=body))
         http.send(h11.EndOfMessage())
         async with asyncio.timeout(self._limits.request_seconds):
-            writer.write(head + body)  # at once: in two segments, the second would wait for a delayed acknowledgement
+            writer.write(head + body)  # in one write: a second segment would wait for a delayed acknowledgement
             await writer.drain()
 
 
 def _check(request: h11.Request) -> None:
     if request.method != b"POST":
-        raise h11.RemoteProtocolError("XML-RPC is spoken by POST", 405)
+        raise h11.RemoteProtocolError("XML-RPC requires POST", 405)
     if any(name == b"origin" for name, _ in request.headers):
-        # Only browsers say from which page a request comes: none of a graph's programs is one.
+        # Only browsers say which page sent a request; no program of a graph is a browser.
         raise h11.RemoteProtocolError("pages in browsers are not served", 403)
     for name, value in request.headers:
         if name == b"content-length" and int(value) > MAX_BYTES:

@@ -1,4 +1,4 @@
-"""Master of a graph: found, or started here when there is none."""
+"""Master of a graph: an existing one, or one started here."""
 
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
@@ -23,8 +23,8 @@ class GraphAddress:
 
     Attributes:
         master_uri: URI of the master, ``http://HOST:PORT``.
-        host: own address to listen on and to be called at. Anybody who can connect there can drive robots.
-        admission: of nodes and tools by their addresses.
+        host: own address, to listen on and to be called at. Every program that can connect there can drive robots.
+        admission: decides by address which nodes and tools are accepted.
     """
 
     master_uri: str = ROS_MASTER_URI
@@ -35,8 +35,8 @@ class GraphAddress:
 class MasterPresence(Enum):
     """State of a graph's master."""
 
-    FOUND = "a master was there"
-    OURS = "there was none on this machine: this program is it"
+    FOUND = "a master exists"
+    OURS = "this machine had none, so this program is the master"
     AWAITED = "there is none yet"
 
 
@@ -51,7 +51,7 @@ def is_master_uri(text: str) -> bool:
 
 @asynccontextmanager
 async def ensure_master(graph: GraphAddress) -> AsyncIterator[MasterPresence | CannotListen]:
-    """Run a master inside the context when there is none and the address is on this machine."""
+    """Run a master inside the context if there is none and the address belongs to this machine."""
     client = XmlRpcClient()
     answer = await client.call(graph.master_uri, "getPid", "/thbridge", timeout=_ANSWER_TIMEOUT)
     await client.close()

@@ -36,7 +36,7 @@ CALLER_ID = "/master"
 
 _DISTRIBUTION = "noetic"
 _VERSION = "1.16.0"
-"""ROS release that is reported, the last of ROS 1: distribution, and version of its roslaunch."""
+"""Reported ROS release, the last of ROS 1: distribution, and version of its roslaunch."""
 
 _KEPT_CONNECTIONS = 128
 
@@ -46,17 +46,17 @@ _log = logging.getLogger(__name__)
 class MasterServer:
     """ROS master that nodes call over TCP, and this process directly.
 
-    Like roscore it also sets the parameters ``/run_id``, ``/rosdistro`` and ``/rosversion``. Usable
-    inside another program's loop::
+    Like roscore, it also sets the parameters ``/run_id``, ``/rosdistro`` and ``/rosversion``. It can be used inside
+    another program's event loop::
 
         async with MasterServer() as master:
             if isinstance(master, CannotListen): ...
 
     Args:
-        host: address to listen on; ``0.0.0.0`` admits other machines, and ROS 1 has no security at all.
-        port: 0 takes any that is free.
+        host: address to listen on; ``0.0.0.0`` accepts other machines, and ROS 1 has no security at all.
+        port: port to listen on; 0 chooses a free one.
         timeout: seconds that a node has to accept a notification.
-        admission: of callers by their addresses.
+        admission: decides by address which callers are accepted.
     """
 
     def __init__(
@@ -75,7 +75,7 @@ class MasterServer:
         self._master = Master("", os.getpid())
         self._stopped = asyncio.Event()
         self.uri = ""
-        """URI of the master once it is started, for ``ROS_MASTER_URI``."""
+        """URI of the master after its start, for ``ROS_MASTER_URI``."""
 
     @property
     def connections(self) -> int:
@@ -83,14 +83,14 @@ class MasterServer:
         return self._server.connections
 
     async def start(self) -> ListeningAddress | CannotListen:
-        """Begin to serve."""
+        """Start to serve."""
         where = await self._server.start(self._host, self._port)
         if isinstance(where, CannotListen):
             return where
         self.uri = f"http://{_advertised(where.host)}:{where.port}/"
         self._master = Master(self.uri, os.getpid())
         self.call("setParam", CALLER_ID, "/run_id", str(uuid.uuid4()))
-        # roscore sets these to the output of commands, line feed included.
+        # roscore sets these to the output of commands, including the line feed.
         self.call("setParam", CALLER_ID, "/rosdistro", f"{_DISTRIBUTION}\n")
         self.call("setParam", CALLER_ID, "/rosversion", f"{_VERSION}\n")
         return where
@@ -115,10 +115,10 @@ class MasterServer:
         await self._stopped.wait()
 
     def call(self, method: str, caller_id: str, *params: XmlRpcValue) -> ApiReply:
-        """Answer a call of this process, as if it had come over a socket.
+        """Answer a call of this process as if it had come over a socket.
 
         Raises:
-            KeyError: there is no such method.
+            KeyError: the method is unknown.
         """
         return self._carry_out(MethodCall(method, [caller_id, *params]))
 
@@ -145,13 +145,13 @@ class MasterServer:
                     case MethodResponse([int(status), *_]) if status == ERROR:
                         self._master.refuse_update(api, key)
         if not isinstance(answer, MethodResponse):
-            _log.info("could not be told (%s): %s", answer, notification)
+            _log.info("could not be notified (%s): %s", answer, notification)
         return not isinstance(answer, CallFailed)
 
     async def _tell(self, api: str, method: str, *params: XmlRpcValue) -> MethodResponse | Fault | CallFailed:
         try:
             return await self._client.call(api, method, CALLER_ID, *params, timeout=self._timeout)
-        except ValueError as error:  # a parameter that is too long once it is encoded
+        except ValueError as error:  # a parameter that is too long after encoding
             return CallFailed(api, str(error))
 
 
@@ -166,8 +166,8 @@ async def serve(
     Args:
         host: see `MasterServer`.
         port: see `MasterServer`.
-        ready: called with the address, or the reason of a failure.
-        admission: of callers by their addresses.
+        ready: called with the address, or with the reason of a failure.
+        admission: decides by address which callers are accepted.
     """
     master = MasterServer(host, port, admission=admission)
     where = await master.start()
@@ -176,7 +176,7 @@ async def serve(
         return
     rosout = rosout_node(master.uri, where.host, admission)
     if ":" in where.host:
-        _log.warning("no /rosout_agg: nodes speak IPv4 only")
+        _log.warning("no /rosout_agg: nodes support IPv4 only")
     elif isinstance(cannot := await rosout.start(), CannotListen):
         _log.warning("no /rosout_agg: %s", cannot)
     with stopping() as stopped:
@@ -190,7 +190,7 @@ async def serve(
 
 @lru_cache(16)
 def _publisher_update(topic: str, publishers: tuple[str, ...]) -> bytes:
-    """Return a call, which all subscribers of a topic get."""
+    """Encode a call for all subscribers of a topic."""
     return encode_call("publisherUpdate", [CALLER_ID, topic, [*publishers]])
 
 

@@ -1,13 +1,14 @@
-"""ROS 1 node: publishes, subscribes, serves and calls on a ROS graph, by TCPROS and without an installed ROS.
+"""ROS 1 node: publishes, subscribes, serves and calls on a ROS graph, by TCPROS, without an installation of ROS.
 
-Everything runs on the thread of one event loop; callbacks are called there, at once, and must not raise. No peer can
+Everything runs on the thread of one event loop. Callbacks are called there, at once, and must not raise. No peer can
 make a node raise or wait.
 
 Source: https://wiki.ros.org/ROS/Technical%20Overview, Master_API, Slave_API, TCPROS; rospy for further behavior that
-ROS's tools rely on.
+    ROS's
+tools rely on.
 
-Differs: a node registers again with a master that was restarted, which rospy and roscpp do not; UDPROS is not spoken;
-small messages are always sent at once (TCP_NODELAY), even when the subscriber does not ask for it.
+Differs: a node registers again with a restarted master, which rospy and roscpp do not. UDPROS is not supported. Small
+messages are always sent at once (TCP_NODELAY), even if the subscriber does not ask for it.
 """
 
 from __future__ import annotations
@@ -60,7 +61,7 @@ ParamCallback: TypeAlias = Callable[[str, XmlRpcValue], None]
 """Callback with the key of a parameter and its new value."""
 
 _CALLERS = 128
-"""Most connections to the slave API."""
+"""Largest number of connections to the slave API."""
 
 _log = logging.getLogger(__name__)
 
@@ -91,20 +92,20 @@ def _ignore_value(value: XmlRpcValue) -> None:
 class RosNode:
     """One node.
 
-    Names are global and resolved already, ``/robot1/scan``. Publications, subscriptions and services last as long as
-    the node; they can be made before `start` and while the master is away.
+    Names are global and resolved, such as ``/robot1/scan``. Publications, subscriptions and services last as long as
+    the node. They can be made before `start` and while the master is away.
 
     Args:
-        name: name of the node, ``/thbridge``.
-        master_uri: ``http://127.0.0.1:11311``.
-        host: address to listen on, and to give to other nodes. Anybody who can connect can command robots, for TCPROS
-            has no passwords; with 127.0.0.1 only this machine's users can. With 0.0.0.0 it listens on every address,
-            and other nodes get this machine's name.
+        name: name of the node, such as ``/thbridge``.
+        master_uri: URI of the master, such as ``http://127.0.0.1:11311``.
+        host: address to listen on, and to give to other nodes. Every program that can connect can command robots,
+            because TCPROS has no passwords; with 127.0.0.1, only users of this machine can. With 0.0.0.0 it listens on
+            every address, and other nodes get this machine's name.
         on_shutdown: called with the reason when the node is asked to end: another node has taken its name, or a user
             ran ``rosnode kill``. It should make the owner call `stop`.
-        on_lost: called when the master does not answer any more.
-        on_found: called when all registrations are complete with a new master: the first one, or one that was
-            restarted, whose parameters are gone.
+        on_lost: called when the master no longer answers.
+        on_found: called when all registrations with a new master are complete: with the first master, or with a
+            restarted one, whose parameters are lost.
     """
 
     def __init__(
@@ -141,7 +142,7 @@ class RosNode:
         self._leaving: asyncio.Task[None] | None = None
 
     async def start(self) -> NodeStarted | CannotListen:
-        """Listen, and begin to register; the master need not be there yet."""
+        """Listen, and start to register; the master may appear later."""
         address = await self._address()
         if isinstance(address, CannotListen):
             return address
@@ -160,19 +161,19 @@ class RosNode:
         return NodeStarted(self._addresses.slave)
 
     async def _address(self) -> str | CannotListen:
-        """Return the first IPv4 address of our host, since ROS's nodes know IPv4 only."""
+        """Return the first IPv4 address of our host, because ROS's nodes support IPv4 only."""
         try:
             found = await asyncio.get_running_loop().getaddrinfo(self.host, 0, family=socket.AF_INET)
         except OSError as error:
             return CannotListen(self.host, 0, reason_of(error))
         except UnicodeError:
-            return CannotListen(self.host, 0, "that is not a host's name")
+            return CannotListen(self.host, 0, "that is not a host name")
         return str(found[0][4][0])
 
     async def registered(self) -> None:
-        """Wait until all present registrations of this node are complete.
+        """Wait until all current registrations of this node are complete.
 
-        Refused registrations are logged, and tried again and again.
+        Refused registrations are logged and repeated.
         """
         await self._registrar.settled()
 
@@ -192,7 +193,7 @@ class RosNode:
         await self._client.close()
 
     def leave(self) -> None:
-        """Begin `stop` without waiting for it."""
+        """Start `stop` without waiting for it."""
         if self._leaving is None:
             self._leaving = asyncio.get_running_loop().create_task(self.stop())
 
@@ -201,13 +202,13 @@ class RosNode:
 
         Args:
             topic: global name.
-            kind: its type, ``sensor_msgs/LaserScan``.
+            kind: its type, such as ``sensor_msgs/LaserScan``.
             md5: the type's md5 sum.
             definition: the type's whole text, as in bags.
             latched: True if new subscribers get the last message at once.
 
         Raises:
-            ValueError: this node publishes it already.
+            ValueError: this node already publishes it.
         """
         if topic in self._tcpros.publications:
             raise ValueError(f"{topic} is published already")
@@ -228,14 +229,14 @@ class RosNode:
 
         Args:
             topic: global name.
-            kind: its type, ``*`` for any.
-            md5: the type's md5 sum, ``*`` for any.
-            on_message: called with each message, serialized, and the name of its publisher.
+            kind: its type, or ``*`` for any type.
+            md5: the type's md5 sum, or ``*`` for any sum.
+            on_message: called with each serialized message and the name of its publisher.
             tcp_nodelay: True to ask publishers to send small messages at once.
             on_publisher: called with each publisher that has accepted, and its header of the topic.
 
         Raises:
-            ValueError: this node subscribes to it already.
+            ValueError: this node already subscribes to it.
         """
         if topic in self._subscriptions:
             raise ValueError(f"{topic} is subscribed to already")
@@ -256,14 +257,14 @@ class RosNode:
 
         Args:
             service: global name.
-            kind: its type, ``nav_msgs/GetMap``.
+            kind: its type, such as ``nav_msgs/GetMap``.
             md5: the service type's md5 sum.
-            request_type: ``nav_msgs/GetMapRequest``.
-            response_type: ``nav_msgs/GetMapResponse``.
+            request_type: type of its request, such as ``nav_msgs/GetMapRequest``.
+            response_type: type of its response, such as ``nav_msgs/GetMapResponse``.
             handler: answers a serialized request with a serialized response or a failure, at once or later.
 
         Raises:
-            ValueError: this node serves it already.
+            ValueError: this node already serves it.
         """
         if self._tcpros.service(service) is not None:
             raise ValueError(f"{service} is served already")
@@ -271,26 +272,26 @@ class RosNode:
         self._registrar.add(Registration(RegistrationKind.SERVICE, service), _ignore_value)
 
     async def get_param(self, key: str) -> XmlRpcValue | CallFailed:
-        """Return the value of a parameter, or of a whole tree of them."""
+        """Return the value of a parameter, or of a whole tree of parameters."""
         return await self._ask_master("getParam", key)
 
     def declare_param(self, key: str, value: XmlRpcValue) -> None:
-        """Set a parameter, or a whole tree of them, with this master and every later one.
+        """Set a parameter, or a whole tree of parameters, on this master and every later one.
 
-        It lasts as long as the node and is set before all registrations; a second declaration replaces its value.
+        It lasts as long as the node, and is set before all registrations; a second declaration replaces its value.
         """
         self._registrar.declare(key, value)
 
     def subscribe_param(self, key: str, changed: ParamCallback) -> None:
-        """Subscribe to changes by others of a parameter or any below it.
+        """Subscribe to changes, made by other nodes, of a parameter or any parameter below it.
 
         Args:
             key: global name.
-            changed: called with the key that was set, at or below the one given, and its value; an empty dictionary
+            changed: called with the key that was set, at or below the given one, and its value; an empty dictionary
                 means that it was deleted.
 
         Raises:
-            ValueError: this node subscribes to it already.
+            ValueError: this node already subscribes to it.
         """
         if key in self._parameters:
             raise ValueError(f"{key} is subscribed to already")
@@ -304,7 +305,7 @@ class RosNode:
     def _answer(self, call: MethodCall, peer: str) -> XmlRpcValue:
         answer = answer_call(call, self._described())
         if answer.consequence is not None:
-            # The caller gets its reply first: the consequence may be the end of this node.
+            # The caller gets its reply first, because the call may end this node.
             asyncio.get_running_loop().call_soon(self._carry_out, answer.consequence)
         return answer.reply
 
@@ -337,8 +338,8 @@ class RosNode:
                 self._go(reason)
 
     def _go(self, reason: str) -> None:
-        # Otherwise it would register again and take its name back from the node that has it now.
+        # Otherwise, the node would register again and take its name back from the node that has it now.
         if self._registering is not None:
             self._registering.cancel()
-        _log.warning("%s is told to shut down: %s", self.name, reason)
+        _log.warning("%s is asked to shut down: %s", self.name, reason)
         self._on_shutdown(reason)

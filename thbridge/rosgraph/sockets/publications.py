@@ -15,7 +15,7 @@ from thbridge.rosgraph.wire.tcpros import frame
 _log = logging.getLogger(__name__)
 
 WAITING_LIMIT = 1 << 20
-"""Bytes of messages in a subscriber's queue, beside the one that is being sent, above which newer ones are dropped.
+"""Bytes of queued messages of a subscriber, without the one being sent, above which newer messages are dropped.
 
 A single message may be longer.
 """
@@ -24,8 +24,8 @@ A single message may be longer.
 class SubscriberQueue:
     """Queue of messages for one subscriber.
 
-    The transport reports when the socket is full (`pause`) and when it is writable again (`resume`). In between
-    messages wait here as references to the same bytes: they are not copied for slow subscribers.
+    The transport reports when the socket is full (`pause`) and when it is writable again (`resume`). In between,
+    messages wait here as references to the same bytes, so that they are not copied for slow subscribers.
     """
 
     def __init__(self, transport: Transport, topic: str, number: int, caller: str, address: str) -> None:
@@ -50,26 +50,26 @@ class SubscriberQueue:
         if self._waiting and self._waiting_bytes + len(message) > WAITING_LIMIT:
             if not self._too_slow:
                 self._too_slow = True
-                _log.warning("%s reads %s too slowly, and does not get all of it", self._caller, self._topic)
+                _log.warning("%s reads %s too slowly; some of its messages are dropped", self._caller, self._topic)
             return False
         self._waiting.append(message)
         self._waiting_bytes += len(message)
         return True
 
     def pause(self) -> None:
-        """Note that the socket is full."""
+        """Store that the socket is full."""
         self._paused = True
 
     def resume(self) -> None:
-        """Note that the socket is writable again, and send queued messages."""
+        """Store that the socket is writable again, and send queued messages."""
         self._paused = False
-        while self._waiting and not self._paused:  # the transport may pause us again at each
+        while self._waiting and not self._paused:  # the transport may pause this queue again at each message
             message = self._waiting.popleft()
             self._waiting_bytes -= len(message)
             self._hand_over(message)
 
     def close(self) -> None:
-        """Close the connection once all queued messages are sent."""
+        """Close the connection after all queued messages are sent."""
         for message in self._waiting:
             self._hand_over(message)
         self._waiting.clear()
@@ -112,7 +112,7 @@ class Publication:
         return len(self._outlets)
 
     def subscribers_at(self, address: str) -> int:
-        """Return the number of subscribers that are connected from an address."""
+        """Return the number of subscribers connected from an address."""
         return sum(outlet.address == address for outlet in self._outlets)
 
     def publish(self, data: bytes) -> None:

@@ -1,4 +1,4 @@
-"""Registration of a node with the master, repeated whenever the master was restarted."""
+"""Registration of a node with the master, repeated after each restart of the master."""
 
 from __future__ import annotations
 
@@ -23,10 +23,10 @@ _FIRST_PAUSE = 0.1
 _LAST_PAUSE = 2.0
 
 _TOLD_MISSES = 2
-"""Calls in a row without an answer of the master after which people are told: one may get lost, or come too early."""
+"""Consecutive calls without an answer after which the loss is reported: one call may get lost or come too early."""
 
 _FAREWELL_SECONDS = 3.0
-"""Most seconds for all calls that unregister the node."""
+"""Seconds for all calls that unregister the node."""
 
 _log = logging.getLogger(__name__)
 
@@ -60,7 +60,7 @@ class Registration:
     Attributes:
         kind: its kind.
         name: name of the topic, service or parameter.
-        type: type of the topic, else empty.
+        type: type of the topic, otherwise empty.
     """
 
     kind: RegistrationKind
@@ -68,7 +68,7 @@ class Registration:
     type: str = ""
 
     def register_call(self, at: NodeAddresses) -> tuple[str, tuple[str, ...]]:
-        """Return the master's method that registers this, and its arguments after the caller's name."""
+        """Return the master's method that makes this registration, and its arguments after the caller's name."""
         match self.kind:
             case RegistrationKind.SERVICE:
                 return "registerService", (self.name, at.services, at.slave)
@@ -78,7 +78,7 @@ class Registration:
                 return f"register{self.kind.value}", (self.name, self.type, at.slave)
 
     def unregister_call(self, at: NodeAddresses) -> tuple[str, tuple[str, ...]]:
-        """Return the master's method that unregisters this, and its arguments after the caller's name."""
+        """Return the master's method that removes this registration, and its arguments after the caller's name."""
         match self.kind:
             case RegistrationKind.SERVICE:
                 return "unregisterService", (self.name, at.services)
@@ -93,9 +93,9 @@ class MasterCallbacks:
     """Callbacks of the registrar.
 
     Attributes:
-        lost: called when the master does not answer any more.
-        found: called when all registrations with a new master, also the first one, are complete.
-        replaced: called when another node has our name; the registrar has stopped.
+        lost: called when the master no longer answers.
+        found: called when all registrations with a new master, including the first one, are complete.
+        replaced: called when another node has our name; the registrar has then stopped.
     """
 
     lost: Callable[[], None]
@@ -104,14 +104,14 @@ class MasterCallbacks:
 
 
 class Registrar:
-    """Registers a node, and again with a restarted master.
+    """Registers a node with the master, and again with a restarted master.
 
-    Each check looks up our own name. The answer shows a master that is gone, one that was restarted, however quickly,
-    and one that has given our name to another node.
+    Each check looks up our own name. The answer shows if the master is gone, was restarted (however quickly), or has
+    given our name to another node.
 
     Args:
-        client: for calls to the master.
-        master_uri: ``http://host:port``.
+        client: client for calls to the master.
+        master_uri: URI of the master, ``http://host:port``.
         caller: the node's name.
         callbacks: called on changes.
     """
@@ -132,13 +132,13 @@ class Registrar:
         self._complaints = WarnOnce(_log)
 
     def add(self, registration: Registration, registered: Callable[[XmlRpcValue], None]) -> None:
-        """Register something, now and with every later master; `registered` is called with each master's answer."""
+        """Register with this and every later master; `registered` is called with each master's answer."""
         self._wanted[registration] = registered
         self._settled.clear()
         self._woken.set()
 
     def declare(self, key: str, value: XmlRpcValue) -> None:
-        """Set a parameter, now and with every later master; it is deleted when we leave."""
+        """Set a parameter on this and every later master; it is deleted when the node leaves."""
         self._parameters[key] = value
         self._unset[key] = None
         self._settled.clear()
@@ -175,12 +175,12 @@ class Registrar:
                     await self._woken.wait()
 
     async def leave(self, addresses: NodeAddresses) -> None:
-        """Unregister everything, as far as the master answers."""
+        """Unregister everything, as long as the master answers."""
         with suppress(TimeoutError):
             async with asyncio.timeout(_FAREWELL_SECONDS):
                 match await self._call("lookupNode", self._caller):
                     case MethodResponse([1, _, str(uri)]) if uri != addresses.slave:
-                        ours: Iterable[str] = ()  # another node with our name may have set them anew
+                        ours: Iterable[str] = ()  # another node with our name may have set them again
                     case _:
                         ours = self._parameters.keys() - self._unset.keys()
                 for key in ours:
@@ -192,7 +192,7 @@ class Registrar:
                         return
 
     async def _register_afresh(self, addresses: NodeAddresses, *, forgotten: bool) -> None:
-        """Register everything; `forgotten`: the master knew us once, and does not any more, as it was restarted."""
+        """Register everything; if `forgotten`, the master was restarted and has lost an earlier registration."""
         news = not self._reached or bool(self._registered)
         self._registered.clear()
         self._unset = dict.fromkeys(self._parameters)
@@ -207,7 +207,7 @@ class Registrar:
     async def _register(self, addresses: NodeAddresses) -> bool:
         """Register what is not registered yet; return True if the master answered every call.
 
-        Parameters come first: a node that finds ours, and then looks for `/use_sim_time`, must find it.
+        Parameters come first, so that a node that finds ours and then reads `/use_sim_time` finds it set.
         """
         complete = True
         for key in list(self._unset):
@@ -218,8 +218,8 @@ class Registrar:
                 return False
             outcome = value_of(self._master_uri, reply)
             if isinstance(outcome, CallFailed):
-                self._complaints.warn(f"the master does not take {key}: {outcome.reason}")
-            if self._parameters[key] is value:  # Else it was declared anew meanwhile.
+                self._complaints.warn(f"the master does not accept {key}: {outcome.reason}")
+            if self._parameters[key] is value:  # otherwise it was declared again in the meantime
                 del self._unset[key]
         for registration in [each for each in self._wanted if each not in self._registered]:
             method, params = registration.register_call(addresses)
@@ -244,8 +244,8 @@ class Registrar:
             self._callbacks.lost()
         self._misses += 1
         if self._misses == _TOLD_MISSES:
-            since = "any more" if self._registered else "yet"
-            _log.warning("there is no ROS master %s: %s; it is waited for", since, failed)
+            problem = "the ROS master no longer answers" if self._registered else "no ROS master yet"
+            _log.warning("%s: %s; waiting for it", problem, failed)
 
     async def _call(self, method: str, *params: XmlRpcValue) -> MethodResponse | Fault | CallFailed:
         return await self._client.call(self._master_uri, method, self._caller, *params)

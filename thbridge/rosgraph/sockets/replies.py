@@ -14,7 +14,7 @@ def value_of(uri: str, reply: MethodResponse | Fault | CallFailed) -> XmlRpcValu
         case MethodResponse([int(), str(message), _]):
             return CallFailed(uri, message)
         case MethodResponse():
-            return CallFailed(uri, "its answer is not one of ROS")
+            return CallFailed(uri, "its answer does not follow ROS's format")
         case Fault(_, text):
             return CallFailed(uri, text)
         case CallFailed():

@@ -1,4 +1,4 @@
-"""Queue for services whose answers take milliseconds: one at a time, with other work of the event loop in between."""
+"""Queue for services with answers that take milliseconds: one at a time, with other work in between."""
 
 import asyncio
 from collections.abc import Callable

@@ -1,4 +1,4 @@
-"""Rosout node, which roscore runs beside the master: it republishes the logs of all nodes on one topic."""
+"""Rosout node, which roscore runs together with the master: it republishes the logs of all nodes on one topic."""
 
 from __future__ import annotations
 
@@ -12,18 +12,18 @@ AGGREGATED = "/rosout_agg"
 
 
 def rosout_node(master_uri: str, host: str, admission: Admission = OWN_MACHINE) -> RosNode:
-    """Return a node that republishes ``/rosout`` as ``/rosout_agg``, not started yet.
+    """Return a node, not started yet, that republishes ``/rosout`` as ``/rosout_agg``.
 
-    A tool that shows logs then has one connection instead of one to every node.
+    A tool that shows logs then needs one connection instead of one to every node.
 
     Source: ROS's rosout/rosout.cpp.
 
-    Differs: it writes no file, and logs nothing of its own.
+    Differs: it writes no file, and has no log of its own.
 
     Args:
         master_uri: URI of the master.
         host: address to listen on and to be called at.
-        admission: of nodes by their addresses.
+        admission: decides by address which nodes are accepted.
     """
     log = plain_definition(LOG)
     node = RosNode(NODE, master_uri, host, admission=admission)

@@ -23,13 +23,13 @@ from thbridge.sockets.listening import check_room
 from thbridge.sockets.warn_once import WarnOnce
 
 PUBLISHER_LIMIT = 256
-"""Most publishers of one topic that are connected to; a hostile peer could report any number."""
+"""Largest number of publishers of a topic to connect to; a hostile peer could report any number."""
 
 _CONNECTING_LIMIT = 32
-"""Most publishers that are asked, or connected to, at a time."""
+"""Largest number of publishers that are called or connected to at the same time."""
 
 _SEGMENT = 16 * 1024
-"""Most bytes whose messages are handled in one round of the loop: the smallest have four."""
+"""Largest number of bytes with messages processed in one round of the event loop; the smallest messages have four."""
 
 _FIRST_PAUSE = 0.25
 """Seconds before the first reconnection; each connection that does not last doubles them."""
@@ -68,16 +68,16 @@ class SubscriptionRequest:
 
 
 class Subscription:
-    """Subscription of one topic, with its publishers.
+    """Subscription of a topic, with its publishers.
 
-    A publisher that the master no longer lists is not reconnected, but an open connection to it stays: after a restart
-    of the master its list begins empty, while messages may still flow.
+    A publisher that the master no longer lists is not reconnected, but an open connection to it remains. After a
+    restart of the master its list is empty at first, while messages may still arrive.
 
     Args:
         caller: this node's name.
         request: topic and type.
         on_message: called with each message; it must not raise.
-        client: for calls to publishers.
+        client: client for calls to publishers.
         numbers: numbers of connections, unique within the node.
         on_publisher: called with each publisher that accepts; it must not raise.
     """
@@ -104,16 +104,18 @@ class Subscription:
         self._complaints = WarnOnce(_log)
 
     def set_publishers(self, uris: Sequence[str]) -> None:
-        """Set the present publishers of the topic."""
+        """Set the current publishers of the topic."""
         if len(uris) > PUBLISHER_LIMIT:
-            self._complaints.warn(f"{self.request.topic} has more than {PUBLISHER_LIMIT} publishers; not all are heard")
+            self._complaints.warn(
+                f"{self.request.topic} has more than {PUBLISHER_LIMIT} publishers; some are not connected"
+            )
         self._named = dict.fromkeys(uris[:PUBLISHER_LIMIT])
         for uri in self._followed.keys() - self._named.keys() - self._listening.keys():
             self._followed[uri].cancel()
         self._follow_named()
 
     def _follow_named(self) -> None:
-        """Follow publishers that are named, as many as there may be; those that end make room for others."""
+        """Follow listed publishers up to the limit; those that end make room for others."""
         for uri in self._named:
             if len(self._followed) >= PUBLISHER_LIMIT:
                 break
@@ -131,7 +133,7 @@ class Subscription:
         return [each.connection(uri, self.request.topic) for uri, each in self._listening.items() if each.open]
 
     async def stop(self) -> None:
-        """Cut off every connection."""
+        """Close every connection."""
         self._named = {}
         tasks = [*self._followed.values()]
         for task in tasks:
@@ -149,9 +151,9 @@ class Subscription:
                 self._listening.pop(uri, None)
                 listener.cut_off()
             if isinstance(end, LinkRefused):
-                self._complaints.warn(f"{uri} does not let us hear {self.request.topic}: {end.reason}")
+                self._complaints.warn(f"{uri} refuses the subscription to {self.request.topic}: {end.reason}")
             else:
-                _log.debug("%s is not heard from %s: %s", self.request.topic, uri, end.reason)
+                _log.debug("not subscribed to %s at %s: %s", self.request.topic, uri, end.reason)
             await asyncio.sleep(pause)
             lasted = asyncio.get_running_loop().time() - began
             pause = _FIRST_PAUSE if lasted > 2 * _LAST_PAUSE else min(2 * pause, _LAST_PAUSE)
@@ -187,13 +189,13 @@ class Subscription:
                 await asyncio.wait((listener.accepted, listener.ended), return_when=asyncio.FIRST_COMPLETED)
         except TimeoutError:
             return LinkEnded("it does not answer in time")
-        except (OSError, OverflowError, UnicodeError) as error:  # the last two: no port, no host's name
+        except (OSError, OverflowError, UnicodeError) as error:  # the last two: an invalid port or host name
             return LinkEnded(reason_of(error) if isinstance(error, OSError) else str(error))
         return None
 
 
 class _Listener(asyncio.Protocol):
-    """Connection to one publisher; carries out the events of its link."""
+    """Connection to one publisher; executes the events of its link."""
 
     def __init__(
         self, link: SubscriberLink, on_message: MessageCallback, on_publisher: PublisherCallback, number: int
@@ -222,7 +224,7 @@ class _Listener(asyncio.Protocol):
         self._handle_some()
 
     def _handle_some(self) -> None:
-        """Handle a part of what was received, so that a flood of messages leaves time for other work."""
+        """Process a part of the received bytes, so that a flood of messages leaves time for other work."""
         transport = self._transport
         if transport is None or transport.is_closing() or not self._received:
             return
@@ -257,7 +259,7 @@ class _Listener(asyncio.Protocol):
         return self._transport is not None and not self._transport.is_closing()
 
     def cut_off(self) -> None:
-        """End the connection at once."""
+        """Close the connection at once."""
         if self._transport is not None:
             self._transport.abort()
 

@@ -33,21 +33,21 @@ from thbridge.sockets.listening import ServerDoor
 from thbridge.sockets.warn_once import WarnOnce
 
 CONNECTION_LIMIT = 8192
-"""Most connections of subscribers and clients at a time.
+"""Largest number of connections of subscribers and clients.
 
-One address has three quarters of them at most: enough for all topics of 64 robots for four recorders.
+One address has at most three quarters of them, enough for all topics of 64 robots for four recorders.
 """
 _WEIGHT = 4
-"""Share of the descriptors where they are few: a recorder has a connection for each topic."""
+"""Fraction of the file descriptors used if they are few, because a recorder has a connection for each topic."""
 
 TOPIC_LIMIT = 64
-"""Most subscribers of one topic at one address; each costs a copy of every message."""
+"""Largest number of subscribers of one topic at one address; each costs a copy of every message."""
 
 _REQUESTS_AT_ONCE = 4
-"""Most requests of a connection that are answered in one round of the loop; a segment may hold tens of thousands."""
+"""Largest number of requests of a connection answered per round of the loop; one segment may hold tens of thousands."""
 
 ANSWERING_LIMIT = 64
-"""Most pending requests; a client may leave, and ask again, before it has its answer."""
+"""Largest number of pending requests; a client may disconnect and ask again before it has its answer."""
 
 _FAREWELL_SECONDS = 1.0
 """Seconds that all subscribers together have to read the last messages."""
@@ -82,7 +82,7 @@ class TcprosServer:
         self._services: dict[str, _Served] = {}
         self._connections: dict[_Inbound, None] = {}
         self._addresses: Counter[str] = Counter()
-        # Connections that may be ended for new ones, oldest first.
+        # Connections that may be closed for new ones, oldest first.
         self._silent: dict[_Inbound, None] = {}
         self._clients: dict[_Inbound, None] = {}
         self._one_gone = asyncio.Event()
@@ -90,7 +90,7 @@ class TcprosServer:
         self._door = ServerDoor(CONNECTION_LIMIT, _WEIGHT)
 
     async def start(self, host: str) -> ListeningAddress | CannotListen:
-        """Begin to listen, on a port that is free."""
+        """Listen on a free port."""
         try:
             return await self._door.listen(lambda: _Inbound(self), host, 0)
         except (OSError, UnicodeError) as error:
@@ -124,12 +124,12 @@ class TcprosServer:
         self._services[service.name] = _Served(service, handler)
 
     def topic(self, name: str) -> TopicHeader | None:
-        """Return the topic of that name, if it is published here."""
+        """Return the topic of that name if it is published here."""
         publication = self.publications.get(name)
         return publication.topic if publication else None
 
     def service(self, name: str) -> ServiceHeader | None:
-        """Return the service of that name, if it is served here."""
+        """Return the service of that name if it is served here."""
         served = self._services.get(name)
         return served.service if served else None
 
@@ -138,7 +138,7 @@ class TcprosServer:
         return [connection for each in self.publications.values() for connection in each.connections()]
 
     def admit(self, connection: _Inbound) -> bool:
-        """Accept a new connection, if there is room or a connection that is not a subscriber's can be ended for it."""
+        """Accept a new connection if there is room, or if another one, not a subscriber's, can be closed."""
         most = self._door.most
         crowded = self._addresses[connection.address] >= most * 3 // 4
         if crowded or len(self._connections) >= most:
@@ -164,7 +164,7 @@ class TcprosServer:
         return publication
 
     def admit_client(self, connection: _Inbound) -> None:
-        """Note that a connection is a client's."""
+        """Store that a connection is a client's."""
         if connection in self._silent:
             del self._silent[connection]
             self._clients[connection] = None
@@ -190,7 +190,7 @@ class TcprosServer:
             return answer
         if len(self._answering) >= ANSWERING_LIMIT:
             asyncio.ensure_future(answer).cancel()
-            return ServiceFailed(f"{service} has too many requests at a time")
+            return ServiceFailed(f"{service} has too many pending requests")
         task = asyncio.ensure_future(_answer_in_time(service, answer, respond))
         self._answering.add(task)
         task.add_done_callback(self._answering.discard)
@@ -198,7 +198,7 @@ class TcprosServer:
 
 
 class _Inbound(asyncio.Protocol):
-    """One connection; carries out the events of its link."""
+    """One connection; executes the events of its link."""
 
     def __init__(self, server: TcprosServer) -> None:
         self._server = server
@@ -212,10 +212,10 @@ class _Inbound(asyncio.Protocol):
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         if not isinstance(transport, Transport):
             return
-        self.address = str((transport.get_extra_info("peername") or ("",))[0])  # it was gone before it was asked
+        self.address = str((transport.get_extra_info("peername") or ("",))[0])  # empty if the peer has left
         stranger = self._server.admission.refused(transport)
         if stranger is not None:
-            self._server.complaints.warn(f"{stranger} is in none of the networks of open_to, and is cut off")
+            self._server.complaints.warn(f"{stranger} is not in a network of open_to, and is disconnected")
             transport.abort()
             return
         if not self._server.admit(self):
@@ -242,24 +242,24 @@ class _Inbound(asyncio.Protocol):
             self._timer.cancel()
         if self._publication is not None and self._outlet is not None:
             self._publication.remove(self._outlet)
-        # A pending handler runs on, since it may have moved a robot already; its answer is discarded.
+        # A pending handler continues, because it may have moved a robot already; its answer is discarded.
         self._transport = None
 
     def close(self) -> None:
-        """End the connection once all is sent."""
+        """Close the connection after everything is sent."""
         if self._outlet is not None:
             self._outlet.close()
         elif self._transport is not None:
             self._transport.close()
 
     def cut_off(self) -> None:
-        """End the connection at once."""
+        """Close the connection at once."""
         if self._transport is not None:
             self._transport.abort()
 
     def _handshake_timed_out(self) -> None:
         if not self._link.handshake_done:
-            _log.debug("a peer is cut off: it does not say what it wants")
+            _log.debug("a peer is disconnected: it sends no header")
             self.cut_off()
 
     def _perform(self, events: Iterable[InboundEvent]) -> None:
@@ -268,7 +268,7 @@ class _Inbound(asyncio.Protocol):
         while waiting and self._transport is not None:
             requests += isinstance(waiting[0], ServiceRequested)
             if requests > _REQUESTS_AT_ONCE:
-                # Meanwhile the link has no further events: it waits for the answer to this request.
+                # Meanwhile the link has no further events, because it waits for the answer to this request.
                 asyncio.get_running_loop().call_soon(self._perform, waiting)
                 return
             match waiting.popleft():
@@ -283,7 +283,7 @@ class _Inbound(asyncio.Protocol):
                     self._outlet = SubscriberQueue(self._transport, topic, number, caller, self.address)
                     self._publication.add(self._outlet)
                 case ServiceRequested() if self._transport.get_write_buffer_size() > WAITING_LIMIT:
-                    _log.debug("a client is cut off: it asks, and does not read the answers")
+                    _log.debug("a client is disconnected: it sends requests and does not read the answers")
                     self.cut_off()
                 case ServiceRequested(service, request):
                     self._server.admit_client(self)

@@ -11,17 +11,17 @@ ANY_TYPE = "*"
 
 
 def is_global(name: str) -> bool:
-    """Return True for a name with its whole path, like ``/robot1/odom``."""
+    """Return True for a name with its whole path, such as ``/robot1/odom``."""
     return name.startswith("/")
 
 
 def is_private(name: str) -> bool:
-    """Return True for a name below that of its node, like ``~rate``."""
+    """Return True for a name relative to its node, such as ``~rate``."""
     return name.startswith("~")
 
 
 def canonical(name: str) -> str:
-    """Return a name without doubled slashes and without one at its end."""
+    """Return a name without double slashes and without a slash at its end."""
     path = SEPARATOR.join(parts(name))
     return SEPARATOR + path if is_global(name) else path
 
@@ -32,22 +32,22 @@ def parts(name: str) -> list[str]:
 
 
 def namespace(name: str) -> str:
-    """Return the namespace of a name, with a slash at its end: that of ``/robot1/odom`` is ``/robot1/``."""
+    """Return the namespace of a name, with a slash at its end: ``/robot1/`` for ``/robot1/odom``."""
     return name.removesuffix(SEPARATOR).rpartition(SEPARATOR)[0] + SEPARATOR
 
 
 def join(space: str, name: str) -> str:
-    """Return a name below a namespace; a global or private one stays as it is."""
+    """Return a name below a namespace; a global or private name is unchanged."""
     if is_global(name) or is_private(name) or not space:
         return name
     return space.removesuffix(SEPARATOR) + SEPARATOR + name
 
 
 def resolve(name: str, node: str) -> str:
-    """Resolve a node's name for something to the global name.
+    """Resolve a name used by a node to the global name.
 
     Args:
-        name: name as the node uses it; the empty one is the node's namespace.
+        name: name as the node uses it; the empty name is the node's namespace.
         node: the node's own global name, its caller id.
     """
     if not name:

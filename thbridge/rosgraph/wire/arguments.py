@@ -2,7 +2,7 @@
 
 Source: ROS's rosmaster/validators.py, with the same order of checks and the same texts.
 
-Differs: names, types and URIs have a longest length.
+Differs: names, types and URIs have a largest length.
 """
 
 from __future__ import annotations
@@ -11,10 +11,10 @@ from thbridge.rosgraph.values.names import ANY_TYPE, SEPARATOR, resolve
 from thbridge.rosgraph.wire.xmlrpc import XmlRpcValue
 
 LONGEST_NAME = 1024
-"""Most characters of a name or a type."""
+"""Largest number of characters of a name or a type."""
 
 LONGEST_URI = 256
-"""Most characters of a URI; those of all subscribers of a topic are told at once."""
+"""Largest number of characters of a URI; the URIs of all subscribers of a topic are sent at once."""
 
 
 class InvalidArgumentError(Exception):
@@ -25,7 +25,7 @@ def graph_name(value: XmlRpcValue, what: str, caller: str, root: bool = False) -
     """Return the global name of a node, topic or service; the root namespace is allowed if ``root`` is True."""
     if not value or not isinstance(value, str):
         raise InvalidArgumentError(f"ERROR: parameter [{what}] must be a non-empty string")
-    if ":" in value or " " in value:  # a URI, most likely
+    if ":" in value or " " in value:  # probably a URI
         raise InvalidArgumentError(f"ERROR: parameter [{what}] contains illegal chars")
     if value == SEPARATOR and not root:
         raise InvalidArgumentError(f"ERROR: parameter [{what}] cannot be the global namespace")
@@ -33,7 +33,7 @@ def graph_name(value: XmlRpcValue, what: str, caller: str, root: bool = False) -
 
 
 def caller_id(value: XmlRpcValue) -> str:
-    """Return the name of the node that calls."""
+    """Return the name of the calling node."""
     if not isinstance(value, str):
         raise InvalidArgumentError("caller_id must be a string")
     return _short(value, "caller_id")
@@ -56,7 +56,7 @@ def api_uri(value: XmlRpcValue, what: str = "caller_api") -> str:
 
 
 def topic_type(value: XmlRpcValue) -> str:
-    """Return a type's name with its package, or the one that stands for any type."""
+    """Return the name of a type with its package, or `ANY` for any type."""
     if not value or not isinstance(value, str):
         raise InvalidArgumentError("ERROR: parameter [topic_type] must be a non-empty string")
     if value != ANY_TYPE and value.count("/") != 1:

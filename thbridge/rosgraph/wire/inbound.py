@@ -1,4 +1,4 @@
-"""Accepting end of a TCPROS connection: a publisher's, or a service server's."""
+"""Accepting end of a TCPROS connection: a publisher or a service server."""
 
 from __future__ import annotations
 
@@ -34,10 +34,10 @@ class NodeOffers(Protocol):
     """Topics and services that a node offers."""
 
     def topic(self, name: str) -> TopicHeader | None:
-        """Return the topic of that name, if this node publishes it."""
+        """Return the topic of that name if this node publishes it."""
 
     def service(self, name: str) -> ServiceHeader | None:
-        """Return the service of that name, if this node serves it."""
+        """Return the service of that name if this node serves it."""
 
 
 class _Phase(Enum):
@@ -48,7 +48,7 @@ class _Phase(Enum):
 
 
 class InboundLink:
-    """Connection that another node has opened, as its publisher or service server.
+    """Connection opened by another node to this node as publisher or service server.
 
     Args:
         caller: this node's name.
@@ -69,7 +69,7 @@ class InboundLink:
         return self._phase is not _Phase.HANDSHAKE
 
     def receive(self, data: bytes) -> list[InboundEvent]:
-        """Handle received bytes; a subscriber's are ignored after its header, since it has nothing more to send."""
+        """Process received bytes; after its header, a subscriber's bytes are ignored, because it need not send any."""
         if self._phase is _Phase.DEAF:
             return []
         self._buffer.feed(data)

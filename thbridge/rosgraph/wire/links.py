@@ -1,10 +1,10 @@
-"""TCPROS links: descriptions of topics and services, events of a link, and the match of two headers.
+"""TCPROS links: descriptions of topics and services, events of a link, and the comparison of two headers.
 
-Received bytes go into a link, events come out, to be carried out in their order. No bytes make a link raise, and none
-make it hold more than one frame. After `LinkRefused` or `LinkEnded` a link ignores everything.
+A link gets received bytes and returns events, which must be executed in order. No bytes can make a link raise, or hold
+more than one frame. After `LinkRefused` or `LinkEnded`, a link ignores everything.
 
 ===================  ======================================  ==========================================
-link                 is                                      sends first
+link                 role                                    sends first
 ===================  ======================================  ==========================================
 `InboundLink`        publisher or server, connected to       nothing: the caller's header decides
 `SubscriberLink`     subscriber, connects to a publisher     its header (`opening`)
@@ -27,7 +27,7 @@ from thbridge.rosgraph.wire.tcpros import (
 )
 
 _QUOTED = 200
-"""Most characters that are quoted of a peer's text."""
+"""Largest number of characters quoted from a peer's text."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,10 +35,10 @@ class TopicHeader:
     """Topic as in a publisher's connection header.
 
     Attributes:
-        name: global name, ``/robot1/scan``.
-        type: ``sensor_msgs/LaserScan``.
+        name: global name, such as ``/robot1/scan``.
+        type: type, such as ``sensor_msgs/LaserScan``.
         md5: the type's md5 sum, 32 hexadecimal digits.
-        definition: the type's whole text, nested types included, as in bags.
+        definition: the type's whole text, including nested types, as in bags.
         latched: True if a new subscriber gets the last message at once.
     """
 
@@ -54,11 +54,11 @@ class ServiceHeader:
     """Service as in a server's connection header.
 
     Attributes:
-        name: global name, ``/static_map``.
-        type: ``nav_msgs/GetMap``.
+        name: global name, such as ``/static_map``.
+        type: type, such as ``nav_msgs/GetMap``.
         md5: the service type's md5 sum.
-        request_type: ``nav_msgs/GetMapRequest``.
-        response_type: ``nav_msgs/GetMapResponse``.
+        request_type: type of the request, such as ``nav_msgs/GetMapRequest``.
+        response_type: type of the response, such as ``nav_msgs/GetMapResponse``.
     """
 
     name: str
@@ -101,7 +101,7 @@ class SubscriberAccepted:
 
 @dataclass(frozen=True, slots=True)
 class ServiceRequested:
-    """Request of a client, to be answered by `InboundLink.respond`; no other comes before that."""
+    """Request of a client, to be answered by `InboundLink.respond`; no other request comes before that."""
 
     service: str
     request: bytes
@@ -112,7 +112,7 @@ class PublisherAccepted:
     """The publisher has accepted our subscription.
 
     Attributes:
-        caller: the publishing node's name, empty when its header has none.
+        caller: name of the publishing node; empty if its header has none.
         topic: topic as in its header.
     """
 
@@ -129,14 +129,14 @@ class MessageReceived:
 
 @dataclass(frozen=True, slots=True)
 class LinkRefused:
-    """The two headers do not match; to be closed once everything is sent. Worth a warning."""
+    """The two headers do not match. Close the link after everything is sent, and log a warning."""
 
     reason: str
 
 
 @dataclass(frozen=True, slots=True)
 class LinkEnded:
-    """The link has done its work or is broken; to be closed once everything is sent."""
+    """The link is finished or broken. Close it after everything is sent."""
 
     reason: str
 
@@ -146,7 +146,7 @@ SubscriberEvent: TypeAlias = PublisherAccepted | MessageReceived | LinkRefused |
 
 
 def take_header(buffer: FrameBuffer) -> HeaderFields | MalformedHeader | None:
-    """Return the header at the beginning of a connection, None while it is incomplete."""
+    """Return the header at the beginning of a connection; None while it is incomplete."""
     body = buffer.take(HEADER_LIMIT)
     if body is None:
         return None
@@ -154,15 +154,15 @@ def take_header(buffer: FrameBuffer) -> HeaderFields | MalformedHeader | None:
 
 
 def objection(name: str, kind: str, md5: str, theirs: HeaderFields) -> str:
-    """Return the mismatch between their header and our topic or service; empty when they match.
+    """Return the mismatch between a peer's header and our topic or service; empty if they match.
 
-    As in ROS only the md5 sums decide: the same message may have two names.
+    As in ROS, only the md5 sums decide, because the same message may have two names.
 
     Args:
         name: name of the topic or service.
         kind: our type.
         md5: our md5 sum, or `ANY`.
-        theirs: the header.
+        theirs: the peer's header.
     """
     their_md5 = theirs.get("md5sum")
     if their_md5 is None:
@@ -174,5 +174,5 @@ def objection(name: str, kind: str, md5: str, theirs: HeaderFields) -> str:
 
 
 def quoted(text: str) -> str:
-    """Return a peer's text in a form safe for logs: one line, not too long."""
+    """Return a peer's text in a form that is safe for logs: one line, not too long."""
     return "".join(letter if letter.isprintable() else "?" for letter in text[:_QUOTED])

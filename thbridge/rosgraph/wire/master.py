@@ -1,13 +1,14 @@
 """ROS master as a state machine: calls in, replies and notifications out.
 
-It keeps the registrations of publishers, subscribers and services, and the parameters. It transports no messages.
+It holds the registrations of publishers, subscribers and services, and the parameters. It does not transport messages.
 
-Source: http://wiki.ros.org/ROS/Master_API and ROS/Parameter_Server_API; ROS's rosmaster/master_api.py, whose status
-codes, texts and order of checks are used here.
+Source: http://wiki.ros.org/ROS/Master_API and ROS/Parameter_Server_API; ROS's rosmaster/master_api.py, from which
+    status
+codes, texts and order of checks are taken.
 
-Differs: nodes, registrations, the lengths of names and the size of all parameters have bounds; beyond them a call is
-answered with the status of an error. A node that answers a parameter's update with an error loses the subscription, as
-rosmaster means to do. Caller ids are taken for global names.
+Differs: the number of nodes and registrations, the length of names and the size of all parameters have limits; beyond
+them, a call is answered with an error status. A node that answers a parameter update with an error loses its
+subscription, as rosmaster intends. Caller ids are treated as global names.
 """
 
 from __future__ import annotations
@@ -52,7 +53,7 @@ class ApiReply:
 
 @dataclass(frozen=True, slots=True)
 class PublisherUpdate:
-    """Notification of a subscriber: the present publishers of a topic; ``api`` and ``publishers`` are slave URIs."""
+    """Notification of a subscriber: the current publishers of a topic; ``api`` and ``publishers`` are slave URIs."""
 
     api: str
     topic: str
@@ -61,7 +62,7 @@ class PublisherUpdate:
 
 @dataclass(frozen=True, slots=True)
 class ParamUpdate:
-    """Notification of a parameter's value; ``key`` has a slash at its end, an empty dict means unset."""
+    """Notification of a parameter's value; ``key`` has a slash at its end, an empty dict means deleted."""
 
     api: str
     key: str
@@ -70,7 +71,7 @@ class ParamUpdate:
 
 @dataclass(frozen=True, slots=True)
 class NodeShutdown:
-    """Notification of a node to end, because another took its name."""
+    """Notification of a node that it must end, because another node has taken its name."""
 
     api: str
     node: str
@@ -112,8 +113,8 @@ class ParameterServer:
     """Parameters of a ROS graph; the subscriptions to them are registrations.
 
     Args:
-        registrations: of all nodes.
-        notify: takes the notifications of subscribers.
+        registrations: registrations of all nodes.
+        notify: called with the notifications of subscribers.
     """
 
     def __init__(self, registrations: Registrations, notify: Callable[[ParamUpdate], None]) -> None:
@@ -122,7 +123,7 @@ class ParameterServer:
         self._tree = ParameterTree()
 
     def set(self, caller: str, key: str, value: XmlRpcValue) -> ApiReply:
-        """Set a parameter, and notify all subscribers but the caller."""
+        """Set a parameter, and notify all subscribers except the caller."""
         if value is None:
             raise InvalidArgumentError("ERROR: parameter [value] must be specified")
         try:
@@ -149,14 +150,14 @@ class ParameterServer:
         return ApiReply(SUCCESS, f"parameter {key} deleted", 0)
 
     def search(self, caller: str, key: str) -> ApiReply:
-        """Look for a parameter in the caller's namespace and in those that enclose it."""
+        """Search for a parameter in the caller's namespace and in those that enclose it."""
         found = self._tree.search(caller, key)
         if found is None:
             return ApiReply(ERROR, f"Cannot find parameter [{key}] in an upwards search", "")
         return ApiReply(SUCCESS, f"Found [{found}]", found)
 
     def has(self, key: str) -> ApiReply:
-        """Return whether a parameter is set."""
+        """Return True if a parameter is set."""
         return ApiReply(SUCCESS, key, key in self._tree)
 
     def names(self) -> ApiReply:
@@ -164,7 +165,7 @@ class ParameterServer:
         return ApiReply(SUCCESS, "Parameter names", [*self._tree.names()])
 
     def subscribed(self, key: str) -> ApiReply:
-        """Return a parameter to its new subscriber; an empty dict when it is not set."""
+        """Return a parameter to its new subscriber; an empty dict if it is not set."""
         value: XmlRpcValue = self._tree.get(key) if key in self._tree else {}
         return ApiReply(SUCCESS, f"Subscribed to parameter [{key}]", value)
 
@@ -202,16 +203,16 @@ class Master:
         self.stopped = False
 
     def handle(self, call: MethodCall) -> tuple[ApiReply, list[Notification]]:
-        """Carry out a call of the master or the parameter server API.
+        """Execute a call of the master API or the parameter server API.
 
         Args:
             call: one of `METHODS`.
 
         Returns:
-            the reply to the caller, and the notifications of others, in order.
+            The reply to the caller, and the notifications of other nodes, in order.
 
         Raises:
-            KeyError: there is no such method.
+            KeyError: the method is unknown.
         """
         on_error = _VALUE_ON_ERROR[call.method]
         self._notifications.clear()
@@ -233,7 +234,7 @@ class Master:
         self._registrations.unsubscribe_all(key, api)
 
     def _carry_out(self, method: str, caller: str, given: list[XmlRpcValue]) -> ApiReply:
-        # The patterns are the API's signatures; arguments are checked from left to right.
+        # The patterns are the signatures of the API; arguments are checked from left to right.
         match method, given:
             case "registerPublisher", [topic, type_, api]:
                 name = graph_name(topic, "topic", caller)
@@ -321,7 +322,7 @@ class Master:
         return ApiReply(SUCCESS, f"Registered [{caller}] as publisher of [{topic}]", [*subscribers])
 
     def _learn_type(self, topic: str, type_: str) -> None:
-        # A topic's type outlives its registrations, until there are as many types again as there can be registrations.
+        # A topic's type outlives its registrations, up to twice as many types as there can be registrations.
         if topic not in self._types and len(self._types) >= _MAX_TYPES:
             there = self._registrations.is_topic
             self._types = {name: kept for name, kept in self._types.items() if there(name)}

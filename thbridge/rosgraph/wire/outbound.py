@@ -1,4 +1,4 @@
-"""Connecting end of a TCPROS connection: a subscriber's."""
+"""Connecting end of a TCPROS connection: a subscriber."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class SubscriberLink:
     Args:
         caller: this node's name.
         topic: global name.
-        kind: the type that is expected, or `ANY`.
+        kind: the expected type, or `ANY`.
         md5: its md5 sum, or `ANY`.
         tcp_nodelay: True to ask the publisher to send small messages at once.
     """
@@ -57,7 +57,7 @@ class SubscriberLink:
         return encode_header(self._asked)
 
     def receive(self, data: bytes) -> list[SubscriberEvent]:
-        """Handle bytes of the publisher."""
+        """Process received bytes of the publisher."""
         if self._phase is _Phase.OVER:
             return []
         self._buffer.feed(data)

@@ -1,7 +1,8 @@
 """Parameter tree of a ROS master.
 
-Values are never changed in place: setting one rebuilds the branch that leads to it. So a value that was returned, or is
-being sent to a subscriber, stays as it was.
+Values are never changed in place: setting a value rebuilds the branch that leads to it. So a value that was returned,
+    or is
+being sent to a subscriber, stays the same.
 
 Source: ROS's rosmaster/paramserver.py.
 """
@@ -16,16 +17,16 @@ from thbridge.rosgraph.values.names import SEPARATOR, is_global, is_private, joi
 from thbridge.rosgraph.wire.xmlrpc import MAX_BYTES, MAX_DEPTH, MAX_ELEMENTS, DateTime, XmlRpcValue
 
 _REPLY_DEPTH = 8
-"""Levels that a reply may put around a value: its list, and those of a multicall."""
+"""Levels that a reply may add around a value: its list, and those of a multicall."""
 
 MAX_VALUES = MAX_ELEMENTS // 4
-"""Most values, namespaces included: as many as one document may hold, so that all can be asked for at once."""
+"""Largest number of values, including namespaces: as many as one document may hold, so that one call can return all."""
 
 MAX_CHARACTERS = MAX_BYTES // 2
-"""Most characters of all names and values together."""
+"""Largest number of characters of all names and values together."""
 
 _Wanted: TypeAlias = dict[str, "_Wanted"]
-"""Keys that are subscribed to below a namespace, as nested dicts of the parts of their names."""
+"""Subscribed keys below a namespace, as nested dicts of the parts of their names."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,10 +34,10 @@ class ParameterUpdate:
     """New value of a subscribed parameter.
 
     Args:
-        subscription: the key that was subscribed, with a slash at its end.
-        key: the key that changed, at, below or above the subscribed one, with a slash at its end.
-        value: the new value; an empty dict when it was deleted.
-        own: True if the node that made the change need not be notified, since it knows.
+        subscription: the subscribed key, with a slash at its end.
+        key: the changed key, at, below or above the subscribed one, with a slash at its end.
+        value: the new value; an empty dict after a deletion.
+        own: True if the node that made the change need not be notified.
     """
 
     subscription: str
@@ -47,7 +48,7 @@ class ParameterUpdate:
 
 @dataclass(frozen=True, slots=True)
 class _Measure:
-    """Number of values, those inside others included; of their characters and those of names; and of levels."""
+    """Number of values, including nested ones; number of their characters and those of names; number of levels."""
 
     values: int
     characters: int
@@ -55,7 +56,7 @@ class _Measure:
 
 
 class ParameterTree:
-    """Parameters by their global names; a namespace is a dict of what is in it."""
+    """Parameters by their global names; a namespace is a dict of its contents."""
 
     def __init__(self) -> None:
         self._root: dict[str, XmlRpcValue] = {}
@@ -65,7 +66,7 @@ class ParameterTree:
         """Return a parameter, or the dict of a namespace.
 
         Raises:
-            KeyError: there is none.
+            KeyError: there is no such parameter.
         """
         value: XmlRpcValue = self._root
         for part in parts(key):
@@ -82,10 +83,11 @@ class ParameterTree:
         return True
 
     def set(self, key: str, value: XmlRpcValue) -> None:
-        """Set a parameter, or a whole namespace at once; present values there are replaced.
+        """Set a parameter, or a whole namespace at once; current values there are replaced.
 
         Raises:
-            ValueError: the root would be no dict, or the tree too deep, too long or of too many values to be sent.
+            ValueError: the root would not be a dict, or the tree would be too deep, too long or have too many values to
+                be sent.
         """
         path = parts(key)
         measure = _measured(value)
@@ -105,7 +107,7 @@ class ParameterTree:
         """Delete a parameter or a namespace.
 
         Raises:
-            KeyError: there is none, or it is the root.
+            KeyError: there is no such parameter, or it is the root.
         """
         path = parts(key)
         if not path:
@@ -115,14 +117,14 @@ class ParameterTree:
         self._size = _Measure(self._size.values - gone.values, self._size.characters - gone.characters - len(path[-1]))
 
     def _size_with(self, path: list[str], new: _Measure) -> _Measure:
-        """Return the measure of the tree with a new value at a path."""
+        """Return the size of the tree with a new value at a path."""
         values, characters = self._size.values + new.values, self._size.characters + new.characters
         there: XmlRpcValue = self._root
         for at, part in enumerate(path):
             if isinstance(there, dict) and part in there:
                 there = there[part]
                 continue
-            # The rest of the path is new; a value that is in its way becomes a namespace.
+            # The rest of the path is new; an existing value on the path becomes a namespace.
             values += len(path) - at - 1
             characters += sum(map(len, path[at:]))
             if isinstance(there, dict):
@@ -133,14 +135,15 @@ class ParameterTree:
         return _Measure(values - gone.values, characters - gone.characters)
 
     def search(self, space: str, key: str) -> str | None:
-        """Look for a parameter in a namespace and then in each that encloses it.
+        """Search for a parameter in a namespace, and then in each that encloses it.
 
-        The first word of the key decides: with ``/robot1/map``, a search for ``map/frame`` from ``/robot1/amcl`` finds
-        ``/robot1/map/frame``, whether that is there or not.
+        The first word of the key decides: if ``/robot1/map`` exists, a search for ``map/frame`` from ``/robot1/amcl``
+            finds
+        ``/robot1/map/frame``, even if that does not exist.
 
         Args:
             space: a global name, usually the node's.
-            key: relative, or global to look in one place only.
+            key: a relative key, or a global key to search one place only.
 
         Raises:
             ValueError: the key is empty or private, or the namespace is not global.
@@ -174,7 +177,7 @@ def updates(subscriptions: Iterable[str], key: str, value: XmlRpcValue) -> list[
 
     Args:
         subscriptions: the subscribed keys, each with a slash at its end.
-        key: the one that was set or deleted.
+        key: the key that was set or deleted.
         value: its new value; an empty dict after a deletion.
     """
     changed = key.removesuffix(SEPARATOR) + SEPARATOR
@@ -198,7 +201,7 @@ def updates(subscriptions: Iterable[str], key: str, value: XmlRpcValue) -> list[
 
 
 def _branches(key: str, value: XmlRpcValue, wanted: _Wanted) -> Iterator[tuple[str, XmlRpcValue]]:
-    """Yield the wanted keys below a key, and those on the way to them, with their values, namespaces first."""
+    """Yield the wanted keys below a key, and the keys on the path to them, with their values, namespaces first."""
     if isinstance(value, dict):
         for name, inner in value.items():
             if name in wanted:

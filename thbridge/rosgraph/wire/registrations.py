@@ -1,4 +1,4 @@
-"""Registrations of publishers, subscribers and services: the graph as the master knows it.
+"""Registrations of publishers, subscribers and services: the graph from the master's view.
 
 Source: ROS's rosmaster/registrations.py.
 """
@@ -12,10 +12,10 @@ from thbridge.rosgraph.wire.arguments import InvalidArgumentError
 from thbridge.rosgraph.wire.xmlrpc import XmlRpcValue
 
 MAX_NODES = 2048
-"""Most nodes; each may have a socket here, and be told of every change of a topic."""
+"""Largest number of nodes; each may have a socket here, and gets every change of a topic."""
 
 MAX_REGISTRATIONS = 32_768
-"""Most registrations of all nodes together: a thousand nodes with five thousand topics have some twenty thousand."""
+"""Largest number of registrations; a thousand nodes with five thousand topics have about twenty thousand."""
 
 
 class ProviderKind(Enum):
@@ -29,7 +29,7 @@ class ProviderKind(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Provider:
-    """Node that is registered for a topic, a service or a parameter.
+    """Node registered for a topic, a service or a parameter.
 
     Args:
         node: its name, the caller id.
@@ -51,14 +51,14 @@ class _Node:
 class Registrations:
     """Registrations of all nodes.
 
-    A service has one provider, the last that registered; topics and parameters have as many as there are. Topics keep
-    the order in which they were first registered.
+    A service has one provider, the last one that registered; topics and parameters have any number. Topics keep the
+    order of their first registration.
     """
 
     def __init__(self) -> None:
         self._nodes: dict[str, _Node] = {}
         self._count = 0
-        # Providers are the keys of a dict, an ordered set: a topic may have thousands.
+        # Providers are the keys of a dict, used as an ordered set, because a topic may have thousands.
         self._providers: dict[ProviderKind, dict[str, dict[Provider, None]]] = {kind: {} for kind in ProviderKind}
 
     def keys(self, kind: ProviderKind) -> list[str]:
@@ -93,15 +93,15 @@ class Registrations:
             kind: kind of the registration.
             key: the topic, service or parameter.
             node: the node's name.
-            node_api: its slave API.
+            node_api: URI of its slave API.
             api: URI of the service itself, for services.
 
         Returns:
-            the slave API of another node of the same name that this one replaces, or None. All registrations of that
+            The slave API of another node of the same name that this one replaces, or None. All registrations of that
             node are removed.
 
         Raises:
-            InvalidArgumentError: there are too many nodes or registrations already.
+            InvalidArgumentError: there are already too many nodes or registrations.
         """
         known = self._nodes.get(node)
         if known is None and len(self._nodes) >= MAX_NODES:
@@ -123,7 +123,7 @@ class Registrations:
         return replaced
 
     def unregister(self, kind: ProviderKind, key: str, node: str, api: str) -> bool:
-        """Remove a registration; return False if there is none like this."""
+        """Remove a registration; return False if it does not exist."""
         known = self._nodes.get(node)
         if known is None:
             return False

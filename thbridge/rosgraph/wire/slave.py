@@ -1,6 +1,6 @@
 """Slave API: a ROS node's answers to the master, to other nodes and to tools.
 
-Input is a call and the present description of the node; output is the reply, ``[code, message, value]``, and its
+Input is a call and the current description of the node. Output is the reply, ``[code, message, value]``, and the
 consequence for the node. Codes are ROS's: 1 done, 0 failed, -1 the caller's error.
 """
 
@@ -23,11 +23,11 @@ class BusConnection:
     Attributes:
         id: number, unique within the node.
         peer: name of the subscriber, or URI of the publisher.
-        outgoing: True if we publish.
+        outgoing: True if this node publishes.
         topic: global name.
         endpoints: local port, remote host, remote port, number of the socket.
-        bytes: bytes of the messages that passed, their lengths included.
-        messages: number of messages that passed.
+        bytes: number of bytes of transmitted messages, including their lengths.
+        messages: number of transmitted messages.
     """
 
     id: int
@@ -41,18 +41,18 @@ class BusConnection:
 
 @dataclass(frozen=True, slots=True)
 class NodeDescription:
-    """Present description of a node.
+    """Current description of a node.
 
     Attributes:
         name: global name.
         uri: URI of its slave API.
         master_uri: URI of its master.
         pid: process id.
-        tcpros: host and port where it takes TCPROS connections.
+        tcpros: host and port for TCPROS connections.
         publications: type by topic.
         subscriptions: type by topic.
-        parameters: keys it subscribes to.
-        connections: returns the open connections, of which there may be thousands.
+        parameters: subscribed keys.
+        connections: returns the open connections; there may be thousands.
     """
 
     name: str
@@ -68,7 +68,7 @@ class NodeDescription:
 
 @dataclass(frozen=True, slots=True)
 class PublishersChanged:
-    """Present publishers of a topic, by the URIs of their slave APIs."""
+    """Current publishers of a topic, by the URIs of their slave APIs."""
 
     topic: str
     uris: tuple[str, ...]
@@ -81,7 +81,7 @@ class ParameterChanged:
     Attributes:
         key: global name, without a slash at its end.
         value: the new value; an empty dictionary after a deletion.
-        wanted: those of the node's subscribed keys that are equal to it or above it.
+        wanted: subscribed keys of the node that are equal to it or above it.
     """
 
     key: str
@@ -91,7 +91,7 @@ class ParameterChanged:
 
 @dataclass(frozen=True, slots=True)
 class ShutdownRequested:
-    """Request to end: by the master when another node has taken the name, or by ``rosnode kill``."""
+    """Request to end: by the master if another node has taken the name, or by ``rosnode kill``."""
 
     reason: str
 
@@ -126,7 +126,7 @@ def _wrong(message: str, value: XmlRpcValue = 0) -> SlaveReply:
 
 
 def _get_bus_stats(node: NodeDescription, _: Sequence[XmlRpcValue]) -> SlaveReply:
-    # After rospy, which for subscribers has the number of messages where the specification has none.
+    # As in rospy, which returns the number of messages for subscribers, although the specification has none.
     by_topic: defaultdict[tuple[str, bool], list[BusConnection]] = defaultdict(list)
     for each in node.connections():
         by_topic[each.topic, each.outgoing].append(each)
@@ -143,7 +143,7 @@ def _get_bus_stats(node: NodeDescription, _: Sequence[XmlRpcValue]) -> SlaveRepl
 
 def _bus_info(connection: BusConnection) -> XmlRpcValue:
     port, host, other_port, socket = connection.endpoints
-    # rosnode reads the ports out of this sentence.
+    # rosnode parses the ports from this sentence.
     text = f"{TRANSPORT} connection on port {port} to [{host}:{other_port} on socket {socket}]"
     direction = "o" if connection.outgoing else "i"
     return [connection.id, connection.peer, direction, TRANSPORT, connection.topic, True, text]
@@ -206,4 +206,4 @@ _METHODS: Mapping[str, Callable[[NodeDescription, Sequence[XmlRpcValue]], SlaveR
 }
 
 METHODS = frozenset(_METHODS)
-"""Names of all methods that `answer_call` knows."""
+"""Names of all methods that `answer_call` supports."""

@@ -1,7 +1,7 @@
 """TCPROS encoding: frames, and the header at the beginning of every connection.
 
-Everything is a frame, a length of 32 bits (little endian) and that many bytes. The first frame of either side is its
-header, ``name=value`` fields which are small frames themselves; those after it are messages, requests or responses.
+Everything is a frame: a length of 32 bits (little endian) and that number of bytes. The first frame of each side is its
+header, with ``name=value`` fields that are small frames themselves; later frames are messages, requests or responses.
 """
 
 from __future__ import annotations
@@ -12,31 +12,31 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 HEADER_LIMIT = 1 << 18
-"""Bytes of the longest header that is read. A message's whole definition is one of its fields."""
+"""Largest header that is read, in bytes. One of its fields is the whole definition of a message."""
 
 BODY_LIMIT = 1 << 26
-"""Bytes of the longest message or response that is read: a map of 8000 x 8000 cells."""
+"""Largest message or response that is read, in bytes: a map of 8000 x 8000 cells."""
 
 REQUEST_LIMIT = 1 << 18
-"""Bytes of the longest request to one of our services that is read."""
+"""Largest request to one of our services that is read, in bytes."""
 
 ANY = "*"
-"""Type or md5 sum that matches any."""
+"""Type or md5 sum that matches any other."""
 
 HeaderFields: TypeAlias = dict[str, str]
 
 _LENGTH = struct.Struct("<I")
 
 LENGTH_BYTES = _LENGTH.size
-"""Bytes of a frame's length, which precedes its body."""
+"""Size of a frame's length field, which precedes its body, in bytes."""
 
 
 @dataclass(frozen=True, slots=True)
 class MalformedHeader:
-    """Bytes that are no header.
+    """Bytes that are not a header.
 
     Attributes:
-        reason: the fault, as a clause.
+        reason: the problem, as a clause.
     """
 
     reason: str
@@ -64,14 +64,14 @@ def frame(body: bytes) -> bytes:
 
 
 def encode_header(fields: Mapping[str, str]) -> bytes:
-    """Encode a header with its own length; the fields are sorted by name, as ROS's tools write them."""
+    """Encode a header with its own length; fields are sorted by name, as in ROS's tools."""
     return frame(b"".join(frame(f"{name}={value}".encode()) for name, value in sorted(fields.items())))
 
 
 def decode_header(body: bytes) -> HeaderFields | MalformedHeader:
     """Decode the fields of a header, given without its own length.
 
-    When a field occurs twice, the last one counts, as in ROS. Characters that are not UTF-8 (some message definitions
+    If a field occurs twice, the last one counts, as in ROS. Characters that are not UTF-8 (some message definitions
     have Latin-1 in a comment) become U+FFFD.
     """
     fields: HeaderFields = {}
@@ -92,10 +92,10 @@ def decode_header(body: bytes) -> HeaderFields | MalformedHeader:
 
 
 class FrameBuffer:
-    """Splits a byte stream into frames, however it is cut into segments.
+    """Splitter of a byte stream into frames, however the stream is cut into segments.
 
-    It holds no more than one frame within the limit of the next `take`, and the segment that went beyond it, provided
-    that the caller takes all complete frames after each `feed`.
+    It holds at most one frame within the limit of the next `take`, and the segment that exceeded it, if the caller
+    takes all complete frames after each `feed`.
     """
 
     def __init__(self) -> None:
@@ -109,7 +109,7 @@ class FrameBuffer:
         self._held += data
 
     def take(self, limit: int) -> bytes | OverlongFrame | None:
-        """Take the next frame's body, None while it is incomplete. After `OverlongFrame` the stream is unusable."""
+        """Take the next frame's body; None while it is incomplete. After `OverlongFrame`, the stream is unusable."""
         if len(self._held) < LENGTH_BYTES:
             return None
         (length,) = _LENGTH.unpack_from(self._held)

@@ -1,8 +1,8 @@
 """XML-RPC as in ROS 1: bytes to values and back, without sockets.
 
-Input may be hostile. A document type is refused where it begins, before any entity of it is declared (so no billion
-laughs attack and no external entities), and size, nesting and number of elements have limits. Invalid input gives a
-`MalformedDocument`; decoding raises nothing.
+Input may be hostile. A document type is refused at its start, before any entity of it is declared, so that neither the
+billion laughs attack nor external entities work. Size, nesting and number of elements have limits. Invalid input gives
+a `MalformedDocument`; decoding never raises.
 
 Source: http://xmlrpc.com/spec.md; Python's xmlrpc.client and ROS's xmlrpcpp for the forms that ROS nodes send: untyped
 ``<value>text</value>``, white space between elements, ``<i8>`` and ``<nil/>``.
@@ -17,19 +17,19 @@ from typing import TypeAlias
 from xml.parsers import expat
 
 MAX_BYTES = 16 * 2**20
-"""Bytes of the longest document that is read or written. A robot_description is some 100 kB."""
+"""Largest document that is read or written, in bytes. A robot_description has about 100 kB."""
 
 MAX_ELEMENTS = 250_000
-"""Most XML elements of a document; a parameter takes about four."""
+"""Largest number of XML elements of a document; a parameter takes about four."""
 
 MAX_DEPTH = 128
 """Deepest nesting of values, read or written."""
 
 _LONGEST_FAULT = 10_000
-"""Most characters of a fault's text."""
+"""Largest number of characters of a fault's text."""
 
 _TAGS = 32
-"""Characters of a value's tags, about."""
+"""Approximate number of characters of a value's tags."""
 
 _ELEMENTS_PER_LEVEL = 4  # value, struct, member, value; or value, array, data, value
 _I4 = range(-(2**31), 2**31)
@@ -80,7 +80,7 @@ class MalformedDocument:
 
 
 def written_size(value: XmlRpcValue, enough: int) -> int:
-    """Return about how many characters a value takes when it is written; it looks no further once there are enough."""
+    """Return the approximate number of characters of a value when written; counting stops at `enough`."""
     size = 0
     waiting = [value]
     while waiting and size <= enough:
@@ -111,8 +111,8 @@ def encode_call(method: str, params: list[XmlRpcValue]) -> bytes:
 def encode_response(value: XmlRpcValue) -> bytes:
     """Encode a successful response.
 
-    Integers beyond 32 bits become ``i8``, None becomes ``nil``: Python's nodes read them, C++ nodes do not. Characters
-    that XML cannot hold, such as NUL, become U+FFFD.
+    Integers beyond 32 bits become ``i8``, and None becomes ``nil``; Python nodes can read these, C++ nodes cannot.
+    Characters that XML cannot hold, such as NUL, become U+FFFD.
 
     Raises:
         ValueError: an integer beyond 64 bits, values nested deeper than `MAX_DEPTH` or longer than `MAX_BYTES`.
@@ -174,7 +174,7 @@ def _escaped(text: str) -> str:
 
 
 class _Pieces:
-    """Pieces of a document, up to a total length: a short call can request all parameters a hundred thousand times."""
+    """Pieces of a document, with a limited total length, because a short call can request all parameters many times."""
 
     def __init__(self) -> None:
         self._pieces: list[str] = []
@@ -235,7 +235,7 @@ def _write(value: XmlRpcValue, pieces: _Pieces, depth: int) -> None:
 
 
 class _MalformedError(Exception):
-    """Fault found by the parser's callbacks or the interpretation; never leaves this module."""
+    """Problem found by the parser's callbacks or the interpretation; it never leaves this module."""
 
 
 @dataclass(slots=True)
@@ -245,13 +245,13 @@ class _Element:
     text: list[str] = field(default_factory=list)
 
     def leaf(self) -> str:
-        """Return the text of an element that must hold nothing else."""
+        """Return the text of an element that must contain nothing else."""
         if self.children:
             raise _MalformedError(f"<{self.children[0].name}> inside <{self.name}>")
         return "".join(self.text)
 
     def branches(self, *names: str) -> list[_Element]:
-        """Return the children of an element that must hold only elements of these names."""
+        """Return the children of an element that must contain only elements of these names."""
         if any(not piece.isspace() for piece in self.text):
             raise _MalformedError(f"text inside <{self.name}>")
         for child in self.children:
@@ -281,7 +281,7 @@ def _parsed(data: bytes, root: str) -> _Element:
             raise _MalformedError(f"more than {MAX_ELEMENTS} elements")
         if len(path) > _ELEMENTS_PER_LEVEL * MAX_DEPTH:
             raise _MalformedError("nested too deeply")
-        # Apache's extensions come as ex:i8 and ex:nil.
+        # Apache's extensions have the names ex:i8 and ex:nil.
         element = _Element(name.rpartition(":")[2])
         path[-1].children.append(element)
         path.append(element)
@@ -303,13 +303,13 @@ def _parsed(data: bytes, root: str) -> _Element:
     parser.StartDoctypeDeclHandler = refuse
     try:
         parser.Parse(data, True)
-    except (expat.ExpatError, LookupError, ValueError) as error:  # the last two: the encoding it says it is in
+    except (expat.ExpatError, LookupError, ValueError) as error:  # the last two: an unknown or wrong encoding
         raise _MalformedError(str(error)) from None
     return top.only_child(root)
 
 
 def _params(root: _Element) -> list[XmlRpcValue]:
-    """Return the parameters of a call or response; a call without any may leave out ``<params>``."""
+    """Return the parameters of a call or response; a call without parameters may omit ``<params>``."""
     found = [child for child in root.children if child.name == "params"]
     if len(found) > 1:
         raise _MalformedError("more than one <params>")
@@ -353,7 +353,7 @@ def _member(member: _Element, depth: int) -> tuple[str, XmlRpcValue]:
 
 
 def _integer(text: str) -> int:
-    # Twenty characters hold any 64 bits; Python would refuse thousands of digits with an exception of its own.
+    # Twenty characters hold any 64-bit integer; for thousands of digits, Python would raise another exception.
     if re.fullmatch(r"[+-]?[0-9]{1,20}", text.strip()) is None or (value := int(text)) not in _I8:
         raise _MalformedError(f"{text[:30]!r} is no integer of 64 bits")
     return value
@@ -371,7 +371,7 @@ def _boolean(text: str) -> bool:
 
 def _double(text: str) -> float:
     try:
-        if "_" in text:  # Python's own way of writing thousands
+        if "_" in text:  # Python's separator of thousands
             raise ValueError
         return float(text)
     except ValueError:

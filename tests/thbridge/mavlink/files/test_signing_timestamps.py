@@ -34,7 +34,7 @@ def test_what_is_written_is_read_and_nobody_else_reads_it(tmp_path):
 def test_a_damaged_file_is_told_and_is_as_none(tmp_path, caplog, damaged):
     (tmp_path / "key.timestamps").write_bytes(damaged if isinstance(damaged, bytes) else damaged.encode())
     assert TimestampFile(tmp_path / "key").read() is None
-    assert "is of no use" in caplog.text
+    assert "cannot be used" in caplog.text
 
 
 def test_a_folder_that_cannot_be_written_is_told_once(tmp_path, caplog):

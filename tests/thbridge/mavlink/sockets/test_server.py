@@ -160,7 +160,7 @@ def test_what_goes_nowhere_is_told_once(station: Station, caplog: pytest.LogCapt
 
     asyncio.run(whole())
     told = [record.message for record in caplog.records if record.levelname == "WARNING"]
-    assert told == [f"MAVLink: udp {station.address}: a frame goes nowhere: {DropReason.OURS}"]
+    assert told == [f"MAVLink: udp {station.address}: a frame was dropped: {DropReason.OURS}"]
 
 
 def test_whoever_else_speaks_to_the_socket_is_a_link_of_its_own(station: Station) -> None:
@@ -201,7 +201,7 @@ def test_frames_that_cannot_be_sent_are_counted_and_told(
     asyncio.run(whole())
     assert [record.message for record in caplog.records] == [
         "MAVLink: udp 127.0.0.1:14550: frames could not be sent and are lost",
-        "MAVLink: 0 frames came in, 0 went out, 3 could not be sent",
+        "MAVLink: 0 frames received, 0 sent, 3 could not be sent",
     ]
 
 
@@ -232,7 +232,7 @@ def test_whoever_sends_nothing_but_garbage_is_not_listened_to_for_a_while(
             for _ in range(3):  # of a datagram, half of that is read
                 station.socket.sendto(bytes(GARBAGE_LIMIT + 1), vehicles)
             station.socket.sendto(PING.to_bytes(), vehicles)
-            await until(lambda: "not listened to" in caplog.text)
+            await until(lambda: "and is ignored" in caplog.text)
             assert station.hears_nothing()
             async with asyncio.timeout(PATIENCE):
                 while not exchange.received:
@@ -453,7 +453,7 @@ def test_who_does_not_read_is_cut_off(caplog: pytest.LogCaptureFixture, monkeypa
             while exchange.names:
                 exchange.say(*many)
                 await asyncio.sleep(0)
-            assert "does not read, and is cut off" in caplog.text
+            assert "does not read, and is disconnected" in caplog.text
             writer.close()
 
     asyncio.run(whole())
@@ -469,7 +469,7 @@ def test_pages_of_browsers_are_cut_off_before_frames_in_their_requests_are_heard
             writer.write(b"POST / HTTP/1.1\r\nHost: x\r\n\r\n" + HEARTBEAT.to_bytes())
             with pytest.raises((ConnectionError, asyncio.IncompleteReadError)):
                 await reader.readexactly(1)
-            assert "speaks HTTP" in caplog.text
+            assert "sends HTTP" in caplog.text
             assert exchange.received == []
             writer.close()
 
@@ -483,7 +483,7 @@ def test_who_sends_garbage_alone_is_cut_off(caplog: pytest.LogCaptureFixture) ->
             writer.write(b"no MAVLink here\n" * (GARBAGE_LIMIT // 16 + 2))
             with pytest.raises((ConnectionError, asyncio.IncompleteReadError)):
                 await reader.readexactly(1)
-            assert "sends nothing of use, and is cut off" in caplog.text
+            assert "sends no valid frames, and is disconnected" in caplog.text
             writer.close()
 
     asyncio.run(whole())

@@ -207,7 +207,7 @@ async def test_it_waits_for_master_and_robots_says_for_which_and_goes_on_when_th
 @with_patience
 async def test_a_robot_that_cannot_hear_goals_is_waited_for():
     async with master() as ros, alive(Actor(ros.uri, hears=False)) as actor, fleet_at(ros.uri, Notes()) as fleet:
-        await eventually(lambda: "robot 1 does not listen to /robot1/move_base/goal" in fleet.missing()[0])
+        await eventually(lambda: "robot 1 does not subscribe to /robot1/move_base/goal" in fleet.missing()[0])
         assert "--ros-host" in fleet.missing()[0]
         actor.listen()
         await eventually(lambda: not fleet.missing())
@@ -243,7 +243,7 @@ async def test_a_robot_whose_node_is_restarted_gets_its_goal_again_which_is_told
             assert len(reborn.goals) == 1
             assert reborn.goals != actor.goals
     told = [record.getMessage() for record in caplog.records]
-    assert told == ["robot 1: its navigation did not know its goal, which is sent again"]
+    assert told == ["robot 1: its navigation did not list its goal; the goal is sent again"]
 
 
 @with_patience
@@ -272,7 +272,7 @@ async def test_what_falls_silent_and_comes_back_is_told_once_for_each_robot(capl
         actor.mute = {status}
         assert await passes(6, odom) == []
         assert await passes(1, odom) == [
-            "robot 1: its navigation is silent: nothing on /robot1/move_base/status any more"
+            "robot 1: its navigation is silent: no more messages on /robot1/move_base/status"
         ]
         assert await passes(60, odom) == []
         assert await passes(1, odom) == []
@@ -282,8 +282,8 @@ async def test_what_falls_silent_and_comes_back_is_told_once_for_each_robot(capl
         actor.mute = {odom, status, NAMED.amcl_pose}
         assert await passes(6) == []
         assert await passes(1) == [
-            "robot 1: it is silent: no odometry any more; "
-            "its navigation is silent: nothing on /robot1/move_base/status any more"
+            "robot 1: it is silent: no more odometry; "
+            "its navigation is silent: no more messages on /robot1/move_base/status"
         ]
         actor.mute = set()
         assert await passes(0, odom, status) == []
@@ -311,10 +311,8 @@ async def test_what_only_a_simulation_can_do_is_left_and_told(caplog):
         fleet.step([SetCharge(0, 10.0), KidnapRobot(0, Pose2(9, 9, 0))])
         fleet.step([PlaceRobot(0, Pose2(1.1, 2, 0)), PlaceRobot(0, Pose2(5, 5, 0))])
     told = [record.getMessage() for record in caplog.records]
-    assert "real robots cannot be asked to Carry" in told
-    assert [line for line in told if "belongs at" in line] == [
-        "robot 1 belongs at (5.00, 5.00): somebody must bring it"
-    ]
+    assert "real robots do not support Carry" in told
+    assert [line for line in told if "belongs at" in line] == ["robot 1 belongs at (5.00, 5.00): please move it there"]
 
 
 @with_patience
@@ -355,7 +353,7 @@ async def test_time_is_simulated_where_the_graph_says_so_and_it_is_told_when_tha
             ticking.publish(pack.clock(450))
             await eventually(lambda: fleet.now() == 10_000_000_000)
             assert passes(3) == []
-            assert passes(1) == ["/clock: silent, so time goes on by this machine's clock"]
+            assert passes(1) == ["/clock: silent, so time continues with this machine's clock"]
             assert passes(60) == []
             before_ns = fleet.now()
             ticking.publish(pack.clock(4500))

@@ -31,14 +31,14 @@ _LIKELY = re.compile(rb"\xfe|\xfd(?:.[\x00\x01]|.?\Z)", re.DOTALL)
 
 
 class FrameFault(StrEnum):
-    """Reason why bytes are discarded; completes the log message "thrown away: ..."."""
+    """Reason why bytes are discarded; completes the log message "discarded: ..."."""
 
     GARBAGE = "no frame begins here"
-    FLAGS = "a frame that asks for features nobody here has"
-    UNKNOWN = "a message that the dialect does not know, so that it cannot be checked"
+    FLAGS = "a frame with unsupported features"
+    UNKNOWN = "a message that is not in the dialect, so that it cannot be checked"
     LENGTH = "a frame longer than its message"
     CHECKSUM = "a frame with a wrong checksum"
-    CUT = "a frame that was cut off"
+    CUT = "an incomplete frame"
     SECRET = "a signing key; keys come from a file, never from the wire"
 
 

@@ -73,8 +73,8 @@ class SignatureFault(StrEnum):
     WRONG = "its signature is wrong"
     REPEATED = "its timestamp is not newer than the last of its sender"
     OLD = "its sender is new, and its timestamp more than a minute old"
-    BEFORE = "it was signed before this program began, which does not know what was accepted then"
-    FAR_AHEAD = "its timestamp is from the end of all timestamps"
+    BEFORE = "it was signed before this program started, and earlier timestamps are unknown"
+    FAR_AHEAD = "its timestamp is too near the end of the range of timestamps"
     CROWDED = f"there are {MAX_STREAMS} other senders already"
 
 
