@@ -31,13 +31,11 @@ class AbstractHuntEnv(TeamEnvironment):
         study: the study. This and all other arguments have the same meaning as in `HuntEnv`.
         robots: number of robots, used if no study is given.
         step: duration of a step in simulated seconds, or "decision" to run until a robot is ready.
-        robots: size of the team, where there is no study.
-        step: simulated seconds of a step; "decision": until a robot is ready.
         max_seconds: simulated seconds after which an episode is truncated.
         shared: If True, every agent gets the reward of the team. If False, each agent gets that of its own robot.
         room_reward: reward for each room reached, in addition to the points for treasures.
-        energy_cost: cost of a unit of energy.
-        time_cost: cost per a simulated second.
+        energy_cost: cost per unit of energy.
+        time_cost: cost per simulated second.
         render_mode: "rgb_array" makes `render` return images.
 
     Raises:

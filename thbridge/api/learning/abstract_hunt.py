@@ -104,7 +104,7 @@ class HuntOpening:
 
 
 class AbstractHunt:
-    """Game in which a robot is only the place where it is; its robots are commanded by requests of ground stations.
+    """Game without simulated robots: a robot has only a position. Requests of ground stations command the robots.
 
     A move takes the time given by the map. Everything decided about a treasure happens in the tick of the arrival.
     Moves never fail, and robots never get lost or wait for one another.

@@ -45,8 +45,8 @@ class HuntEnv(TeamEnvironment):
         max_seconds: simulated seconds after which an episode is truncated.
         shared: If True, every agent gets the reward of the team. If False, each agent gets that of its own robot.
         room_reward: reward for each room reached, in addition to the points for treasures.
-        energy_cost: cost per a unit of energy.
-        time_cost: cost of a simulated second.
+        energy_cost: cost per unit of energy.
+        time_cost: cost per simulated second.
         reach: distance in meters, see above.
         render_mode: "rgb_array" makes `render` return images.
 
@@ -193,7 +193,7 @@ class HuntEnv(TeamEnvironment):
         return accepted
 
     def _room_at(self, game: GameState, robot: int, base_in_map: Pose2) -> int | None:
-        """Return the number of the free room within the robot's energy, near whose goal the robot believes to be."""
+        """Return the number of the affordable free room at whose goal the robot believes to be, or None."""
         state = game.robots[robot]
         for room in game.free_rooms:
             near = base_in_map.distance(self._goals[room.wire]) <= self._reach

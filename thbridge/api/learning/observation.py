@@ -222,7 +222,7 @@ class ObservationEncoder:
 
 
 class _GameNumbers(NamedTuple):
-    """The game from one robot's side: energy, readiness and destination; the same without own data; costs."""
+    """Numbers of the game for one robot: own state (energy, readiness, destination), destination alone, move costs."""
 
     own: list[float]
     bound_for: list[float]

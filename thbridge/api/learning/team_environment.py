@@ -108,8 +108,8 @@ class TeamEnvironment(ParallelEnv[str, Vector, Action]):
             seed: seed of this episode and of those that follow. If None, the seed after the last given one is used.
             options: `{"record": "episode.bag"}` records the episode; other options have no effect.
 
-            Raises:
-                HuntError: the episode cannot be recorded there, or this environment does not record.
+        Raises:
+            HuntError: the episode cannot be recorded there, or this environment does not record.
         """
         self.close()
         self._episode = self._episode + 1 if seed is None else 0

@@ -16,9 +16,9 @@ class SpeedLimit:
     """The speed limit of one robot.
 
     Args:
+        robot: its index in the team, from 0.
         study: parameters of its software in the study.
         robots: access to the current parameters.
-        robots: provide the parameters in force.
     """
 
     def __init__(self, robot: int, study: RobotParameters, robots: Tunable) -> None:

@@ -107,6 +107,7 @@ class UdpPort:
     """UDP socket with its peers.
 
     Args:
+        links: links of the session.
         own: socket, bound, non-blocking.
         target: peer from the start. If None, there are only peers that send first.
         robot: index of the only robot on its links. If None, all robots are on its links.
@@ -223,7 +224,7 @@ class UdpPort:
 
 
 async def udp_port(links: MavlinkLinks, target: UdpTarget) -> UdpPort | CannotListen:
-    """Open an unused socket for a target, on the loopback interface if the target is there."""
+    """Open an unused socket for a target, bound to the loopback interface if the target is on it."""
     found = await _bound(target.address, lambda there, family: (_local(there[0], family), 0))
     robot = None if target.number is None else index_of(target.number)
     return found if isinstance(found, CannotListen) else UdpPort(links, found.socket, found.given, robot)

@@ -46,8 +46,8 @@ def types_in(msgtype: str, text: str) -> Typesdict:
         msgtype: for example "nav_msgs/Odometry".
         text: the full text, as in bags.
 
-        Raises:
-            ValueError: the name or the text is invalid, or beyond the limits above; the message is a clause.
+    Raises:
+        ValueError: the name or the text is invalid, or beyond the limits above; the message is a clause.
     """
     check_type_name(msgtype)
     if len(text) > LONGEST_TEXT:

@@ -139,7 +139,7 @@ class MavlinkFrame:
     Attributes:
         link: frame_id of the message's header; in our recordings the name of the link.
         magic: first byte of the frame; 254 for MAVLink 1, 253 for MAVLink 2.
-        incompat_flags: flags of MAVLink 2 that a receiver must know.
+        incompat_flags: flags of MAVLink 2 that a receiver must support.
         compat_flags: flags of MAVLink 2 that a receiver may ignore.
         sequence: the sender's sequence number.
         system: system id of the sender.
