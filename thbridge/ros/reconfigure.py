@@ -6,8 +6,7 @@ In ROS, every node, costmap, layer and planner with such parameters is a server 
 Source: ros/dynamic_reconfigure, server.h, config_tools.h and encoding.py; its messages Config and ConfigDescription.
 
 Differs: all levels are 0, because no part has to be restarted; `restore_defaults` is missing. Parameters that accept
-    one
-of a few words are enums, whereas ROS accepts any text.
+one of a few words are enums, whereas ROS accepts any text.
 """
 
 import json

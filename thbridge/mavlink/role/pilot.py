@@ -1,8 +1,7 @@
 """Pilot of one robot: turns requests of ground stations into moves of the game, or goals and manual driving outside it.
 
-A point in a room is a move of the game: the rules apply, energy is paid, the treasure is sensed. A point outside rooms,
-    or
-in the room where the robot stands, is a goal of the navigator that does not affect the game.
+A point in a room is a move of the game: the rules apply, energy is paid, the treasure is sensed. A point outside
+rooms, or in the room where the robot stands, is a goal of the navigator that does not affect the game.
 """
 
 import math

@@ -4,8 +4,7 @@ Everything runs on the thread of one event loop. Callbacks are called there, at 
 make a node raise or wait.
 
 Source: https://wiki.ros.org/ROS/Technical%20Overview, Master_API, Slave_API, TCPROS; rospy for further behavior that
-    ROS's
-tools rely on.
+ROS's tools rely on.
 
 Differs: a node registers again with a restarted master, which rospy and roscpp do not. UDPROS is not supported. Small
 messages are always sent at once (TCP_NODELAY), even if the subscriber does not ask for it.

@@ -1,8 +1,7 @@
 """Parameter tree of a ROS master.
 
-Values are never changed in place: setting a value rebuilds the branch that leads to it. So a value that was returned,
-    or is
-being sent to a subscriber, stays the same.
+Values are never changed in place: setting a value rebuilds the branch that leads to it. So a value that was returned, or
+is being sent to a subscriber, stays the same.
 
 Source: ROS's rosmaster/paramserver.py.
 """
@@ -138,8 +137,7 @@ class ParameterTree:
         """Search for a parameter in a namespace, and then in each that encloses it.
 
         The first word of the key decides: if ``/robot1/map`` exists, a search for ``map/frame`` from ``/robot1/amcl``
-            finds
-        ``/robot1/map/frame``, even if that does not exist.
+        finds ``/robot1/map/frame``, even if that does not exist.
 
         Args:
             space: a global name, usually the node's.

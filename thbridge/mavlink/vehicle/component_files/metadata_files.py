@@ -3,8 +3,8 @@
 Source: the MAVLink developer guide, "Component Metadata Protocol"; the schemas in `component_metadata` of MAVLink's
 repository.
 Differs: files are not compressed, because compressed bytes depend on the library, and a replay must give the same bytes
-    on
-any machine. The parameter file has version 1, the only one that QGroundControl reads, although a newer version exists.
+on any machine. The parameter file has version 1, the only one that QGroundControl reads, although a newer version
+exists.
 """
 
 import json

@@ -2,8 +2,7 @@
 
 Source: the MAVLink developer guide, "Mission Protocol", and the descriptions in MAV_CMD.
 Differs: a waypoint is reached when the robot has arrived there, never by passing within the acceptance radius, because
-    a
-point in a room is a move of the game and ends at the goal pose of that room.
+a point in a room is a move of the game and ends at the goal pose of that room.
 """
 
 import math

@@ -1,8 +1,7 @@
 """Manual control: stick positions or velocities that are sent repeatedly and are valid only for a short time.
 
 Source: ArduPilot, Rover, `mode_guided.cpp` and the parameter RC_OVERRIDE_TIME, for the three seconds: scripts for
-    ArduPilot
-send a velocity once per second.
+ArduPilot send a velocity once per second.
 """
 
 from dataclasses import dataclass
