@@ -322,7 +322,7 @@ class HuntSession:
     # Requests to robots
 
     def set_goal(self, robot: int, x: float, y: float, theta: float = 0.0) -> None:
-        """Set a goal for a robot's move_base outside the game: meters, radians, map frame. A "goal" event reports its end.
+        """Set a goal of move_base outside the game (meters, radians, map frame). A "goal" event reports its end.
 
         Raises:
             HuntError: there is no such robot, or the request is refused. The methods below raise it in the same cases.

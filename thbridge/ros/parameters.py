@@ -86,10 +86,10 @@ def _costmap(own: Tree, named: RobotNames, body: Sequence[Sequence[float]], roll
     layer = dict(cast(Tree, own["obstacle_layer"]))
     layer["min_obstacle_height"] = _LOWEST
     for source in cast(str, layer["observation_sources"]).split():
-        told = dict(cast(Tree, layer[source]))
-        del told["name"]
+        given = dict(cast(Tree, layer[source]))
+        del given["name"]
         seen: Tree = {"topic": named.topic("scan"), "data_type": "LaserScan", "min_obstacle_height": _LOWEST}
-        layer[source] = {**told, **seen}
+        layer[source] = {**given, **seen}
     tree["obstacle_layer"] = layer
     if not tree["footprint"]:
         # costmap_2d fails on an empty list for a footprint.

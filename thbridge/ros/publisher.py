@@ -255,10 +255,10 @@ class TeamPublisher:
         telling: list[int] = []
         corrections: list[Pose2] = []
         bases: list[Pose2] = []
-        for index, told in goals.items():
+        for index, sent in goals.items():
             robot, output = self._robots[index], outputs[index]
             if isinstance(output, PropagatedOutput) and robot.odom_in_map is not None:
-                if told:
+                if sent:
                     telling.append(index)
                     bases.append(output.neighbour.base_in_map)
                 continue
@@ -267,7 +267,7 @@ class TeamPublisher:
                 robot.odom_in_map = estimate.odom_in_map
                 corrected.append(robot)
                 corrections.append(estimate.odom_in_map)
-            if told or estimate.updated or output.observations.scan is not None:
+            if sent or estimate.updated or output.observations.scan is not None:
                 telling.append(index)
                 bases.append(estimate.base_in_map)
         numbers = [number for pose in corrections + bases for number in (pose.x, pose.y, pose.theta)]

@@ -154,8 +154,8 @@ class Fleet:
         now_ns = self._clock.now(wall_ns)
         if self._clock_stands.take(self._clock.stands(wall_ns), wall_ns):
             stands = self._clock_stands.settled
-            told = "silent, so time continues with this machine's clock" if stands else "it is back"
-            _log.warning("%s: %s", names.CLOCK, told)
+            news = "silent, so time continues with this machine's clock" if stands else "it is back"
+            _log.warning("%s: %s", names.CLOCK, news)
         for robot, remote in enumerate(self._robots):
             state = self._silent[robot]
             before = state.settled

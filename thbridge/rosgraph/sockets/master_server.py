@@ -138,9 +138,9 @@ class MasterServer:
             case PublisherUpdate(api, topic, publishers):
                 answer = await self._client.post(api, _publisher_update(topic, publishers), self._timeout)
             case NodeShutdown(api, node, reason):
-                answer = await self._tell(api, "shutdown", f"[{node}] Reason: {reason}")
+                answer = await self._notify(api, "shutdown", f"[{node}] Reason: {reason}")
             case ParamUpdate(api, key, value):
-                answer = await self._tell(api, "paramUpdate", key, value)
+                answer = await self._notify(api, "paramUpdate", key, value)
                 match answer:
                     case MethodResponse([int(status), *_]) if status == ERROR:
                         self._master.refuse_update(api, key)
@@ -148,7 +148,7 @@ class MasterServer:
             _log.info("could not be notified (%s): %s", answer, notification)
         return not isinstance(answer, CallFailed)
 
-    async def _tell(self, api: str, method: str, *params: XmlRpcValue) -> MethodResponse | Fault | CallFailed:
+    async def _notify(self, api: str, method: str, *params: XmlRpcValue) -> MethodResponse | Fault | CallFailed:
         try:
             return await self._client.call(api, method, CALLER_ID, *params, timeout=self._timeout)
         except ValueError as error:  # a parameter that is too long after encoding

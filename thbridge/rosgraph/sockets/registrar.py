@@ -22,7 +22,7 @@ _FIRST_PAUSE = 0.1
 
 _LAST_PAUSE = 2.0
 
-_TOLD_MISSES = 2
+_REPORTED_MISSES = 2
 """Consecutive calls without an answer after which the loss is reported: one call may get lost or come too early."""
 
 _FAREWELL_SECONDS = 3.0
@@ -198,8 +198,8 @@ class Registrar:
         self._unset = dict.fromkeys(self._parameters)
         self._reached = await self._register(addresses)
         if news and self._reached:
-            told = logging.WARNING if forgotten or self._misses >= _TOLD_MISSES else logging.INFO
-            _log.log(told, "%s is registered with the ROS master at %s", self._caller, self._master_uri)
+            level = logging.WARNING if forgotten or self._misses >= _REPORTED_MISSES else logging.INFO
+            _log.log(level, "%s is registered with the ROS master at %s", self._caller, self._master_uri)
             self._callbacks.found()
         if self._reached:
             self._misses = 0
@@ -243,7 +243,7 @@ class Registrar:
             self._reached = False
             self._callbacks.lost()
         self._misses += 1
-        if self._misses == _TOLD_MISSES:
+        if self._misses == _REPORTED_MISSES:
             problem = "the ROS master no longer answers" if self._registered else "no ROS master yet"
             _log.warning("%s: %s; waiting for it", problem, failed)
 

@@ -306,7 +306,7 @@ class Master:
             return ApiReply(SUCCESS, f"Unregistered [{caller}] as provider of [{key}]", 1)
         return ApiReply(SUCCESS, f"[{caller}] is not a known provider of [{key}]", 0)
 
-    def _tell_subscribers(self, topic: str) -> list[str]:
+    def _notify_subscribers(self, topic: str) -> list[str]:
         """Notify all subscribers of a topic of its publishers; return the subscribers' URIs."""
         publishers = tuple(self._registrations.apis(ProviderKind.PUBLISHER, topic))
         subscribers = self._registrations.apis(ProviderKind.SUBSCRIBER, topic)
@@ -317,7 +317,7 @@ class Master:
         self._register(ProviderKind.PUBLISHER, topic, caller, api)
         if type_ != ANY_TYPE or topic not in self._types:
             self._learn_type(topic, type_)
-        subscribers = self._tell_subscribers(topic)
+        subscribers = self._notify_subscribers(topic)
         return ApiReply(SUCCESS, f"Registered [{caller}] as publisher of [{topic}]", [*subscribers])
 
     def _learn_type(self, topic: str, type_: str) -> None:
@@ -330,7 +330,7 @@ class Master:
     def _unregister_publisher(self, caller: str, topic: str, api: str) -> ApiReply:
         reply = self._unregister(ProviderKind.PUBLISHER, caller, topic, api)
         if reply.value:
-            self._tell_subscribers(topic)
+            self._notify_subscribers(topic)
         return reply
 
     def _register_subscriber(self, caller: str, topic: str, type_: str, api: str) -> ApiReply:

@@ -1,7 +1,7 @@
 """Parameter tree of a ROS master.
 
-Values are never changed in place: setting a value rebuilds the branch that leads to it. So a value that was returned, or
-is being sent to a subscriber, stays the same.
+Values are never changed in place: setting a value rebuilds the branch that leads to it. So a value that was
+returned, or is being sent to a subscriber, stays the same.
 
 Source: ROS's rosmaster/paramserver.py.
 """
@@ -187,15 +187,15 @@ def updates(subscriptions: Iterable[str], key: str, value: XmlRpcValue) -> list[
         for part in parts(subscription.removeprefix(changed)):
             level = level.setdefault(part, {})
     below = dict(_branches(changed, value, wanted))
-    told: list[ParameterUpdate] = []
+    caused: list[ParameterUpdate] = []
     gone = {each for each in inside if each not in below}
     for subscription in subscribed:
         if changed.startswith(subscription):
-            told.append(ParameterUpdate(subscription, changed, value, own=True))
+            caused.append(ParameterUpdate(subscription, changed, value, own=True))
         elif subscription in gone:
-            told.append(ParameterUpdate(subscription, subscription, {}, own=False))
-    told += [ParameterUpdate(name, name, inner, own=False) for name, inner in below.items() if name in subscribed]
-    return told
+            caused.append(ParameterUpdate(subscription, subscription, {}, own=False))
+    caused += [ParameterUpdate(name, name, inner, own=False) for name, inner in below.items() if name in subscribed]
+    return caused
 
 
 def _branches(key: str, value: XmlRpcValue, wanted: _Wanted) -> Iterator[tuple[str, XmlRpcValue]]:

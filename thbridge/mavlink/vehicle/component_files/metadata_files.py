@@ -63,7 +63,7 @@ def _contents(descriptions: tuple[ParameterDescription, ...]) -> Mapping[str, by
 
 def _parameter(described: ParameterDescription) -> dict[str, object]:
     """Return a parameter's entry by the schema; values equal to the schema's defaults are omitted."""
-    told: dict[str, object] = {
+    entry: dict[str, object] = {
         "name": described.name,
         "type": "Float",
         "shortDesc": described.meaning,
@@ -72,17 +72,17 @@ def _parameter(described: ParameterDescription) -> dict[str, object]:
         "group": described.group,
     }
     if described.unit:
-        told["units"] = described.unit
+        entry["units"] = described.unit
     for key, number in (("default", described.default), ("min", described.minimum), ("max", described.maximum)):
         if number is not None and isfinite(number):
-            told[key] = int(number) if number == int(number) else number
+            entry[key] = int(number) if number == int(number) else number
     if described.whole:
-        told |= {"decimalPlaces": 0, "increment": 1}
+        entry |= {"decimalPlaces": 0, "increment": 1}
     if described.words:
-        told["values"] = [{"value": place, "description": word} for place, word in enumerate(described.words)]
+        entry["values"] = [{"value": place, "description": word} for place, word in enumerate(described.words)]
     if described.fixed:
-        told["readOnly"] = True
-    return told
+        entry["readOnly"] = True
+    return entry
 
 
 def _as_json(content: Mapping[str, object] | Sequence[object]) -> bytes:
