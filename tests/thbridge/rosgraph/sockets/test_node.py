@@ -460,7 +460,7 @@ async def test_a_node_that_lost_its_name_says_so_once_and_does_not_take_it_back(
     monkeypatch.setattr(registrar, "_HEARTBEAT", 0.02)
     async with master() as ros:
         if not told:
-            monkeypatch.setattr(ros, "_tell", tell_nothing)
+            monkeypatch.setattr(ros, "_notify", tell_nothing)
         reasons: list[str] = []
         us = RosNode("/us", ros.uri, on_shutdown=reasons.append)
         us.advertise("/chatter", *STRING)
