@@ -112,7 +112,7 @@ def test_keys_are_nowhere_but_in_their_files(tmp_path: Path, keys: Path) -> None
     hunt = Program(tmp_path, "play", *options, *doors, environment=TELLING)
     window = None
     try:
-        until("the door", lambda: "Researchers can watch" in hunt.text, [hunt])
+        until("the door", lambda: "Researchers can connect" in hunt.text, [hunt])
         window = Program(tmp_path, "watch", f"127.0.0.1:{port}", "--key", "ring/maria.key", environment=TELLING)
         key = json.dumps({"key": secret})
         halt = {"request": "Halt", "fields": {"robot": 0}}
@@ -162,7 +162,7 @@ def test_what_fails_on_purpose_does_not_tell_a_key(tmp_path: Path, keys: Path, e
             env={**TELLING, "PYTHONUNBUFFERED": "1"},
         )
     try:
-        until("the door", lambda: b"Researchers can watch" in output.read_bytes(), [])
+        until("the door", lambda: b"Researchers can connect" in output.read_bytes(), [])
         said_by(port, json.dumps({"key": WATCH_KEY}))
         hunt.send_signal(signal.SIGABRT if ending == "abort" else signal.SIGTERM)
         hunt.wait(90)

@@ -456,7 +456,7 @@ def test_measuring_refuses_a_file_that_is_there_before_it_drives(folder: Path) -
 def test_where_nobody_can_watch_is_refused_and_so_is_a_key_that_is_none(folder: Path) -> None:
     for nowhere in ("door", "70000", ":6010", "here:"):
         assert f"--watch: {nowhere!r} is not an address" in refusal("play", "--headless", "--watch", nowhere)
-    assert "--watch-key: nobody may watch" in refusal("play", "--headless", "--watch-key", "key.txt")
+    assert "--watch-key requires --watch PORT" in refusal("play", "--headless", "--watch-key", "key.txt")
     assert "key.txt" in refusal("play", "--headless", "--watch", "0", "--watch-key", "key.txt")
     Path("key.txt").write_text("\nsecret\n")
     Path("key.txt").chmod(0o644)

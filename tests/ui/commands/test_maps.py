@@ -174,7 +174,7 @@ class TestNew:
         assert "Start poses: 2\n" in done.stdout
         assert "Checked: 0 errors, 0 warnings" in done.stdout
         assert "Measured: 4 of 4 paths" in done.stdout
-        assert done.stdout.endswith("Play on it: thbridge play --map ./lab\n")
+        assert done.stdout.endswith("Play on the map: thbridge play --map ./lab\n")
         assert sorted(file.name for file in (here / "lab").iterdir()) == [
             "map.pgm",
             "map.yaml",
