@@ -128,7 +128,7 @@ def refusals():
         (poor, 0, ROOM_4, RuleReason.NOT_ENOUGH_ENERGY, ["Robot 1", "12", "13"]),
         (walled, 0, ROOM_2, RuleReason.NOT_A_MOVE, ["the corridor", "room 2"]),
         (exhausted, 0, ROOM_1, RuleReason.BLOCKED, ["Robot 1"]),
-        (silent, 0, ROOM_1, RuleReason.SILENT, ["Robot 1 does not answer"]),
+        (silent, 0, ROOM_1, RuleReason.SILENT, ["Robot 1 no longer answers"]),
         (over, 0, ROOM_1, RuleReason.GAME_OVER, ["over"]),
     ]
 

@@ -83,7 +83,7 @@ def test_a_line_torn_after_the_end_of_a_game_is_told(
     path = tmp_path / "game-0001.jsonl"
     path.write_bytes(played + b'{"v":1,"eve')
     assert JournalStore(tmp_path).resume() is None
-    assert f"{path}: what was half written" in caplog.text
+    assert f"{path}: an event was only partly written" in caplog.text
     assert path.read_bytes() == played
 
 

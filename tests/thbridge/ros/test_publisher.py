@@ -273,7 +273,7 @@ def test_the_log_tells_of_collisions_and_of_robots_that_are_lost_or_dead_once() 
     for tick, word in (
         (3, b"does not know"),
         (5, b"knows where"),
-        (6, b"run into"),
+        (6, b"has hit"),
         (8, b"stopped"),
         (10, b"runs again"),
     ):

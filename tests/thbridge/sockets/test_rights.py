@@ -172,7 +172,7 @@ def test_a_key_opens_the_doors_of_its_rights_and_no_other(house: House, right: R
                     why = f"the key {right} does not allow the name {name}; its rights: {right}"
                     assert answer == ConnectionLost(LossReason.REFUSED, why)
             seen = await house.watches(house.keys[right])
-            assert seen in ("", f"the key {right} ({right}) is not good for watching")
+            assert seen in ("", f"the key {right} ({right}) does not allow watching")
             could |= set() if seen else {"watch"}
             if not seen:
                 granted = await house.watches(house.keys[right], asks=True)
@@ -217,8 +217,8 @@ def test_a_key_is_shown_to_the_session_alone_that_it_is_for(house: House) -> Non
             answer = await house.joins("SimR", stranger)
             assert isinstance(answer, ConnectionLost)
             assert answer.reason is LossReason.UNTRUSTED
-            assert "it shows the certificate sha256:" in answer.detail
-            assert "it shows the certificate sha256:" in await house.watches(stranger)
+            assert "its certificate is sha256:" in answer.detail
+            assert "its certificate is sha256:" in await house.watches(stranger)
 
     asyncio.run(knock())
 

@@ -93,7 +93,7 @@ def test_faults_are_told_with_line_key_and_remedy(lines, told):
 
 def test_a_robot_cannot_be_carried_into_a_wall():
     study = read_study_text(STUDY, "mishaps:\n  - {robot: 1, what: carried, time: 1, to: [5, 5, 0]}")
-    with pytest.raises(BadFile, match=r"robot 1 would be carried to \(5, 5\), where it does not fit.*mishaps\[0\]\.to"):
+    with pytest.raises(BadFile, match=r"robot 1 would be moved to \(5, 5\), where it does not fit.*mishaps\[0\]\.to"):
         read_setting(study, Path())
 
 

@@ -94,7 +94,7 @@ def test_a_frame_on_a_robots_topic_is_heard_by_that_robot_and_none_else(
         with caplog.at_level(logging.WARNING):
             visited.say("/robot2/mavlink/to", said[:-30], "/gcs_bridge")
         assert visited.step().inputs == ()
-    assert "/robot2/mavlink/to: what /gcs_bridge said is of no use" in caplog.text
+    assert "/robot2/mavlink/to: ignoring a message of /gcs_bridge" in caplog.text
 
 
 def test_a_flood_of_estimates_is_told_no(visited: Visited) -> None:

@@ -25,7 +25,7 @@ KEYS = {
 
 def with_old_keys(data: bytes, changed: str = "") -> bytes:
     """Diagnostics as they were recorded before; `changed` is a value that no session says."""
-    store, name = typestore(), normalize_msgtype(types.DIAGNOSTICS)
+    store, name = typestore(), normalize_msgtype(types.DIAGNOSTIC_ARRAY)
     message = store.deserialize_ros1(data, name)
     for status in message.status:  # type: ignore[attr-defined]  # rosbags makes its classes as it runs
         for pair in status.values:

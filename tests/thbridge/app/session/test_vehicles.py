@@ -198,7 +198,7 @@ def test_a_telemetry_log_has_all_traffic_with_the_stamps_of_the_bag(tmp_path: Pa
 def test_where_robots_are_no_vehicles_there_is_no_link():
     setting = read_setting(Study(), Path())
     session = open_session(setting, Programs(build_simr(setting)))
-    with pytest.raises(ValueError, match="no vehicles"):
+    with pytest.raises(ValueError, match="not MAVLink vehicles"):
         session.links.open_link("a")
 
 
