@@ -59,7 +59,7 @@ def compile_kernels() -> float:
         # At the same time, on all cores: what one compiles the other waits for.
         told = [played.communicate()[1] for played in hunts]
     for said in told:
-        if "the game was not over" not in said:
+        if "the game had not ended" not in said:
             raise RuntimeError(said)
     seconds = time.monotonic() - began
     done.parent.mkdir(mode=0o700, exist_ok=True)
