@@ -105,6 +105,7 @@ class Hub:
         for number in filter(there.reaches, addressed):
             self._traffic.append(Traffic(number, True, there.name, frame))
             sent += self._numbered(number, self.vehicles[number].handle_message(link, sender, message))
+        # Frames of other stations stay off links of one robot: programs that support one vehicle may take them for its.
         is_shared = robot is None and there.robot is None
         if is_shared and (system not in self._by_system or component != COMPONENT):
             for other in self._forwarded_to(link, sender, system, component):
@@ -155,6 +156,7 @@ class Hub:
             for number, link in self._links.items()
             if number != origin
             and link.robot is None
+            # The sender is present on this link too, so the link has the message already.
             and not link.is_present(sender, self._tick)
             and (link.is_active(self._tick) if system == BROADCAST else link.leads_to(system, wanted, self._tick))
         ]

@@ -83,7 +83,7 @@ def clock_message(tick: int) -> RosMessage:
 
 
 class TeamPublisher:
-    """Converts each tick of a team to the messages that its ROS nodes would publish.
+    """Converter of each tick of a team to the messages that its ROS nodes would publish.
 
     Args:
         robots: number of robots.

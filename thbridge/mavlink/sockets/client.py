@@ -27,7 +27,7 @@ _STEP = 0.05
 
 
 class Unreachable(Exception):  # noqa: N818 - not an error of the program
-    """Robots cannot be reached. The text is the reason, as a clause without a full stop."""
+    """Failure to reach robots. The text is the reason, as a clause without a full stop."""
 
 
 class StationSocket:

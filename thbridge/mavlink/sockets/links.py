@@ -107,7 +107,7 @@ class _Link:
 
 
 class MavlinkLinks:
-    """Passes frames between links and a session, within a share of each tick; the session uses the rest of the tick.
+    """Transfer of frames between links and a session, within a share of each tick; the session uses the rest.
 
     Links take turns. Frames beyond this share wait for the next tick.
 

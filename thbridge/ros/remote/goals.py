@@ -77,7 +77,7 @@ class _ActiveGoal:
 
 
 class MoveBaseClient:
-    """Sends goals to one robot's action server and reports their results.
+    """Sender of goals to one robot's action server, which also reports their results.
 
     Args:
         prefix: common prefix of the ids of all our goals for this robot, the same in every run.

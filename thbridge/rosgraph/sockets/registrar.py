@@ -104,7 +104,7 @@ class MasterCallbacks:
 
 
 class Registrar:
-    """Registers a node with the master, and again with a restarted master.
+    """Registration of a node with the master, and again with a restarted master.
 
     Each check looks up our own name. The answer shows if the master is gone, was restarted (however quickly), or has
     given our name to another node.

@@ -144,6 +144,7 @@ class InboundLink:
                 }
             )
         )
+        # ROS's tools send probe=1 to read a service's type without calling the service.
         if fields.get("probe") == "1":
             return [header, *self._over(LinkEnded("it wanted the header only"))]
         self._service = service

@@ -235,6 +235,7 @@ class ModeStateMachine:
             self._control.release()
             return
         if self._continues_alone:
+            # With CONTINUE, command returns to the participant only when the drive or the mission has ended.
             if not self.plan.running and not self.drive.is_under_way:
                 self._mode = Mode.HOLD
                 self._control.release()

@@ -172,7 +172,7 @@ class SignatureTimestamps:
 
 
 class Signing:
-    """Signs outgoing frames of a link and verifies incoming ones.
+    """Signer of the outgoing frames of a link, and verifier of the incoming ones.
 
     Args:
         key: key of both sides.
