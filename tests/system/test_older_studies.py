@@ -112,7 +112,7 @@ def test_groups_go_on_where_they_were(old: Path, tmp_path: Path, monkeypatch: py
         ("title: Robots", "title: All robots", ""),
         ("{step: trial, each", "{step: trial, name: game, each", "was trial_5, and is game"),
         ("collaborator", "adviser", "met dialogue.condition=collaborator, which is now dialogue.condition=adviser"),
-        ("order: balanced", "order: fixed", "was dealt other conditions, or another order of them"),
+        ("order: balanced", "order: fixed", "had other conditions, or another order of conditions"),
         ("  - {step: debrief, text: texts/debrief.txt}\n", "", "is in step 12 of 11"),
     ],
 )

@@ -351,7 +351,7 @@ def test_a_value_that_an_option_gives_is_not_told_as_one_of_the_file() -> None:
         ("game:\n\tcosts: none\n", "line 2: a tab in the indentation"),
         ("map: warehouse12\ngame:\n  costs: COSTS\n", "9 nodes, but the map warehouse12 has 12 rooms"),
         ("server:\n  port: 70000\n", "line 2, server.port:"),
-        ("participant:\n  strategy: guess\n", "line 2, participant.strategy: 'guess' is no choice here"),
+        ("participant:\n  strategy: guess\n", "line 2, participant.strategy: 'guess' is not a valid choice"),
         (
             "participant:\n  consent: none.txt\n",
             "line 2, participant.consent: none.txt: there is no such file",

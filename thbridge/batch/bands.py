@@ -1,10 +1,10 @@
-"""Bands around curves; a module of its own, for commands that offer them and load no plotting library."""
+"""Bands around curves; a separate module, so that commands can offer them without loading a plotting library."""
 
 from enum import StrEnum
 
 
 class BandKind(StrEnum):
-    """Ways to a confidence interval of a mean: Student's t, or percentiles of a bootstrap."""
+    """Method for the confidence interval of a mean: Student's t, or percentiles of a bootstrap."""
 
     T = "t"
     BOOTSTRAP = "bootstrap"

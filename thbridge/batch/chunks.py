@@ -1,4 +1,4 @@
-"""Chunks: the pieces of a sweep, each some games of one condition that a worker plays in one go."""
+"""Chunks: parts of a sweep, each with some games of one condition that a worker plays together."""
 
 import itertools
 import re
@@ -15,9 +15,9 @@ class GameChunk:
     """Some games of one condition.
 
     Attributes:
-        number: in the whole sweep, from 1.
+        number: number in the whole sweep, from 1.
         condition: number of the condition.
-        seeds: of its games.
+        seeds: random seeds of its games.
     """
 
     number: int
@@ -27,18 +27,18 @@ class GameChunk:
 
 @dataclass(frozen=True, slots=True)
 class Shard:
-    """One of several equal parts of a sweep; `number` is from 1."""
+    """One of several equal parts of a sweep; `number` counts from 1."""
 
     number: int = 1
     parts: int = 1
 
     def has(self, chunk: GameChunk) -> bool:
-        """Return True when a chunk is of this part: each is of exactly one."""
+        """Return True if a chunk belongs to this part. Each chunk belongs to exactly one part."""
         return chunk.number % self.parts == self.number - 1
 
 
 def shard_in(text: str) -> Shard | None:
-    """Return the shard in "2/8"; None for other words."""
+    """Return the shard in a text such as "2/8", or None for any other text."""
     found = _SHARD.fullmatch(text)
     if found is None or int(found[1]) > int(found[2]):
         return None
@@ -48,11 +48,11 @@ def shard_in(text: str) -> Shard | None:
 def chunks_of(conditions: int, seeds: Sequence[int], size: int) -> tuple[GameChunk, ...]:
     """Return all chunks of a sweep.
 
-    The first of every condition come first, so that an early look sees all conditions.
+    The first chunks of all conditions come first, so that early results cover all conditions.
 
     Args:
         conditions: number of conditions.
-        seeds: of the games in each.
+        seeds: random seeds of the games in each condition.
         size: greatest number of games in a chunk.
     """
     pieces = [tuple(seeds[start : start + size]) for start in range(0, len(seeds), size)]
@@ -61,5 +61,5 @@ def chunks_of(conditions: int, seeds: Sequence[int], size: int) -> tuple[GameChu
 
 
 def is_drawn(purpose: str, one_in: int, condition: int, seed: int) -> bool:
-    """Return True for one of so many games, drawn by its condition and seed; 0 draws none, 1 all."""
+    """Return True for one game in `one_in`, chosen by its condition and seed; 0 chooses none, 1 chooses all."""
     return one_in > 0 and noise.uniform(noise.key(condition, "sweep", purpose), seed, 0) * one_in < 1.0

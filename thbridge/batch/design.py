@@ -1,4 +1,4 @@
-"""The design of a sweep: a study, what changes in it from condition to condition, and how many games of each."""
+"""The design of a sweep: a study, the differences between conditions, and the number of games of each."""
 
 import math
 import re
@@ -26,32 +26,32 @@ LARGEST_SEED = 2**31 - 1
 MOST_CONDITIONS = 10_000
 _ONE_IN = re.compile(r"1 in ([1-9]\d{0,8})")
 _OWN_READING = ("base", "factors", "conditions")
-"""Keys whose contents are keys of studies."""
+"""Keys with contents that are keys of studies."""
 
 
 @dataclass(frozen=True, slots=True)
 class SweepFile:
     """A design as people write it."""
 
-    study: Path | None = param(None, "path of the study file to begin from, from this file's folder; null: defaults")
-    base: Mapping[str, str] = field(default_factory=dict, metadata={"help": "keys of the study, over its file's"})
+    study: Path | None = param(None, "path of the study file of all games, from this file's folder; if null, defaults")
+    base: Mapping[str, str] = field(default_factory=dict, metadata={"help": "keys of the study, overriding its file"})
     factors: Mapping[str, str] = field(
         default_factory=dict,
-        metadata={"help": "levels of each factor; there is a condition for each combination of levels"},
+        metadata={"help": "levels of each factor; each combination of levels is a condition"},
     )
     conditions: Mapping[str, str] = field(
         default_factory=dict, metadata={"help": "further conditions, each a line - {key: value, ...}"}
     )
-    replicates: int = param(10, "games in each condition, with seeds that follow each other", "", 1, 10**9)
-    first_seed: int = param(1, "seed of the first of them", "", 0, LARGEST_SEED)
+    replicates: int = param(10, "games in each condition, with consecutive seeds", "", 1, 10**9)
+    first_seed: int = param(1, "seed of the first game of each condition", "", 0, LARGEST_SEED)
     seeds: tuple[int, ...] | None = param(
-        None, "the seeds themselves, in the place of replicates and first_seed", "", 0, LARGEST_SEED
+        None, "list of seeds, instead of replicates and first_seed", "", 0, LARGEST_SEED
     )
-    max_seconds: float = param(AN_HOUR, "simulated time after which an unfinished game is given up", "s", 1, 1e6)
-    measures: tuple[str, ...] = param(MEASURES, "what is kept of each game", choices=MEASURES)
-    bags: str = param("no", "games that are recorded into a bag: no, yes, or such as `1 in 50`")
-    verify: int = param(100, "one of so many games is played again by another worker, and compared; 0: none", "", 0)
-    chunk: int = param(20, "games of a condition that a worker plays in one go and writes into one file", "", 1, 10**6)
+    max_seconds: float = param(AN_HOUR, "simulated time after which an unfinished game is stopped", "s", 1, 1e6)
+    measures: tuple[str, ...] = param(MEASURES, "measures to keep of each game", choices=MEASURES)
+    bags: str = param("no", "games to record into a bag: no, yes, or for example `1 in 50`")
+    verify: int = param(100, "play one game in N again on another worker, and compare; 0: none", "", 0)
+    chunk: int = param(20, "games of a condition that a worker plays together and writes to one file", "", 1, 10**6)
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,9 +59,9 @@ class SweepCondition:
     """One condition of a sweep.
 
     Attributes:
-        number: from 1.
-        levels: the level of each factor, as it is written; of explicit conditions, the keys that they name.
-        study: the study; the seeds of games take the place of its own.
+        number: number from 1.
+        levels: the level of each factor, as it is written; for explicit conditions, the keys that they name.
+        study: the study. Its own seed is replaced by the seeds of the games.
     """
 
     number: int
@@ -78,17 +78,18 @@ class SweepDesign:
     """A design, read and checked.
 
     Attributes:
-        path: its file.
-        beside: the folder that paths in its studies are relative to.
-        conditions: in their order.
+        path: path of its file.
+        `beside`: the folder that paths in its studies are relative to.
+        conditions: conditions in their order.
         factors: names of all factors.
-        seeds: of the games in each condition: all conditions have the same, so that they share their chance.
-        max_seconds: simulated time after which an unfinished game is given up.
-        measures: names of the figures that are kept of a game.
-        one_bag_in: one of so many games is recorded; 0: none.
-        one_verified_in: one of so many games is played again; 0: none.
+        seeds: seeds of the games in each condition: the same in all conditions, which therefore share their random
+            numbers.
+        max_seconds: simulated time after which an unfinished game is stopped.
+        measures: names of the measures that are kept of a game.
+        one_bag_in: one game in this number is recorded; 0: none.
+        one_verified_in: one game in this number is played again; 0: none.
         chunk: greatest number of games in one file.
-        doubts: what looks like a slip in the files that conditions name.
+        doubts: possible slips in the files that conditions name.
     """
 
     path: Path
@@ -110,15 +111,15 @@ class SweepDesign:
 
     @property
     def columns(self) -> FactorColumns:
-        """The factors as columns of the results."""
+        """Columns of the results for the factors."""
         return FactorColumns.of(self.factors, {each.number: each.levels for each in self.conditions})
 
 
 def read_design(path: Path) -> SweepDesign:
-    """Read a design; every condition's study is read and checked with all files that it names.
+    """Read a design, and check the study of every condition with all files that it names.
 
     Raises:
-        BadFile: it cannot be read, or a study is faulty; as BadFiles, all faults at once.
+        BadFile: it cannot be read, or a study is faulty; as BadFiles, with all faults at once.
     """
     whole = parse(path, read_text(path))
     entries = dict(_named(whole))
@@ -136,7 +137,7 @@ def read_design(path: Path) -> SweepDesign:
     check_keys_set_once(path, base, factors)
     games = math.prod(map(len, factors.values())) * len(file.seeds or range(file.replicates))
     if games > MOST_GAMES:
-        raise loaded.fault("replicates", f"{games} games, and a sweep has {MOST_GAMES} at most", "Write fewer")
+        raise loaded.fault("replicates", f"{games} games, but a sweep has at most {MOST_GAMES}", "Write fewer")
     conditions: list[SweepCondition] = []
     start, settings = resolved_tree(study), SettingCache(beside)
     explicit = list(_explicit(path, entries.get("conditions")))
@@ -165,44 +166,44 @@ def read_design(path: Path) -> SweepDesign:
 
 
 MOST_GAMES = 10_000_000
-"""Games of a sweep: a year on some twenty cores."""
+"""Largest number of games of a sweep: a year on some twenty cores."""
 MOST_FAULTS = 10
-"""Faults of conditions after which no more are looked for."""
+"""Number of faults of conditions after which reading stops."""
 
 
 def _check(loaded: Loaded[SweepFile]) -> None:
-    """Raise BadFile for values that are valid alone but not together."""
+    """Raise BadFile for values that are valid alone, but not together."""
     file = loaded.value
     if _one_in(file.bags) is None:
-        raise loaded.fault("bags", f"{file.bags!r} is no choice here", "Write no, yes, or such as `1 in 50`")
+        raise loaded.fault("bags", f"{file.bags!r} is not a valid choice", "Write no, yes, or for example `1 in 50`")
     if file.seeds is not None and not file.seeds:
-        raise loaded.fault("seeds", "no seeds, so there are no games", "Write some, or take the line away")
+        raise loaded.fault("seeds", "no seeds, so there are no games", "Write some, or delete the line")
     if file.seeds is not None and len(set(file.seeds)) < len(file.seeds):
-        raise loaded.fault("seeds", "a seed stands twice", "Write each once: the same seed gives the same game")
+        raise loaded.fault("seeds", "a seed is listed twice", "Write each once: the same seed gives the same game")
     for key in ("replicates", "first_seed"):
         if file.seeds is not None and key in loaded.lines:
-            raise loaded.fault(key, "there are seeds already", "Keep one of the two")
+            raise loaded.fault(key, "`seeds` already gives the seeds", "Keep one of the two")
     if file.first_seed + file.replicates - 1 > LARGEST_SEED:
         raise loaded.fault("replicates", f"seeds would go beyond {LARGEST_SEED}", "Write fewer, or lower first_seed")
     if not file.measures:
-        raise loaded.fault("measures", "nothing would be kept", f"Write some of {', '.join(MEASURES)}")
+        raise loaded.fault("measures", "no measures would be kept", f"Write some of {', '.join(MEASURES)}")
 
 
 def _one_in(words: str) -> int | None:
-    """Return N of "1 in N", 1 for yes, 0 for no; None for other words."""
+    """Return N of "1 in N", 1 for yes, 0 for no, or None for any other text."""
     found = _ONE_IN.fullmatch(words.strip())
     return int(found[1]) if found else {"no": 0, "yes": 1}.get(words)
 
 
 def _levels(path: Path, factor: Scalar, node: Node) -> list[Level]:
     if factor.text in OWN_COLUMNS:
-        problem, key = "results have a column of this name", f"factors.{factor.text}"
-        raise BadFile(path, problem, "Name the factor otherwise", line=factor.line, key=key)
+        problem, key = "results already have a column of this name", f"factors.{factor.text}"
+        raise BadFile(path, problem, "Give the factor another name", line=factor.line, key=key)
     return levels_of(path, "factors", factor, node)
 
 
 def _explicit(path: Path, node: Node | None) -> Iterator[dict[str, Level]]:
-    """Yield conditions that are written out."""
+    """Yield the conditions that are written one by one."""
     if node is None:
         return
     if not isinstance(node, Listing):
@@ -218,7 +219,7 @@ def _explicit(path: Path, node: Node | None) -> Iterator[dict[str, Level]]:
 def _condition(
     path: Path, start: Node, levels: Mapping[str, Level], number: int, settings: SettingCache
 ) -> SweepCondition:
-    """Return a condition, checked. Raises BadFile."""
+    """Return a condition after checking it. Raises BadFile."""
     tree: Node = Section(1, [])
     line = 1
     for level in levels.values():
@@ -226,11 +227,11 @@ def _condition(
     labels = {factor: level.label for factor, level in levels.items()}
     if number > MOST_CONDITIONS:
         raise BadFile(path, f"more than {MOST_CONDITIONS} conditions", "Write fewer factors or levels")
-    # What does not fit together is told with the line of the last factor.
+    # Faults of combined values are reported with the line of the last factor.
     loaded = merged(at_line(start, line), path, tree)
     condition = SweepCondition(number, labels, loaded.value)
     if "seed" in {key.text for key, _ in entries_of(tree)}:
-        problem = "seeds are the same in all conditions, so that these share their chance"
+        problem = "seeds are the same in all conditions, so that these share their random numbers"
         raise BadFile(path, problem, "Write `replicates` and `first_seed`, or `seeds`", line=line, key="seed")
     try:
         _playable(settings.of(condition.study, loaded), loaded)
@@ -241,7 +242,7 @@ def _condition(
 
 
 def _playable(setting: StudySetting, loaded: Loaded[Study]) -> None:
-    """Raise BadFile when simulated participants and robots cannot play the study alone."""
+    """Raise BadFile if simulated participants and robots cannot play the study without help."""
     if setting.study.robots_from is RobotsFrom.ROS:
         raise loaded.fault("robots_from", "a sweep simulates its robots", "Write sim")
 

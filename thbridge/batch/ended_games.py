@@ -1,4 +1,4 @@
-"""Games of an unfinished chunk that have ended, kept so that a chunk that is begun again plays only the others."""
+"""Ended games of an unfinished chunk. They are kept, so that a restarted chunk plays only the other games."""
 
 import json
 from collections.abc import Iterable, Mapping
@@ -18,22 +18,22 @@ _LARGEST = 1 << 28
 
 
 def read_ended(folder: SweepFolder, path: Path, plugins: Iterable[str] = ()) -> Mapping[int, GameResult]:
-    """Return the games of a chunk that have ended, by seed: those of this program's version, with their bags.
+    """Return the ended games of a chunk, by seed. They are of this program's version, and their bags exist.
 
     Args:
-        folder: of the sweep.
-        path: of the file.
-        plugins: keys of those that the sweep's studies name.
+        folder: folder of the sweep.
+        path: path of the chunk's file.
+        plugins: keys of the plug-ins that the sweep's studies name.
 
     Raises:
-        BadFile: the file is none, or too large.
+        BadFile: the file cannot be read, or is too large.
     """
     try:
         head, *lines = content_of(path, _LARGEST).splitlines() or [b""]
     except FileNotFoundError:
         return {}
     except OSError as error:
-        raise BadFile(path, f"it cannot be read ({reason_of(error)})", "Delete it, then go on") from None
+        raise BadFile(path, f"it cannot be read ({reason_of(error)})", "Delete it, then continue") from None
     if head != _head(plugins):
         return {}
     found = {}
@@ -48,15 +48,15 @@ def read_ended(folder: SweepFolder, path: Path, plugins: Iterable[str] = ()) -> 
 
 
 def keep_ended(path: Path, game: GameResult, plugins: Iterable[str] = ()) -> None:
-    """Keep a game; `plugins` as for `read_ended`. Raises BadFile: it cannot be written."""
+    """Keep a game; `plugins` is as for `read_ended`. Raises BadFile if the file cannot be written."""
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         with own_target(path).open("ab", buffering=0) as file:
-            # The line end before it closes a line whose writer was killed.
+            # The line end before it closes a line that a killed writer left incomplete.
             head = _head(plugins) if file.tell() == 0 else b""
             append_whole(file, head + b"\n" + msgspec.json.encode(game) + b"\n", synced=False)
     except OSError as error:
-        raise BadFile(path, f"it cannot be written ({reason_of(error)})", "make room, then go on") from None
+        raise BadFile(path, f"it cannot be written ({reason_of(error)})", "free some space, then continue") from None
 
 
 def _head(plugins: Iterable[str]) -> bytes:

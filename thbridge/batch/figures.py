@@ -1,4 +1,4 @@
-"""Figures of a sweep: the mean of a measure against a factor, with confidence bands; the same games, the same bytes."""
+"""Figures of a sweep: the mean of a measure against a factor, with confidence bands. Equal games give equal bytes."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -16,11 +16,11 @@ from thbridge.analysis.plot.style import INK, FigureStyle
 from thbridge.batch.bands import BandKind
 
 RESAMPLES = 2000
-"""Bootstrap samples of a band."""
+"""Number of bootstrap samples of a band."""
 CONFIDENCE = 0.95
 _BAND_ALPHA = 0.18
 COLORS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#7A5195", "#8C6D31", "#4D4D4D", "#B2182B")
-"""Colors of lines, different for color-blind people, too (Okabe and Ito's, then darker ones)."""
+"""Colors of lines that color-blind people can distinguish (Okabe and Ito's, then darker ones)."""
 MARK_SIZE = 3.5
 MARKS = ("o", "s", "^", "D", "v", "P", "X", "*")
 
@@ -30,11 +30,11 @@ class MeanBand:
     """The mean of some games.
 
     Attributes:
-        level: of the factor on the x axis.
-        games: how many.
-        mean: of the measure.
+        level: level of the factor on the x axis.
+        games: number of games.
+        mean: mean of the measure.
         low: lower end of the 95 % confidence interval of the mean; equal to the mean for a single game.
-        high: upper end.
+        high: upper end of the interval.
     """
 
     level: str | float | int
@@ -45,19 +45,19 @@ class MeanBand:
 
 
 Curves = Mapping[tuple[str, str], Sequence[MeanBand]]
-"""Points of each curve, by the level of its panel and of its line; "" where there is no such factor."""
+"""Points of each curve, by the level of its panel and the level of its line; "" if there is no such factor."""
 
 
 @dataclass(frozen=True, slots=True)
 class FigureAxes:
-    """Choice of what a figure shows.
+    """Contents of a figure.
 
     Attributes:
-        measure: on the y axis.
+        measure: measure on the y axis.
         x: the factor on the x axis.
-        lines: the factor with a line for each level; None for one line.
-        panels: the factor with a panel for each level; None for one panel.
-        band: how confidence intervals are found.
+        lines: the factor with a line for each level. If None, there is one line.
+        panels: the factor with a panel for each level. If None, there is one panel.
+        band: method for confidence intervals.
         is_log: True for a logarithmic x axis.
     """
 
@@ -70,9 +70,9 @@ class FigureAxes:
 
 
 def curves_of(table: pa.Table, axes: FigureAxes) -> Curves:
-    """Return means and confidence intervals; games without the measure count nowhere.
+    """Return means and confidence intervals; games without the measure are left out.
 
-    Levels come in the order of conditions. Games of conditions that differ in other factors count together.
+    Levels come in the order of conditions. Games of conditions that differ only in other factors are pooled.
     """
     names = [name for name in (axes.panels, axes.lines, axes.x, axes.measure) if name is not None]
     groups: dict[tuple[str, str], dict[str | float | int, list[float]]] = {}
@@ -106,14 +106,14 @@ def _band(level: str | float | int, values: FloatArray, kind: BandKind, stream: 
 
 
 def _resampled_means(values: FloatArray, stream: str) -> FloatArray:
-    """Return means of samples with replacement, drawn by the name of a stream."""
+    """Return the means of samples with replacement; the name of a stream gives the random numbers."""
     drawn = NoiseStream.named(0, "bootstrap", stream).uniforms(0, RESAMPLES * len(values))
     samples: FloatArray = values[(drawn * len(values)).astype(int)].reshape(RESAMPLES, len(values))
     return np.asarray(samples.mean(axis=1), dtype=float)
 
 
 def draw_curves(curves: Curves, axes: FigureAxes, style: FigureStyle) -> Figure:
-    """Draw the curves: bands where levels are numbers, bars where they are words."""
+    """Draw the curves: with bands if levels are numbers, with bars if they are words."""
     panels = list(dict.fromkeys(panel for panel, _ in curves))
     lines = list(dict.fromkeys(line for _, line in curves))
     words = list(dict.fromkeys(point.level for points in curves.values() for point in points))
@@ -162,7 +162,7 @@ def draw_curves(curves: Curves, axes: FigureAxes, style: FigureStyle) -> Figure:
 
 
 MOST_TICKS = 8
-"""Numeric levels up to which each has a tick of its own."""
+"""Largest number of numeric levels that each get their own tick."""
 
 
 def _draw_curve(

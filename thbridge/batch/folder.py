@@ -1,4 +1,4 @@
-"""The folder of a sweep: its design, and files of results that many programs may write at once."""
+"""The folder of a sweep: its design, and files of results that many programs may write at the same time."""
 
 import hashlib
 import json
@@ -24,10 +24,10 @@ from thbridge.study.study_file import Study
 from thbridge.study.text import resolved
 
 LAYOUT = 1
-"""Layout of the folder; another number is of another release."""
+"""Layout of the folder; other releases may have another number."""
 LARGEST_MANIFEST = 1 << 28
 MOST_CHUNKS = 10_000_000
-"""Most chunks of a manifest that is read."""
+"""Largest number of chunks of a readable manifest."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,11 +38,11 @@ class SweepFolder:
 
     @property
     def manifest(self) -> Path:
-        """The design as it was resolved, and what began it."""
+        """The resolved design, and the programs and machine that began the sweep."""
         return self.root / "sweep.json"
 
     def study(self, condition: int) -> Path:
-        """A condition's study, resolved, which `thbridge play` plays with the seed of a game."""
+        """The resolved study of a condition; `thbridge play` plays it with the seed of a game."""
         return self.root / "conditions" / f"{condition}.yaml"
 
     def games(self, chunk: GameChunk) -> Path:
@@ -54,11 +54,11 @@ class SweepFolder:
         return self._of("verified", chunk) / f"chunk-{chunk.number}.parquet"
 
     def attempts(self, chunk: GameChunk) -> Path:
-        """The games of a chunk that workers began; there only until its results are."""
+        """The games of a chunk that workers have begun; it exists only until the chunk's results do."""
         return self.root / "attempts" / f"chunk-{chunk.number}"
 
     def ended(self, chunk: GameChunk) -> Path:
-        """The games of a chunk that have ended; there only until its results are."""
+        """The games of a chunk that have ended; it exists only until the chunk's results do."""
         return self.root / "ended" / f"chunk-{chunk.number}"
 
     def bag(self, condition: int, seed: int) -> Path:
@@ -69,7 +69,7 @@ class SweepFolder:
         return self.root / kind / f"condition={chunk.condition}"
 
     def clear(self, chunk: GameChunk) -> None:
-        """Remove what an interrupted program has left of a chunk, except games that have ended."""
+        """Remove what an interrupted program has left of a chunk, except ended games."""
         self.attempts(chunk).unlink(missing_ok=True)
         for path in (self.games(chunk), self.verified(chunk)):
             for part in path.parent.glob(f".{path.name}.*{PART}"):
@@ -82,7 +82,7 @@ class SweepManifest:
 
     Attributes:
         levels: the level of each factor, by condition.
-        versions: of the programs that began it.
+        versions: versions of the programs that began it.
     """
 
     factors: tuple[str, ...]
@@ -105,10 +105,10 @@ class SweepManifest:
 
 
 def open_folder(design: SweepDesign, root: Path) -> SweepFolder:
-    """Begin a sweep in a folder, or go on with it there.
+    """Begin a sweep in a folder, or continue it there.
 
     Raises:
-        BadFile: the folder is that of another design, or cannot be written.
+        BadFile: the folder belongs to another design, or cannot be written.
     """
     folder, here = SweepFolder(root), _described(design)
     if not folder.manifest.exists():
@@ -122,18 +122,18 @@ def open_folder(design: SweepDesign, root: Path) -> SweepFolder:
             "machine": machine(),
             "design": here,
         }
-        # Of several that begin at once, one wins.
+        # If several programs begin at once, one of them wins.
         with suppress(FileExistsError), whole_file(folder.manifest, folders=True, exclusive=True) as file:
             file.write((json.dumps(told, indent=1) + "\n").encode())
     _, there = _read(folder)
     if there != here:
         problem = f"{root} has the games of another design: {_difference(folder, design, there, here)}"
-        raise BadFile(design.path, problem, "Name another folder by --out, or take the change back")
+        raise BadFile(design.path, problem, "Name another folder with --out, or undo the change")
     return folder
 
 
 def read_manifest(root: Path) -> tuple[SweepFolder, SweepManifest]:
-    """Read what a folder tells of its sweep. Raises BadFile."""
+    """Read the manifest of a sweep's folder. Raises BadFile."""
     folder = SweepFolder(root)
     read, _ = _read(folder)
     design = read.design
@@ -149,7 +149,7 @@ def read_manifest(root: Path) -> tuple[SweepFolder, SweepManifest]:
 
 
 def _described(design: SweepDesign) -> object:
-    """Return all that the results of a design depend on, as JSON has it."""
+    """Return everything that the results of a design depend on, in JSON types."""
     studies = {each.number: hashlib.sha256(resolved(each.study).encode()).hexdigest() for each in design.conditions}
     told = {
         "factors": design.factors,
@@ -181,7 +181,7 @@ def _digests(design: SweepDesign) -> dict[str, str]:
 
 
 def _named_paths(study: Study, beside: Path) -> Iterator[tuple[str, str, Path]]:
-    """Yield key, value and path of what a study names."""
+    """Yield key, value and path of each file or folder that a study names."""
     yield "map", study.map, shipped().find("maps", study.map, beside)
     yield "templates", study.templates, shipped().find("templates", study.templates, beside)
     for key, path in (
@@ -204,7 +204,7 @@ def _digest(path: Path) -> str:
 
 
 class _ManifestDesign(msgspec.Struct):
-    """Design of a manifest, as far as readers rely on it; the rest is compared with a new design as it stands."""
+    """Design of a manifest, as far as readers rely on it; the rest is only compared with a new design."""
 
     factors: list[str]
     levels: dict[Annotated[int, Meta(ge=1, le=MOST_CONDITIONS)], dict[str, str]]
@@ -223,8 +223,8 @@ class _ManifestFile(msgspec.Struct):
 
 
 def _read(folder: SweepFolder) -> tuple[_ManifestFile, Mapping[str, object]]:
-    """Return what a manifest says, and its design as it stands. Raises BadFile."""
-    path, remedy = folder.manifest, "name the folder of a sweep, or bring this file back"
+    """Return the contents of a manifest, and its design unparsed. Raises BadFile."""
+    path, remedy = folder.manifest, "name the folder of a sweep, or restore this file"
     try:
         text = read_text(path, LARGEST_MANIFEST)
         told: object = json_of(text)
@@ -235,11 +235,11 @@ def _read(folder: SweepFolder) -> tuple[_ManifestFile, Mapping[str, object]]:
     except BadFile as fault:
         raise BadFile(path, fault.problem, remedy) from None
     if not isinstance(told, dict) or told.get("layout") != LAYOUT:
-        raise BadFile(path, "another release of this program began this sweep", "go on with that release")
+        raise BadFile(path, "another release of this program began this sweep", "continue with that release")
     try:
         read = msgspec.json.decode(text, type=_ManifestFile)
     except (msgspec.MsgspecError, RecursionError) as error:
-        raise BadFile(path, f"it is not as a sweep writes it ({error})", remedy) from None
+        raise BadFile(path, f"it is not the file of a sweep ({error})", remedy) from None
     if sorted(read.design.levels) != list(range(1, len(read.design.levels) + 1)):
         raise BadFile(path, "its conditions are not numbered from 1 without gaps", remedy, key="levels")
     if len(read.design.levels) * -(-len(read.design.seeds) // read.design.chunk) > MOST_CHUNKS:
@@ -248,7 +248,7 @@ def _read(folder: SweepFolder) -> tuple[_ManifestFile, Mapping[str, object]]:
 
 
 def _difference(folder: SweepFolder, design: SweepDesign, there: object, here: object) -> str:
-    """Return the first difference of two designs, as a clause."""
+    """Return the first difference between two designs, as a clause."""
     place, was, now = next(_differences(there, here, ""))
     if place.startswith("studies."):
         number = int(place.removeprefix("studies."))
@@ -262,7 +262,7 @@ def _difference(folder: SweepFolder, design: SweepDesign, there: object, here: o
 
 
 def _differences(was: object, now: object, place: str) -> Iterator[tuple[str, object, object]]:
-    """Yield the places at which two values differ, each with its values there."""
+    """Yield each place where two values differ, with both values."""
     if isinstance(was, dict) and isinstance(now, dict):
         for name in dict.fromkeys((*was, *now)):
             inner = f"{place}.{name}" if place else str(name)
@@ -277,4 +277,4 @@ def _shortened(value: object) -> str:
 
 
 LONGEST_TOLD = 60
-"""Characters of a value in the difference of two designs."""
+"""Largest number of characters of a value in the difference between two designs."""

@@ -1,4 +1,4 @@
-"""One game of a sweep, as `thbridge play` plays it with the same study and seed, without sockets and clocks."""
+"""One game of a sweep, as `thbridge play` plays it with the same study and seed, but without sockets and clocks."""
 
 from collections.abc import Sequence
 
@@ -27,9 +27,9 @@ def play_hunt(
 
     Args:
         setting: the study.
-        max_seconds: simulated time after which an unfinished game is given up.
-        listeners: get all messages of the session; without any, messages are not even made.
-        recorders: take every tick.
+        max_seconds: simulated time after which an unfinished game is stopped.
+        listeners: receive all messages of the session. Without listeners, messages are not even created.
+        recorders: receive every tick.
     """
     study, observer, statistics = setting.study, GameObserver(), RunStatistics()
     who = study.participant
@@ -50,7 +50,7 @@ def play_hunt(
 
 
 class RecordedDigest:
-    """The digest of a session's messages, as `thbridge bag info --hash` tells it of the recording.
+    """Digest of a session's messages, as `thbridge bag info --hash` prints it for the recording.
 
     Args:
         recording: options of the recording, which may leave messages out.

@@ -1,4 +1,4 @@
-"""Measures of a game: the figures that a sweep keeps of it."""
+"""Measures of a game that a sweep keeps."""
 
 import dataclasses
 import math
@@ -18,25 +18,25 @@ from thbridge.dialogue.moves import Speaker
 
 @dataclass(frozen=True, slots=True)
 class GameMeasures:
-    """Measures of one game; those of robots are of all robots together.
+    """Measures of one game. Measures of robots are totals over all robots.
 
     Attributes:
         score: points.
-        over: reason for the end (`hunt.events.EndReason`); None if the game did not end in time.
-        rooms_visited: number of rooms.
+        over: reason for the end (`hunt.events.EndReason`), or None if the game did not end in time.
+        rooms_visited: number of visited rooms.
         identified: number of treasures named, rightly or wrongly.
         sim_seconds: simulated time from the start to the end of the game.
-        energy_left: energy left.
+        energy_left: energy left at the end.
         collisions: number of times that a robot touched a wall or another robot.
-        goals_reached: goals of the robots' navigators that were reached.
-        goals_failed: goals that were given up.
-        failures: the reason of each of those, as a code, in their order.
+        goals_reached: number of goals that the robots' navigators reached.
+        goals_failed: number of goals that were given up.
+        failures: reason code of each goal that was given up, in their order.
         distance: meters driven.
         error_mean: mean distance between the true and the believed position at every scan, meters.
         error_95: 95 % quantile of this distance, meters.
-        times_lost: number of times that a localizer held itself to be lost.
-        seconds_lost: how long, simulated seconds.
-        seconds_waiting: simulated seconds in which a robot stood to let another one go first.
+        times_lost: number of times that a localizer considered itself lost.
+        seconds_lost: simulated seconds for which localizers considered themselves lost.
+        seconds_waiting: simulated seconds for which robots stood still to give way to another robot.
         refusals: number of requests that the keeper refused.
         dialogues: number of dialogues.
         robot_utterances: number of sentences that robots said.
@@ -72,7 +72,7 @@ MEASURES = tuple(field.name for field in dataclasses.fields(GameMeasures))
 
 
 class GameObserver:
-    """Counts what becomes of a game, tick by tick; `play` does not tell this in its outcome."""
+    """Counter of what happens in a game, tick by tick, as far as the outcome of `play` does not contain it."""
 
     def __init__(self) -> None:
         self._errors = array("d")
@@ -82,7 +82,7 @@ class GameObserver:
         self._failures: list[str] = []
 
     def record(self, record: TickRecord) -> None:
-        """Take one tick."""
+        """Count the events of one tick."""
         self._refusals += len(record.refusals)
         for utterance in record.utterances:
             self._dialogues.add(utterance.dialogue)

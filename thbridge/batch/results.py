@@ -1,4 +1,4 @@
-"""Results of games as Parquet files, one a chunk, which DuckDB, pandas and Arrow read as one table."""
+"""Results of games as Parquet files, one for each chunk. DuckDB, pandas and Arrow read all of them as one table."""
 
 import dataclasses
 import hashlib
@@ -23,12 +23,12 @@ from thbridge.files.disk.whole import whole_file
 from thbridge.files.errors import BadFile
 
 MOST_GAMES, LARGEST_TABLE = 1_000_000, 1 << 30
-"""Games of a chunk that are read, and bytes that they unpack to: some kilobytes of Parquet can stand for gigabytes."""
+"""Largest number of games of a chunk that is read, and of bytes that it unpacks to: a small file can unpack to many."""
 
 VERSIONS = "thbridge.versions"
-"""Key in a file's metadata of the versions of programs that played its games, as JSON."""
+"""Metadata key of the versions of programs that played a file's games, as JSON."""
 _SUM = "thbridge.sum"
-"""Key in a file's metadata of the SHA-256 of the file in which that hash is `_NO_SUM`. Older files have none."""
+"""Metadata key of the file's SHA-256, computed with `_NO_SUM` in its place. Older files have none."""
 _NO_SUM = 64 * "-"
 _WITH_SUM = re.compile(rb"thbridge\.sum[^0-9a-f]{1,8}([0-9a-f]{64})")
 
@@ -49,14 +49,14 @@ class GameResult:
     """The result of one game.
 
     Attributes:
-        seed: of the game.
-        status: whether it ended.
-        fault: the error that ended it; None without one.
-        messages: digest of the messages of its session (`thbridge bag info --hash`); None where none were made.
-        bag: name of the recording within the sweep's folder; None without one.
+        seed: random seed of the game.
+        status: state of the game.
+        fault: the error that ended it, or None.
+        messages: digest of its session's messages (`thbridge bag info --hash`), or None if no messages were created.
+        bag: name of its recording within the sweep's folder, or None.
         worker: host and process that played it.
         cpu_seconds: processor time.
-        measures: None for a game without a result.
+        measures: measures of the game, or None if it has no result.
     """
 
     seed: int
@@ -74,11 +74,11 @@ class Verification:
     """A game that was played again.
 
     Attributes:
-        seed: of the game.
+        seed: random seed of the game.
         first: digest of the messages of the first session.
-        again: of the second.
+        again: digest of the messages of the second session.
         first_worker: host and process that played it first.
-        again_worker: and that played it again.
+        again_worker: host and process that played it again.
     """
 
     seed: int
@@ -89,12 +89,12 @@ class Verification:
 
     @property
     def equal(self) -> bool:
-        """True when both sessions said the same."""
+        """True if both sessions gave the same messages."""
         return self.first == self.again
 
 
 Level = str | float | int | None
-"""Level of a factor in the results; None where a condition does not have the factor."""
+"""Level of a factor in the results, or None if a condition does not have the factor."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,7 +111,7 @@ class FactorColumns:
 
     @classmethod
     def of(cls, factors: Sequence[str], written: Mapping[int, Mapping[str, str]]) -> "FactorColumns":
-        """Return the columns of levels as they are written: numbers where all levels of a factor are numbers."""
+        """Return the columns of levels as they are written: numbers if all levels of a factor are numbers."""
         kinds = {factor: _kind([each[factor] for each in written.values() if factor in each]) for factor in factors}
         readers: Mapping[str, Callable[[str], Level]] = {"int64": int, "double": float, "string": str}
         levels: dict[int, Mapping[str, Level]] = {
@@ -137,7 +137,7 @@ OWN_COLUMNS = (
     *MEASURES,
     "verified",
 )
-"""Columns that are no factors."""
+"""Columns that are not factors."""
 
 
 def write_games(
@@ -148,18 +148,18 @@ def write_games(
     measures: Collection[str],
     plugins: Iterable[str] = (),
 ) -> None:
-    """Write the games of a chunk; those measures of them that are named.
+    """Write the games of a chunk with the measures that are named.
 
     Args:
-        path: of the file.
-        games: of the chunk.
-        condition: of the sweep.
-        factors: as columns.
-        measures: names of those that are kept.
+        path: path of the file.
+        games: games of the chunk.
+        condition: number of the condition.
+        factors: columns of the factors.
+        measures: names of the measures to write.
         plugins: keys of the plug-ins that the sweep's studies name.
 
     Raises:
-        BadFile: it cannot be written.
+        BadFile: the file cannot be written.
     """
     columns: dict[str, pa.Array] = {"seed": pa.array([game.seed for game in games], pa.int64())}
     for factor, kind in factors.kinds.items():
@@ -182,12 +182,12 @@ def _write(path: Path, columns: Mapping[str, pa.Array], plugins: Iterable[str]) 
     written = io.BytesIO()
     parquet.write_table(table, written, compression="zstd")
     content = written.getvalue()
-    with whole_file(path, "make room, then go on", folders=True) as file:
+    with whole_file(path, "free some space, then continue", folders=True) as file:
         file.write(content.replace(_NO_SUM.encode(), hashlib.sha256(content).hexdigest().encode()))
 
 
 def _columns(rows: Sequence[object], of: type, names: Collection[str]) -> dict[str, pa.Array]:
-    """Return the columns of some fields of a class; None as a row has no values."""
+    """Return some fields of a class as columns. A row that is None gives missing values."""
     hints = cast(Mapping[str, object], get_type_hints(of))
     return {
         name: pa.array([None if row is None else _plain(getattr(row, name)) for row in rows], _arrow(hint))
@@ -197,7 +197,7 @@ def _columns(rows: Sequence[object], of: type, names: Collection[str]) -> dict[s
 
 
 def _plain(value: object) -> object:
-    """Return a value as Arrow takes it."""
+    """Return a value in a form that Arrow accepts."""
     if isinstance(value, tuple):
         return [_plain(item) for item in value]
     return dataclasses.asdict(value) if dataclasses.is_dataclass(value) and not isinstance(value, type) else value
@@ -234,10 +234,10 @@ def game_faults(path: Path, condition: int) -> list[str]:
 
 
 def differing_games(path: Path, condition: int) -> list[str]:
-    """Return a sentence for each game of a chunk that was not the same again. Raises BadFile."""
+    """Return a sentence for each game of a chunk that gave another result when repeated. Raises BadFile."""
     return [
-        f"condition {condition}, seed {row['seed']}: not the same again (first by {row['first_worker']}, "
-        f"again by {row['again_worker']})"
+        f"condition {condition}, seed {row['seed']}: the result differs when repeated (first played by "
+        f"{row['first_worker']}, again by {row['again_worker']})"
         for row in read_table(path).to_pylist()
         if not row["equal"]
     ]
@@ -250,18 +250,18 @@ def versions_in(path: Path) -> str:
 
 
 def read_table(path: Path, columns: Sequence[str] | None = None) -> pa.Table:
-    """Read some columns of a file. Raises BadFile: it is not what was written, none of ours, or too large for one."""
+    """Read some columns of a file. Raises BadFile if it is damaged, not one of ours, or too large for a chunk."""
     remedy = "delete it: a further run plays its games again"
     try:
         content = content_of(path, LARGEST_TABLE)
         if _is_damaged(content):
-            raise BadFile(path, "it is damaged: its checksum does not fit", remedy)
-        # Its own columns alone: the folder's name would be another.
+            raise BadFile(path, "it is damaged: its checksum is wrong", remedy)
+        # Only its own columns: Arrow would add one from the folder's name.
         file = parquet.ParquetFile(pa.BufferReader(content))
         groups = range(file.num_row_groups)
         unpacked = sum(file.metadata.row_group(number).total_byte_size for number in groups)  # of integers
         if file.metadata.num_rows > MOST_GAMES or unpacked > LARGEST_TABLE:
-            problem = f"{file.metadata.num_rows} games that unpack to {unpacked} bytes are more than a chunk has"
+            problem = f"{file.metadata.num_rows} games that unpack to {unpacked} bytes are too many for a chunk"
             raise BadFile(path, problem, remedy)
         table = file.read(columns)
     except (OSError, pa.ArrowException, UnicodeDecodeError) as error:
@@ -279,7 +279,7 @@ def read_table(path: Path, columns: Sequence[str] | None = None) -> pa.Table:
 
 @cache
 def _known_columns() -> tuple[Mapping[str, pa.DataType], frozenset[str]]:
-    """Return the types of the columns that readers rely on, and those that have a value in each row."""
+    """Return the types of the columns that readers rely on, and the columns that have a value in each row."""
     hints = {**get_type_hints(GameResult), **get_type_hints(Verification), "equal": bool}
     hints.pop("measures")
     always = frozenset(name for name, hint in hints.items() if get_origin(hint) is not types.UnionType)
@@ -287,7 +287,7 @@ def _known_columns() -> tuple[Mapping[str, pa.DataType], frozenset[str]]:
 
 
 def _is_damaged(content: bytes) -> bool:
-    """Return True for a file that is not what was written: Parquet itself notices little."""
+    """Return True if a file is not what was written. Parquet itself detects little of that."""
     found = _WITH_SUM.search(content)
     if found is None:
         return False

@@ -1,4 +1,4 @@
-"""Settings of studies that share their files: a map is read once, whatever number of studies is played on it."""
+"""Settings of studies that share their files: each map is read once for all studies that use it."""
 
 import dataclasses
 from pathlib import Path
@@ -12,10 +12,10 @@ from thbridge.study.study_file import ParticipantSection, RecordingSection, Stud
 
 
 class SettingCache:
-    """Settings by what studies name; studies that differ in seed, software or noise alone share their files.
+    """Settings by what studies name. Studies that differ only in seed, software or noise share their files.
 
     Args:
-        beside: the folder that paths in studies are relative to.
+        `beside`: the folder that paths in studies are relative to.
     """
 
     def __init__(self, beside: Path) -> None:
@@ -37,7 +37,7 @@ class SettingCache:
 
 
 def _naming(study: Study) -> Study:
-    """Return the study without what no file depends on."""
+    """Return the study without the values that no file depends on."""
     standard = ParticipantSection()
     return dataclasses.replace(
         study,

@@ -1,4 +1,4 @@
-"""Status of a sweep, as its folder tells it while any number of programs work on it, or none."""
+"""Status of a sweep, read from its folder, whether programs are working on it or not."""
 
 import math
 import os
@@ -24,18 +24,18 @@ class SweepStatus:
 
     Attributes:
         games: number of games of the design.
-        done: games whose results are there, whatever they are.
-        missing: the others.
-        running: of these, games that workers have begun and not ended; without those of dead workers of this machine.
+        done: number of games with a result of any kind.
+        missing: number of games without one.
+        running: number of missing games that workers have begun, without those of dead workers of this machine.
         by_status: number of games by `GameStatus`.
         faults: sentences about games without a result.
-        drawn: games that are to be played again.
-        verified: of these, games that were.
-        differing: sentences about games that were not the same again.
+        drawn: number of games to play again.
+        verified: number of games that were played again.
+        differing: sentences about games that gave another result when repeated.
         cpu_seconds: processor time of all games.
-        last_written: when the last file was written, seconds since 1970; None before the first.
-        rate: games a second over the last files that were written; None where they do not tell.
-        seconds_left: at that rate; None where it is unknown.
+        last_written: time at which the last file was written, seconds since 1970, or None if there is none.
+        rate: games per second over the most recent files, or None if unknown.
+        seconds_left: time left at that rate, or None if unknown.
         versions: number of files by the versions of the programs that wrote them.
     """
 
@@ -56,13 +56,13 @@ class SweepStatus:
 
 
 RECENT = 50
-"""Files by whose times the rate is told."""
+"""Number of files that give the rate."""
 A_BREAK = 600.0
-"""Seconds without a new file: the sweep stood still."""
+"""Seconds without a new file after which the sweep counts as interrupted."""
 
 
 def status_of(root: Path) -> SweepStatus:
-    """Read the status of a sweep. Raises BadFile: it is no folder of one, or a file cannot be read."""
+    """Read the status of a sweep. Raises BadFile if the folder is not a sweep's, or a file cannot be read."""
     folder, manifest = read_manifest(root)
     by_status, versions = Counter[str](), Counter[str]()
     faults, differing, written = list[str](), list[str](), list[tuple[float, int]]()
@@ -83,7 +83,7 @@ def status_of(root: Path) -> SweepStatus:
             kept = folder.ended(chunk)
             ended = read_ended(folder, kept, manifest.versions)
             running += _is_running(folder.attempts(chunk), ended)
-            with suppress(FileNotFoundError):  # The chunk has just ended, or there was no such file.
+            with suppress(FileNotFoundError):  # The chunk has just ended, or has no such file.
                 written.append((kept.stat().st_mtime, len(ended)))
             by_status.update(game.status for game in ended.values())
             cpu += math.fsum(game.cpu_seconds for game in ended.values())
@@ -111,7 +111,7 @@ def status_of(root: Path) -> SweepStatus:
 
 
 def _is_running(journal: Path, ended: Container[int]) -> bool:
-    """Return True if a worker plays a game of a chunk, as far as its journal and this machine know."""
+    """Return True if a worker is playing a game of a chunk, according to its journal and this machine's processes."""
     begun = begun_game(journal)
     if begun is None or begun[1] in ended:
         return False
@@ -128,7 +128,7 @@ def _is_running(journal: Path, ended: Container[int]) -> bool:
 
 
 def _rate(written: list[tuple[float, int]]) -> float | None:
-    """Return the games a second, by the times and games of files, oldest first."""
+    """Return games per second, given the times and numbers of games of files, oldest first."""
     recent = written[-RECENT:]
     for place in range(len(recent) - 1, 0, -1):
         if recent[place][0] - recent[place - 1][0] > A_BREAK:

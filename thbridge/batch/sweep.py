@@ -1,4 +1,4 @@
-"""The run of a sweep: what is missing is played, drawn games are played again, and workers that die are bearable."""
+"""The run of a sweep: it plays missing games, plays drawn games again, and tolerates workers that die."""
 
 from collections import Counter
 from collections.abc import Callable, Sequence
@@ -23,12 +23,12 @@ class SweepProgress:
     """Progress of a run.
 
     Attributes:
-        games: of this run's part, in all.
-        before: of these, games whose results were there before.
-        played: games played by this run.
-        failed: of these, games without a result.
-        verified: games played again.
-        differing: of these, games that were not the same again.
+        games: number of games of this run's part.
+        before: number of games that already had results.
+        played: number of games played by this run.
+        failed: number of played games without a result.
+        verified: number of games played again.
+        differing: number of games that gave another result when repeated.
         deaths: number of workers that died.
         cpu_seconds: processor time of all workers for their tasks.
     """
@@ -52,19 +52,19 @@ def run_sweep(
     retry: bool = False,
     progress: Callable[[SweepProgress, Sequence[str]], None] = lambda _progress, _faults: None,
 ) -> SweepProgress:
-    """Play what is missing of a sweep.
+    """Play the missing games of a sweep.
 
     Args:
         design: the design.
-        folder: its folder, opened with it.
-        engine: within its context.
+        folder: its folder, opened with this design.
+        engine: the engine, within its context.
         shard: the part to play.
-        retry: True to play chunks again in which games failed or crashed.
-        progress: takes the progress whenever it changes, with sentences about what went wrong.
+        retry: True to replay chunks with games that failed or crashed.
+        progress: receives the progress whenever it changes, with sentences about errors.
 
     Raises:
         BadFile: the folder cannot be written.
-        EngineFailed: the engine cannot go on, or its workers die of what is no single game's fault.
+        EngineFailed: the engine cannot continue, or its workers die for a reason that lies in no single game.
     """
     told, deaths = SweepProgress(), Counter[Path]()
     for task in tasks_of(design, folder, shard.has):
@@ -100,7 +100,7 @@ def run_sweep(
 
 
 def tasks_of(design: SweepDesign, folder: SweepFolder, wanted: Callable[[GameChunk], bool]) -> list[SweepTask]:
-    """Return the tasks that play the chunks that are wanted."""
+    """Return the tasks that play the wanted chunks."""
     plugins = plugins_of(*(condition.study for condition in design.conditions))
     return [
         SweepTask(
@@ -121,20 +121,20 @@ def tasks_of(design: SweepDesign, folder: SweepFolder, wanted: Callable[[GameChu
 
 
 def _verify(engine: Engine[SweepTask], played: SweepTask, worker: str | None) -> None:
-    """Have a chunk's drawn games played again by another worker, if that has not been done."""
+    """Submit a chunk's drawn games to another worker, unless they have already been repeated."""
     task = replace(played, again=True)
     if task.verified_seeds and not task.result.exists():
         engine.submit(task, avoid=worker)
 
 
 def _try_again(engine: Engine[SweepTask], ended: FinishedTask[SweepTask], deaths: int) -> None:
-    """Have a task done by another worker. Raises EngineFailed when that is in vain."""
-    # Playing a chunk, each of its games may take some workers with it before it is left out.
+    """Submit a task again after its worker died. Raise EngineFailed after too many deaths."""
+    # While a chunk is played, each of its games may kill some workers before it is left out.
     most = MOST_DEATHS if ended.task.again else MOST_DEATHS * len(ended.task.chunk.seeds)
     if deaths > most:
         chunk = ended.task.chunk
         cause = ended.cause or (
-            "The cause is unknown: see what the workers' programs and the machine's log say of memory and time limits."
+            "The cause is unknown: check the workers' programs and the machine's log for memory and time limits."
         )
         raise EngineFailed(
             f"{deaths} workers died at chunk {chunk.number} (condition {chunk.condition}). {cause} Games that ended "

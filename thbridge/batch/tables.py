@@ -21,10 +21,10 @@ VARYING = ("worker", "cpu_seconds")
 def collect(root: Path) -> pa.Table:
     """Return all games that have been played so far, by condition and seed.
 
-    The column `verified` is true for a game that was the same again, false for one that was not, else null.
+    In the column `verified`, true means the same result when repeated, false another one, null not repeated.
 
     Raises:
-        BadFile: it is no folder of a sweep, no game has been played, or a file cannot be read.
+        BadFile: the folder is not a sweep's, no game has been played, or a file cannot be read.
     """
     folder, manifest = read_manifest(root)
     tables = [table for chunk in manifest.chunks if (table := _games(folder, chunk)) is not None]
@@ -52,7 +52,7 @@ def _games(folder: SweepFolder, chunk: GameChunk) -> pa.Table | None:
 
 
 def write_collected(table: pa.Table, path: Path, kind: TableFormat) -> None:
-    """Write a table; CSV has lists as words with blanks between, and no figures of each robot. Raises BadFile."""
+    """Write a table. In CSV, lists are separated by blanks, and figures of each robot are left out. Raises BadFile."""
     with whole_file(path, folders=True) as file:
         if kind is TableFormat.PARQUET:
             parquet.write_table(table, file, compression="zstd")
@@ -72,7 +72,7 @@ def _plain(table: pa.Table) -> pa.Table:
 
 
 def numbers_of(table: pa.Table, names: Sequence[str]) -> Sequence[str]:
-    """Return those columns of a table, of some, that hold numbers."""
+    """Return those of the named columns of a table that hold numbers."""
     return [name for name in names if name in table.column_names and _is_number(table.schema.field(name).type)]
 
 

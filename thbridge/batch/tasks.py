@@ -1,4 +1,4 @@
-"""Tasks of a sweep: a chunk played, or drawn games of it played again."""
+"""Tasks of a sweep: each plays a chunk, or plays drawn games of a chunk again."""
 
 import time
 import traceback
@@ -35,10 +35,10 @@ from thbridge.recording.recordings import active_of
 from thbridge.study.study_file import Study
 
 MOST_DEATHS = 2
-"""Workers that may die while they play a game; then it is left out, and marked."""
+"""Number of workers that may die while they play a game. Then the game is left out and marked as crashed."""
 
 _playing = Lock()
-"""A process plays one game at a time, whatever threads it has."""
+"""Lock by which a process plays one game at a time, whatever threads it has."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,17 +46,17 @@ class SweepTask:
     """Work on one chunk.
 
     Attributes:
-        folder: of the sweep, which the worker must be able to write.
-        beside: the folder that paths in the study are relative to.
+        folder: folder of the sweep. The worker must be able to write it.
+        `beside`: the folder that paths in the study are relative to.
         chunk: the games.
-        study: of their condition.
-        factors: as columns of the results.
-        measures: names of those that are kept.
-        max_seconds: simulated time after which an unfinished game is given up.
-        one_bag_in: one of so many games is recorded; 0: none.
-        one_verified_in: one of so many games is played again; 0: none.
-        again: True to play those again, and to compare.
-        plugins: keys of the plug-ins that the sweep's studies name, whose versions are recorded.
+        study: study of the games' condition.
+        factors: columns of the results for the factors.
+        measures: names of the measures to keep.
+        max_seconds: simulated time after which an unfinished game is stopped.
+        one_bag_in: one game in this number is recorded; 0: none.
+        one_verified_in: one game in this number is played again; 0: none.
+        again: True to play drawn games again, and compare.
+        plugins: keys of the plug-ins that the sweep's studies name; their versions are recorded.
     """
 
     folder: Path
@@ -73,30 +73,30 @@ class SweepTask:
 
     @property
     def verified_seeds(self) -> tuple[int, ...]:
-        """Games that are drawn to be played again."""
+        """Seeds of the games that are drawn to be played again."""
         return tuple(seed for seed in self.chunk.seeds if self._is_drawn("verified", self.one_verified_in, seed))
 
     @property
     def recorded_seeds(self) -> tuple[int, ...]:
-        """Games that are drawn to be recorded."""
+        """Seeds of the games that are drawn to be recorded."""
         return tuple(seed for seed in self.chunk.seeds if self._is_drawn("recorded", self.one_bag_in, seed))
 
     @property
     def result(self) -> Path:
-        """The file that is there once it is done."""
+        """The file that exists once the task is done."""
         folder = SweepFolder(self.folder)
         return folder.verified(self.chunk) if self.again else folder.games(self.chunk)
 
     @property
     def urgent(self) -> bool:
-        """See `BatchTask`: a difference shall show early."""
+        """See `BatchTask`. Repeated games come first, so that a difference shows early."""
         return self.again
 
     def carry_out(self, most: int | None = None) -> TaskOutcome:
         """See `BatchTask`."""
         with _playing:
             began, left = time.process_time(), 0
-            # It is there already where a worker was lost between its file and its answer.
+            # The file already exists if a worker was lost after writing it and before answering.
             if not self.result.exists():
                 if self.again:
                     _verify(self)
@@ -113,7 +113,7 @@ class SweepTask:
 
 
 def _play(task: SweepTask, most: int | None) -> int:
-    """Play the games of a chunk, but no more than `most`; return the number of those that are left."""
+    """Play at most `most` games of a chunk; return the number of games left."""
     folder, games = SweepFolder(task.folder), dict[int, GameResult]()
     journal, kept = folder.attempts(task.chunk), folder.ended(task.chunk)
     deaths, ended = _deaths(journal), read_ended(folder, kept, task.plugins)
@@ -154,7 +154,7 @@ def _verify(task: SweepTask) -> None:
 
 
 def _game(task: SweepTask, seed: int, *, recorded: bool, hashed: bool) -> GameResult:
-    """Play a game; an exception ends it alone, a full disk the task."""
+    """Play a game. Most exceptions end only this game; a BadFile or OSError, such as a full disk, ends the task."""
     began = time.process_time()
     setting = _settings(task.beside).of(replace(task.study, seed=seed))
     said = RecordedDigest(setting.study.recording)
@@ -198,28 +198,28 @@ def _settings(beside: Path) -> SettingCache:
 ATTEMPT = "attempt"
 """First word of a line that begins an attempt, with its worker; other lines are seeds of games that were begun."""
 ENDED = "ended"
-"""Line of an attempt that left the other games to further ones."""
+"""Line of an attempt that left the remaining games to further attempts."""
 
 
 _LARGEST_JOURNAL = 1 << 24
-"""Largest journal in bytes: a chunk has a line for each game that was begun."""
+"""Largest journal in bytes. A chunk has a line for each game that was begun."""
 
 
 def _note(journal: Path, line: str) -> None:
-    """Append a line to a journal of attempts. Raises BadFile: it cannot be written."""
+    """Append a line to a journal of attempts. Raises BadFile if it cannot be written."""
     try:
         journal.parent.mkdir(parents=True, exist_ok=True)
         with own_target(journal).open("ab", buffering=0) as file:
             append_whole(file, f"{line}\n".encode(), synced=False)
     except OSError as error:
-        raise BadFile(journal, f"it cannot be written ({reason_of(error)})", "make room, then go on") from None
+        raise BadFile(journal, f"it cannot be written ({reason_of(error)})", "free some space, then continue") from None
 
 
 def begun_game(journal: Path) -> tuple[str, int] | None:
-    """Return the worker and seed of the game that was begun last; None for an attempt that has begun none, or ended.
+    """Return the worker and seed of the game begun last, or None if the attempt has begun no game or has ended.
 
     Raises:
-        BadFile: the journal is not one.
+        BadFile: the file is not a journal.
     """
     try:
         lines = content_of(journal, _LARGEST_JOURNAL).decode().rpartition(ATTEMPT)[2].splitlines()
@@ -227,17 +227,17 @@ def begun_game(journal: Path) -> tuple[str, int] | None:
     except FileNotFoundError:
         return None
     except (OSError, ValueError):
-        raise BadFile(journal, "is no journal of attempts", "Delete it, then go on") from None
+        raise BadFile(journal, "not a journal of attempts", "Delete it, then continue") from None
 
 
 def _deaths(journal: Path) -> Mapping[int, int]:
-    """Return the number of attempts that ended within a game, by its seed.
+    """Return the number of attempts that ended during a game, by its seed.
 
     Raises:
-        BadFile: the journal is not one.
+        BadFile: the file is not a journal.
         OSError: it cannot be read.
     """
-    remedy = "Delete it, then go on: it counts how often workers died"
+    remedy = "Delete it, then continue: it counts how often workers died"
     try:
         text = content_of(journal, _LARGEST_JOURNAL).decode()
         attempts = [attempt.splitlines() for attempt in text.split(ATTEMPT)[1:]]
@@ -247,4 +247,4 @@ def _deaths(journal: Path) -> Mapping[int, int]:
     except BadFile as fault:
         raise BadFile(journal, fault.problem, remedy) from None
     except ValueError:
-        raise BadFile(journal, "is no journal of attempts", remedy) from None
+        raise BadFile(journal, "not a journal of attempts", remedy) from None

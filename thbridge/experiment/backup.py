@@ -1,6 +1,6 @@
-"""Backups of a study: its log, verified, and its files and recordings, while a program may be running it.
+"""Backups of a study: its verified log, its files and recordings, even while a program runs the study.
 
-A backup is a study's folder itself, without exports: what can be done with the one can be done with the other.
+A backup is itself a study folder, without exports: every command for a study also works on it.
 """
 
 import os
@@ -19,26 +19,26 @@ from thbridge.recording.recordings import digest_of
 
 
 def back_up(study: ExperimentFolder, to: Path) -> tuple[str, ...]:
-    """Write a backup, or bring one up to date; the study's folder keeps where it is.
+    """Write a backup, or bring one up to date. The study remembers the backup's folder.
 
-    Of people who are in the log, no recording of the backup is ever deleted; those of others, who withdrew, are.
+    Recordings of people in the log are never deleted from the backup. Recordings of others, who withdrew, are deleted.
     Links that lead out of the study are not followed, except the folder of recordings itself.
 
     Returns:
-        Sentences about what is not in the backup, and about recordings in it that are not as the log has them.
+        Sentences about what is not in the backup, and about its recordings that differ from the log.
 
     Raises:
-        BadFile: the study's log is damaged, there is something else in the folder, a program runs the study there, or
+        BadFile: the study's log is damaged, the folder has other files, a program runs the study there, or
             it cannot be written.
     """
     copy, real = ExperimentFolder(to), to.resolve()
     if any(real.is_relative_to(own.resolve()) for own in (study.root, study.recordings)):
-        raise BadFile(to, "it is in the study's own folder, and would be lost with it", "Name another by --to")
+        raise BadFile(to, "a backup in the study's own folder would be lost with it", "Name another folder with --to")
     try:
-        # A backup that a power cut has ended may have the folder of its log alone.
+        # After a power cut, a backup may have only the folder of its log.
         if to.exists() and not copy.log.exists() and any(path.name != STORE for path in to.iterdir()):
             raise BadFile(
-                to, "there is something in this folder that is no backup", "Name a new or an empty one by --to"
+                to, "this folder has files that do not belong to a backup", "Name a new or an empty folder with --to"
             )
         make_folder(copy.log.parent)
         with lock_log(copy.log):
@@ -56,7 +56,7 @@ def back_up(study: ExperimentFolder, to: Path) -> tuple[str, ...]:
             return (*left_out, *missing_recordings(copy))
     except OSError as error:
         raise BadFile(
-            to, f"it cannot be written ({reason_of(error)})", "Make room there, or name another by --to"
+            to, f"it cannot be written ({reason_of(error)})", "Free some space there, or name another folder with --to"
         ) from None
 
 
@@ -65,25 +65,28 @@ def _events(entries: Iterable[LogEntry]) -> Iterator[LoggedEvent]:
 
 
 def copy_folder(folder: Path, to: Path, within: Path, without: set[Path]) -> Iterator[str]:
-    """Copy the files below a folder, but for those in some folders, and yield sentences about what is left out.
+    """Copy the files below a folder, except those in some folders, and yield sentences about what is left out.
 
     Args:
         folder: the folder.
         to: its copy.
-        within: the resolved folder that links may lead to; they are copied as links.
-        without: resolved folders that are left out.
+        within: the resolved folder that links may lead to; such links are copied as links.
+        without: resolved folders to leave out.
     """
     for path in sorted(folder.iterdir()):
         other, real = to / path.name, Path(os.path.realpath(path))
         if real in without or (path.is_symlink() and any(real.is_relative_to(each) for each in without)):
             continue
-        # Recordings are large: their folder may be a link to another disk, on either side.
+        # Recordings are large, so their folder may be a link to another disk, in the study or in the backup.
         is_recordings = path.name == RECORDINGS and path.is_dir() and folder.resolve() == within
         if path.is_symlink() and not is_recordings:
             if not real.is_relative_to(within):
-                yield f"{path} is a link out of the study and is not in the backup. Put what it leads to in its place."
+                yield (
+                    f"{path} is a link to a place outside the study and is not in the backup. Replace it by what it "
+                    f"leads to."
+                )
             elif other.is_dir() and not other.is_symlink():
-                yield f"{path} is a link, and {other} is a folder of the backup. Delete that folder."
+                yield f"{path} is a link, but {other} is a folder of the backup. Delete that folder."
             else:
                 _copy_link(os.path.relpath(real, folder.resolve()), other)
         elif path.is_dir():
@@ -93,11 +96,11 @@ def copy_folder(folder: Path, to: Path, within: Path, without: set[Path]) -> Ite
         elif path.is_file():
             _copy(path, other)
         else:
-            yield f"{path} is no file and is not in the backup."
+            yield f"{path} is not a regular file and is not in the backup."
 
 
 def _copy_link(target: str, to: Path) -> None:
-    """Make a link, unless there is this one."""
+    """Make a link, unless it already exists."""
     if to.is_symlink() and str(to.readlink()) == target:
         return
     make_folder(to.parent)
@@ -119,7 +122,7 @@ def _copy(path: Path, to: Path) -> None:
 
 
 def missing_recordings(copy: ExperimentFolder) -> Iterator[str]:
-    """Yield sentences about recordings of a backup that are not as its log has them."""
+    """Yield sentences about recordings of a backup that differ from its log."""
     for entry in _events(read_log(copy.log)):
         data = entry.event.data or {}
         if entry.event.kind != EventKind.GAME_PLAYED or "bag" not in data:

@@ -1,4 +1,5 @@
-"""The check of an experiment before people take part, which refuses what later commands would and what spoils data."""
+"""The check of an experiment before people take part. It refuses faults of later commands, and faults that spoil
+data."""
 
 from collections.abc import Mapping
 
@@ -11,12 +12,12 @@ from thbridge.files.errors import BadFile, FaultCollection
 
 
 def read_for_people(folder: ExperimentFolder) -> ExperimentDesign:
-    """Read an experiment that people are to take part in, with all that its games need.
+    """Read an experiment that people will take part in, with all files that its games need.
 
-    Once people have taken part, a study must go on as it is, so it is read with the faults of `soundness`.
+    Once people have taken part, the study must continue unchanged, so it is then read despite faults of `soundness`.
 
     Raises:
-        BadFile: it is faulty; as BadFiles, all faults at once.
+        BadFile: the experiment is faulty; as BadFiles, with all faults at once.
     """
     design = folder.read(with_files=True)
     if not is_under_way(folder):
@@ -27,17 +28,17 @@ def read_for_people(folder: ExperimentFolder) -> ExperimentDesign:
 def check_experiment(
     folder: ExperimentFolder, versions: Mapping[str, str]
 ) -> tuple[ExperimentDesign, tuple[BadFile, ...]]:
-    """Read an experiment with all that its games, freezing, rehearsals and power need.
+    """Read an experiment with everything that its games, freezing, rehearsals and power need.
 
     Args:
-        folder: of the experiment.
-        versions: of the programs that run it.
+        folder: folder of the experiment.
+        versions: versions of the programs that run it.
 
     Returns:
-        The experiment, and the faults that it goes on with because people have taken part.
+        The experiment, and the faults that are tolerated because people have already taken part.
 
     Raises:
-        BadFile: it is faulty; as BadFiles, all faults at once.
+        BadFile: the experiment is faulty; as BadFiles, with all faults at once.
     """
     design = folder.read(with_files=True)
     found = _faults(design)
@@ -51,7 +52,7 @@ def check_experiment(
 
 
 def is_under_way(folder: ExperimentFolder) -> bool:
-    """Return True when the log of an experiment has an entry.
+    """Return True if the log of an experiment has an entry.
 
     Raises:
         BadFile: the log is damaged.

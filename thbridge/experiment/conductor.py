@@ -1,7 +1,7 @@
-"""The conductor of an experiment: gives people their places and steps, and has each event in the log before the next.
+"""The conductor of an experiment: gives people their places and steps, and logs each event before the next one.
 
-It holds no state that the log does not have. Whoever opens the same log later, after a crash or on another machine,
-goes on where it ended.
+All of its state is in the log. A program that opens the same log later, after a crash or on another machine, resumes
+where the log ends.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -27,20 +27,20 @@ from thbridge.experiment.store.events import (
 )
 
 LETTERS = "23456789ABCDEFGHJKMNPQRSTVWXYZ"
-"""Letters and digits of ids and codes: none that looks like another."""
+"""Letters and digits of ids and codes, without those that look alike."""
 
 Draw = Callable[[int], int]
-"""Source of chance: a whole number from 0 up to, and without, this one."""
+"""Source of random whole numbers: from 0 to one less than the argument."""
 
 
 class Conductor:
-    """Carries on one experiment.
+    """Program that runs one experiment.
 
     Args:
         design: the experiment.
         log: its log.
-        clocks: the time now; outside of a trial.
-        draw: chance for ids and codes, which must not follow from the experiment's seed.
+        clocks: return the current time outside of a trial.
+        draw: source of random ids and codes; these must not depend on the experiment's seed.
 
     Raises:
         BadFile: the log cannot be read.
@@ -52,15 +52,15 @@ class Conductor:
         self._clocks = clocks
         self._draw = draw
         self.progress = Progress(design).after(log.read())
-        """Where everybody is."""
+        """Progress of all people."""
         self.listeners: list[Callable[[LoggedEvent], None]] = []
-        """Called with each event once it is in the log, and `progress` knows it."""
+        """Functions that are called with each event once it is in the log and in `progress`."""
 
     def admit(self, external_id: str = "") -> Run | NoPlace:
-        """Begin the run of the next person, if there is a place.
+        """Begin the run of the next person if a place is free.
 
         Args:
-            external_id: the person's id at a recruiting service; empty: none.
+            external_id: the person's id at a recruiting service; may be empty.
         """
         place = self.progress.next_place()
         if isinstance(place, NoPlace):
@@ -73,10 +73,10 @@ class Conductor:
         return self.progress.runs[participant]
 
     def begin(self, participant: str) -> PlannedStep | None:
-        """Begin a person's next step, or go on with the one that was under way; None: all is done.
+        """Begin a person's next step, or resume the current one. Return None if all steps are done.
 
-        Steps that the person's answers do not ask for are passed over; a step that must not go on after a crash ends
-        the run.
+        Steps that the person's answers do not call for are skipped. A step that must not resume after a crash ends the
+        run.
         """
         while (step := self.progress.next_step(participant)) is not None:
             run = self.progress.runs[participant]
@@ -100,7 +100,7 @@ class Conductor:
         return None
 
     def debrief(self, participant: str) -> PlannedStep | None:
-        """Begin the next debriefing of a person who left or was excluded, or go on with it; None: none is left."""
+        """Begin or resume the next debriefing of a person who left or was excluded. Return None if none is left."""
         step = self.progress.next_debriefing(participant)
         if step is not None and step.number in self.progress.runs[participant].debriefs:
             self._of_step(EventKind.STEP_RESUMED, "program", participant, step, {"from": str(ResumeRule.BEGINNING)})
@@ -111,15 +111,15 @@ class Conductor:
     def tell(
         self, kind: EventKind, participant: str, step: PlannedStep, data: Mapping[str, JsonValue], actor: Actor
     ) -> LoggedEvent:
-        """Take down something that happened in a step: an item that was shown, touched, changed or given."""
+        """Log an event of a step, such as an item that was shown, touched, changed or given."""
         return self._of_step(kind, actor, participant, step, data)
 
     def tell_of_run(self, kind: EventKind, participant: str, data: Mapping[str, JsonValue], actor: Actor) -> None:
-        """Take down something of a person's run that belongs to none of its steps."""
+        """Log an event of a person's run that belongs to no step."""
         self._append(kind, actor, participant, data=data)
 
     def end(self, participant: str, step: PlannedStep) -> StepOutcome:
-        """End a step that a person has done; a check is judged by the answers given."""
+        """End a step that a person has done; the answers given decide the outcome of a check."""
         outcome = StepOutcome.DONE
         if step.entry.step is StepKind.CHECK and not self._passed(participant, step):
             outcome = StepOutcome.FAILED
@@ -127,27 +127,28 @@ class Conductor:
         return outcome
 
     def leave(self, participant: str, reason: str, *, declined: bool = False, actor: Actor = "participant") -> None:
-        """End a run before its end: the person did not agree, or went, or the experimenter ends it."""
+        """End a run early: the person did not consent, left, or was stopped by the experimenter."""
         outcome = RunState.DECLINED if declined else RunState.LEFT
         data: dict[str, JsonValue] = {"outcome": outcome, "reason": reason}
         self._append(EventKind.RUN_ENDED, actor, participant, data=data)
 
     def exclude(self, participant: str, reason: str) -> None:
-        """Decide that a run does not count; its place opens again."""
+        """Exclude a run: it does not count, and its place is free again."""
         self._append(EventKind.RUN_EXCLUDED, "experimenter", participant, data={"reason": reason})
 
     def rehearse(self, seed: int) -> None:
-        """Take down that simulated people take part from here on, and the seed that they follow from."""
+        """Log that simulated people take part from now on, and their random seed."""
         self._append(EventKind.REHEARSED, "program", "", data={"seed": seed})
 
     def note(self, text: str, participant: str = "") -> None:
-        """Take down words of the experimenter."""
+        """Log a note of the experimenter."""
         self._append(EventKind.NOTE, "experimenter", participant, data={"text": text})
 
     def withdraw(self, participant: str) -> None:
         """Delete everything that the log has of a person, and notes that name them.
 
-        What else others' events say stays: who is excluded, say, must not count because somebody withdraws.
+        Events of other people stay otherwise as they are. For example, a run stays excluded when another person
+        withdraws.
         """
         self._log.delete(sequences_of(self._log.read(), participant), self._clocks())
         entries = self._log.read()
@@ -184,7 +185,7 @@ class Conductor:
         data: Mapping[str, JsonValue] | None = None,
     ) -> LoggedEvent:
         event = NewEvent(kind, actor, self._clocks(), participant, step, condition, data=data)
-        # What cannot follow must not come into the log.
+        # An event that cannot follow must not enter the log.
         progress = self.progress.after([LoggedEvent(self.progress.sequence + 1, event)])
         (logged,) = self._log.append([event])
         self.progress = progress
@@ -206,7 +207,7 @@ class Conductor:
 
 
 def _too_slow(run: Run, most_lag: float | None) -> str | None:
-    """Return why a run does not count whose games were played on a machine that was too slow; None: it does."""
+    """Return the reason to exclude a run because the machine was too slow for one of its games, or None."""
     if most_lag is None or run.slowest is None:
         return None
     step, lag = run.slowest
@@ -229,5 +230,5 @@ def sequences_of(entries: Iterable[LogEntry], participant: str) -> list[int]:
 
 
 def unfinished(progress: Progress) -> Sequence[Run]:
-    """Return the runs that can go on."""
+    """Return the runs that can be resumed."""
     return [run for run in progress.runs.values() if run.state is RunState.UNDER_WAY]

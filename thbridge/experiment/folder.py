@@ -1,4 +1,4 @@
-"""The folder of an experiment: its file and what that names, the store, recordings and exports."""
+"""The folder of an experiment: its file and the files it names, the store, recordings and exports."""
 
 import shutil
 from dataclasses import dataclass
@@ -16,21 +16,21 @@ from thbridge.files.errors import BadFile
 EXPERIMENT = "experiment.yaml"
 STORE, RECORDINGS, EXPORTS, FREEZE = "store", "recordings", "exports", "freeze.json"
 REPLACED = "replaced-"
-"""Prefix of the folders in the store that keep what was replaced by a backup."""
+"""Prefix of the folders in the store that keep the files a backup replaced."""
 EXAMPLE = Path(__file__).parent / "example"
-"""An experiment to begin with."""
+"""An experiment to start from."""
 _EXAMPLE_IN = Path(__file__).parent / "example_languages"
-"""A folder for each other language, with those files of the example that participants read."""
+"""A folder for each other language, with the example's files that participants read."""
 _LANGUAGE = "dialogue.language: "
 
 
 def example_languages() -> tuple[str, ...]:
-    """Return the languages that the example is written in, English first."""
+    """Return the languages of the example, English first."""
     return ("en", *sorted(path.name for path in _EXAMPLE_IN.iterdir()))
 
 
 def write_example(folder: Path, language: str) -> None:
-    """Write the example into a folder that exists; `language` is one of `example_languages`."""
+    """Write the example into an existing folder; `language` is one of `example_languages`."""
     shutil.copytree(EXAMPLE, folder, dirs_exist_ok=True)
     if language != "en":
         shutil.copytree(_EXAMPLE_IN / language, folder, dirs_exist_ok=True)
@@ -51,12 +51,12 @@ class ExperimentFolder:
 
     @property
     def people(self) -> Path:
-        """The file of what simulated people are like in rehearsals; it need not be there."""
+        """The optional file that describes the simulated people of rehearsals."""
         return self.root / "rehearsal.yaml"
 
     @property
     def log(self) -> Path:
-        """The log of all that happened."""
+        """The log of all events."""
         return self.root / STORE / "log"
 
     @property
@@ -66,17 +66,17 @@ class ExperimentFolder:
 
     @property
     def exports_known(self) -> KnownFolders:
-        """The list of where exports were written."""
+        """The list of folders where exports were written."""
         return KnownFolders(self.root / STORE / "exports.json", self.root, "exports")
 
     @property
     def backups_known(self) -> KnownFolders:
-        """The list of where backups were written."""
+        """The list of folders where backups were written."""
         return KnownFolders(self.root / STORE / "backups.json", self.root, "backups")
 
     @property
     def origins(self) -> KnownFolders:
-        """List of the places where a backup's study was, the last one last."""
+        """The list of places where a backup's study was, the most recent last."""
         return KnownFolders(self.root / STORE / "origins.json", self.root, "studies")
 
     @property
@@ -91,25 +91,25 @@ class ExperimentFolder:
 
     @property
     def restoring(self) -> Path:
-        """The folder of what a restore prepares."""
+        """The folder in which a restore prepares its files."""
         return self.root / STORE / "restoring"
 
     def replaced(self) -> list["ExperimentFolder"]:
-        """Return what `study restore` has replaced, in the order of their numbers: folders like this one."""
+        """Return the folders that keep what `study restore` has replaced, ordered by number; each is a study folder."""
         return [
             ExperimentFolder(path) for path in sorted((self.root / STORE).glob(f"{REPLACED}[0-9]*")) if path.is_dir()
         ]
 
     @property
     def recordings(self) -> Path:
-        """The folder of recordings; in it, each person has one of their own."""
+        """The folder of recordings; each person has a folder in it."""
         return self.root / RECORDINGS
 
     def recordings_of(self, participant: str) -> Path:
         """Return the folder of a participant's recordings.
 
         Raises:
-            BadFile: the id is no name of a folder; see `path_inside`.
+            BadFile: the id is not a valid name of a folder; see `path_inside`.
         """
         return path_inside(self.recordings, participant)
 
@@ -117,20 +117,20 @@ class ExperimentFolder:
         """Return the recording of a trial.
 
         Raises:
-            BadFile: the id is no name of a folder; see `path_inside`.
+            BadFile: the id is not a valid name of a folder; see `path_inside`.
         """
         return path_inside(self.recordings, participant, f"step-{step}.bag")
 
     def bag_named(self, name: object) -> Path:
-        """Return a recording by the path that an event of the log has of it, relative to the study's folder.
+        """Return a recording by its path in an event of the log, relative to the study's folder.
 
         Raises:
-            BadFile: it is no path of a recording; see `relative_inside`.
+            BadFile: it is not the path of a recording; see `relative_inside`.
         """
         # The folder of the recordings may be a link to another disk.
         folder, slash, path = name.partition("/") if isinstance(name, str) else ("", "", "")
         if folder != RECORDINGS or not slash:
-            problem = "an event names this as a recording, which is in no folder of recordings"
+            problem = "an event names this as a recording, but it is not in the folder of recordings"
             raise BadFile(self.log, problem, restore_remedy(self.log), key=repr(name))
         return relative_inside(self.recordings, path)
 
@@ -138,7 +138,7 @@ class ExperimentFolder:
         """Return the folder of an export.
 
         Raises:
-            BadFile: it is no name of a folder; see `path_inside`.
+            BadFile: the name is not a valid name of a folder; see `path_inside`.
         """
         return path_inside(self.root / EXPORTS, name)
 
@@ -146,20 +146,20 @@ class ExperimentFolder:
         """Read the experiment; `with_files` as for `read_experiment`.
 
         Raises:
-            BadFile: there is none, or it is faulty.
+            BadFile: the folder has no experiment, or the experiment is faulty.
         """
         if not self.file.is_file():
-            remedy = "Name the folder of an experiment, or begin one: thbridge study new FOLDER"
-            raise BadFile(self.root, f"there is no {EXPERIMENT}", remedy)
+            remedy = "Name the folder of an experiment, or create one: thbridge study new FOLDER"
+            raise BadFile(self.root, f"it has no {EXPERIMENT}", remedy)
         return read_experiment(self.file, with_files=with_files)
 
     def entries(self) -> list[LogEntry]:
         """Read the log.
 
         Raises:
-            BadFile: it is damaged, or there is none.
+            BadFile: the log is damaged or does not exist.
         """
         if not self.log.exists() and not self.log.parent.exists():
-            remedy = f"Begin with `thbridge study run {self.root}`, or rehearse it and name the rehearsal's folder"
-            raise BadFile(self.root, "nobody has taken part in this study yet", remedy)
+            remedy = f"Start with `thbridge study run {self.root}`, or rehearse it and name the rehearsal's folder"
+            raise BadFile(self.root, "no one has taken part in this study yet", remedy)
         return read_log(self.log)

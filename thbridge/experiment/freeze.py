@@ -1,4 +1,4 @@
-"""The fingerprint of an experiment for a preregistration, and whether it still holds."""
+"""The fingerprint of an experiment for a preregistration, and later differences from it."""
 
 import hashlib
 import json
@@ -18,13 +18,13 @@ from thbridge.files.plugins import package_of
 from thbridge.study.plugins import plugins_of
 
 _DATA = {STORE, RECORDINGS, EXPORTS, FREEZE}
-"""What comes of running an experiment; all else in its folder is what was planned."""
+"""Results of running an experiment. Everything else in its folder was planned."""
 
 
 def data_of(folder: str, names: list[str]) -> set[str]:
-    """Return the names in an experiment's folder that are data, for `shutil.copytree` to leave out.
+    """Return the names in an experiment's folder that are data, so that `shutil.copytree` leaves them out.
 
-    Links that lead nowhere, or to a folder above them, are left out as well: a copy would have no end.
+    Links to nothing, or to a folder above them, are left out as well: a copy would never end.
     """
     data = {name for name in names if name in _DATA - {FREEZE} and Path(folder, "experiment.yaml").exists()}
     links = [link for name in names if (link := Path(folder, name)).is_symlink()]
@@ -37,8 +37,8 @@ class Fingerprint:
     """Contents of an experiment: its planned files, and the programs that run it.
 
     Attributes:
-        files: SHA-256 of each file that was planned, by its path in the folder.
-        versions: of the programs that run it.
+        files: SHA-256 of each planned file, by its path in the folder.
+        versions: versions of the programs that run it.
     """
 
     files: Mapping[str, str]
@@ -46,7 +46,7 @@ class Fingerprint:
 
     @property
     def digest(self) -> str:
-        """One hash of all of it, to be written into a preregistration."""
+        """One hash of everything, to be written into a preregistration."""
         whole = json.dumps([sorted(self.files.items()), sorted(self.versions.items())])
         return hashlib.sha256(whole.encode()).hexdigest()
 
@@ -86,14 +86,14 @@ def fingerprint_of(folder: ExperimentFolder, versions: Mapping[str, str]) -> Fin
 
 
 def freeze(folder: ExperimentFolder, versions: Mapping[str, str], wall: str) -> Fingerprint:
-    """Write down the fingerprint; one that was written before stays.
+    """Write the fingerprint; one that was written before is not replaced.
 
     Raises:
-        BadFile: it is frozen already, or the folder cannot be written.
+        BadFile: the experiment is already frozen, or the folder cannot be written.
     """
     if folder.freeze.exists():
-        remedy = "To register a changed experiment anew, move this file away first and say so in the registration"
-        raise BadFile(folder.freeze, "the experiment is frozen already", remedy)
+        remedy = "To register a changed experiment, move this file away first and say so in the registration"
+        raise BadFile(folder.freeze, "the experiment is already frozen", remedy)
     found = fingerprint_of(folder, versions)
     told = {"when": wall, "digest": found.digest, "files": dict(found.files), "versions": dict(found.versions)}
     write_whole(folder.freeze, (json.dumps(told, indent=1) + "\n").encode())
@@ -101,10 +101,10 @@ def freeze(folder: ExperimentFolder, versions: Mapping[str, str], wall: str) -> 
 
 
 def deviations(folder: ExperimentFolder, versions: Mapping[str, str]) -> tuple[str, ...] | None:
-    """Return in sentences what has changed since the experiment was frozen; None: it was not.
+    """Return sentences about changes since the experiment was frozen, or None if it was not frozen.
 
     Raises:
-        BadFile: the fingerprint cannot be read, or was changed itself.
+        BadFile: the fingerprint cannot be read, or was itself changed.
     """
     if not folder.freeze.exists():
         return None
@@ -114,7 +114,7 @@ def deviations(folder: ExperimentFolder, versions: Mapping[str, str]) -> tuple[s
         if frozen.digest != told.digest:
             raise ValueError
     except (BadFile, ValueError, RecursionError):
-        raise BadFile(folder.freeze, "is damaged or was changed", "Bring back the one that was registered") from None
+        raise BadFile(folder.freeze, "is damaged or was changed", "Restore the file that was registered") from None
     now = fingerprint_of(folder, versions)
     said = [
         f"{name} was {'added' if name not in frozen.files else 'removed' if name not in now.files else 'changed'}"

@@ -1,4 +1,4 @@
-"""Previews: a log of its own in which somebody has come to a step, so that it can be shown without the steps before."""
+"""Previews: a separate log in which a person has reached a step, so that it can be shown without earlier steps."""
 
 import itertools
 from collections.abc import Mapping, Sequence
@@ -10,21 +10,21 @@ from thbridge.experiment.store.event_log import ExperimentLog
 from thbridge.experiment.store.events import Clocks, EventKind, JsonValue, NewEvent, StepOutcome
 
 PARTICIPANT = "P-PREVIEW"
-"""Id of the person of a preview."""
+"""Id of the person in a preview."""
 
 
-class NoSuchStep(Exception):  # noqa: N818 - it is shown as a sentence
-    """A preview of something that the study does not have."""
+class NoSuchStep(Exception):  # noqa: N818 - people read it as a sentence
+    """A preview of a step, condition or group that the study does not have."""
 
 
 def place_of(design: ExperimentDesign, step: str, condition: str, group: str) -> tuple[Place, PlannedStep]:
-    """Return a place at which somebody comes to a step in a condition, and the step in their order.
+    """Return a place where a person reaches a step in a condition, and that step in the person's order.
 
     Args:
         design: the study.
-        step: name of the step, or its number in the file; empty: the first.
-        condition: levels within people, such as `dialogue.condition=supervisor` or `supervisor`; empty: the first.
-        group: levels between people, likewise.
+        step: name of the step, or its number in the file; if empty, the first step.
+        condition: levels within people, such as `dialogue.condition=supervisor` or `supervisor`; if empty, the first.
+        group: levels between people, in the same form.
 
     Raises:
         NoSuchStep: the study has no such step, condition or group.
@@ -39,9 +39,9 @@ def place_of(design: ExperimentDesign, step: str, condition: str, group: str) ->
         named = [planned for planned in plan if step in {"", planned.name, str(planned.index + 1)}]
         if not named:
             names = ", ".join(dict.fromkeys(planned.name for planned in plan))
-            raise NoSuchStep(f"there is no step {step}. Name one of {names}, or its number in the file")
+            raise NoSuchStep(f"the study has no step {step}. Name one of {names}, or its number in the file")
         fitting = [planned for planned in named if planned.condition in {None, wanted}]
-        # A step outside of conditions is shown to somebody who meets this condition first.
+        # A step outside of conditions is shown to a person whose first condition is this one.
         if fitting and (fitting[0].condition is not None or design.orders[place.order][0] == wanted):
             return place, fitting[0]
     raise NoSuchStep(f"{step} does not come in the condition {condition}")
@@ -52,7 +52,7 @@ def _index(what: str, words: str, among: Sequence[Cell | ExperimentCondition]) -
     for index, each in enumerate(among):
         if words in {"", each.name} or words in each.levels.values():
             return index
-    raise NoSuchStep(f"there is no {what} {words}. {_one_of([each.name for each in among])}")
+    raise NoSuchStep(f"the study has no {what} {words}. {_one_of([each.name for each in among])}")
 
 
 def _one_of(names: Sequence[str]) -> str:
@@ -60,7 +60,7 @@ def _one_of(names: Sequence[str]) -> str:
 
 
 def arrive(design: ExperimentDesign, log: ExperimentLog, place: Place, step: PlannedStep, now: Clocks) -> None:
-    """Write into an empty log how somebody came to a step: all steps before it are passed over."""
+    """Write into an empty log that a person has reached a step; all earlier steps are skipped."""
 
     def event(kind: EventKind, number: int, data: Mapping[str, JsonValue]) -> NewEvent:
         return NewEvent(kind, "program", now, PARTICIPANT, number, data=data)

@@ -1,6 +1,6 @@
-"""Progress of an experiment: where each person is, which runs count, and which places are open.
+"""Progress of an experiment: the step of each person, the runs that count, and the free places.
 
-It is nothing but the fold of the log's events: a program that comes back after a crash reads the log and knows.
+It is computed from the log's events alone, so a program that restarts after a crash only needs to read the log.
 """
 
 import dataclasses
@@ -27,34 +27,34 @@ from thbridge.files.errors import BadFile
 
 @dataclass(frozen=True, slots=True)
 class Run:
-    """A person's way through an experiment.
+    """Progress of one person through an experiment.
 
     Attributes:
-        participant: their id.
-        place: the one they took.
-        plan: the steps that they are to go through.
-        state: how far it is.
-        reason: for being excluded, or for leaving.
-        step: number of the step that comes next, or is under way; one beyond the last when all are done.
-        under_way: True while that step is.
-        begun: how often each step has begun, by its number in the plan.
-        attempts: how often each check has been tried, by its number in the plan.
-        failed: numbers of the checks that were failed for good.
+        participant: id of the person.
+        place: place of the run.
+        plan: steps that the person is to go through.
+        state: state of the run.
+        reason: reason for being excluded, or for leaving.
+        step: number of the current or next step; one more than the number of steps when all are done.
+        under_way: True if `step` has begun.
+        begun: number of times that each step has begun, by its number in the plan.
+        attempts: number of attempts at each check, by its number in the plan.
+        failed: numbers of the checks with a failed last attempt.
         answers: the last answer to each item, by `STEP.ITEM`.
-        given: the answers given in the step under way, by the item's id.
-        drafts: answers that were begun or changed there, and not given since.
-        timed_out: items there that were closed by their time limits.
-        game: what the log keeps of the game of that step; None: it has no recording yet.
-        agrees: the answer to the consent of that step; None: not yet.
-        last_outcome: of the step that ended last; None: none has.
-        code: completion code; empty before the run is complete.
-        recruiting_code: the one told by the person; None: not yet.
-        agreed_at: wall time at which they agreed to take part; empty: not yet.
-        farewell_read: True once they have left the last page.
-        cut_off: files of recordings that ended before their games did.
-        scores: points of each game that has its recording, by the number of its step.
-        lags: largest lag of each game behind real time in seconds, by the number of its step in the plan; games of
-            rehearsals and of earlier releases have none.
+        given: the answers given in the current step, by the item's id.
+        drafts: answers of the current step that were changed and have not been given since.
+        timed_out: items of the current step that were closed by their time limits.
+        game: the log's data about the current step's game, or None if it has no recording yet.
+        agrees: the answer to the consent of the current step, or None if there is none yet.
+        last_outcome: outcome of the step that ended last, or None.
+        code: completion code; empty until the run is complete.
+        recruiting_code: code that the person gave, or None if there is none yet.
+        agreed_at: wall time at which the person agreed to take part; empty until then.
+        farewell_read: True once the person has left the last page.
+        cut_off: files of recordings that ended before their games.
+        scores: points of each recorded game, by the number of its step.
+        lags: largest lag of each game behind real time, s, by the number of its step in the plan. Games of rehearsals
+            and of earlier releases have none.
         debriefs: debriefings shown after the run ended early, by their numbers in the plan; True once read.
     """
 
@@ -86,12 +86,12 @@ class Run:
 
     @property
     def lag(self) -> float | None:
-        """Largest lag of all games behind real time in seconds; None if none is known."""
+        """Largest lag of all games behind real time, s, or None if none is known."""
         return max(self.lags.values(), default=None)
 
     @property
     def slowest(self) -> tuple[PlannedStep, float] | None:
-        """Step whose game had the largest lag, with that lag in seconds; None if none is known."""
+        """Step of the game with the largest lag, with that lag in s, or None if none is known."""
         if not self.lags:
             return None
         number = max(self.lags, key=self.lags.__getitem__)
@@ -99,21 +99,22 @@ class Run:
 
     @property
     def takes_part(self) -> bool:
-        """True once the person has agreed to take part, or where a study asks nobody."""
+        """True once the person has agreed to take part, or if the study does not ask for consent."""
         asked = next((step for step in self.plan if step.entry.step is StepKind.CONSENT), None)
         return asked is None or bool(self.agreed_at) or self.step > asked.number
 
     @property
     def holds_place(self) -> bool:
-        """True while nobody else can take its place."""
+        """True while no other person can take the run's place."""
         return self.state in {RunState.UNDER_WAY, RunState.COMPLETE}
 
 
 class BadHistory(BadFile):
-    """A log that an experiment's file does not fit: its steps, conditions or forms were changed after people came."""
+    """A log that does not fit the experiment's files: steps, conditions or forms were changed after people took
+    part."""
 
     def __init__(self, path: Path, problem: str) -> None:
-        remedy = "Bring back the files with which people took part; for changed ones begin another study"
+        remedy = "Restore the files with which people took part; for changed files start another study"
         super().__init__(path, f"{_UNFIT}{problem}", remedy)
 
     def __reduce__(self) -> tuple[type["BadHistory"], tuple[Path, str]]:  # type: ignore[override]  # as built
@@ -124,7 +125,7 @@ _UNFIT = "does not fit what is in the log: "
 
 
 def failure(check: PlannedStep) -> str:
-    """Return the reason of those who were excluded since they failed a check."""
+    """Return the reason for excluding a person who failed a check."""
     return f"failed {check.name}"
 
 
@@ -153,7 +154,7 @@ class Progress:
 
     @property
     def under_way(self) -> frozenset[int]:
-        """Numbers of the places of runs that may yet count."""
+        """Numbers of the places of runs that may still count."""
         return frozenset(run.place.number for run in self.runs.values() if run.state is RunState.UNDER_WAY)
 
     def next_place(self) -> Place | NoPlace:
@@ -161,14 +162,14 @@ class Progress:
         return self.design.allocation.next(self.valid, self.under_way)
 
     def next_step(self, participant: str) -> PlannedStep | None:
-        """Return the step that a person goes on with; None: there is none left, or the run is over."""
+        """Return the person's current step, or None if no step is left or the run is over."""
         run = self.runs[participant]
         return run.plan[run.step - 1] if run.state is RunState.UNDER_WAY and run.step <= len(run.plan) else None
 
     def next_debriefing(self, participant: str) -> PlannedStep | None:
-        """Return the debriefing that a person reads next who left or was excluded; None: there is none left.
+        """Return the next debriefing of a person who left or was excluded, or None.
 
-        People who never agreed to take part read none, and nobody reads one twice.
+        People who never agreed to take part read none. No debriefing is read twice.
         """
         run = self.runs[participant]
         if run.state not in {RunState.LEFT, RunState.EXCLUDED} or not run.takes_part:
@@ -184,24 +185,24 @@ class Progress:
         )
 
     def wants(self, participant: str, step: PlannedStep) -> bool:
-        """Return True when a person's condition and answers ask for a step."""
+        """Return True if a person's condition and answers call for a step."""
         run = self.runs[participant]
         return self._at_levels(run, step) and all(
             run.answers.get(item) == wanted for item, wanted in step.entry.when.items()
         )
 
     def steps_shown(self, participant: str) -> list[PlannedStep]:
-        """Return the steps of a person's plan, without those that their condition passes over."""
+        """Return the steps of a person's plan, without those that their condition skips."""
         run = self.runs[participant]
         return [step for step in run.plan if self._at_levels(run, step)]
 
     def step_count(self, participant: str) -> tuple[int, int]:
-        """Return the number of a person's step, from 1, and of all their steps, without those that are passed over."""
+        """Return the number of a person's step, from 1, and the number of all their steps, without skipped ones."""
         numbers = [step.number for step in self.steps_shown(participant)]
         return sum(number <= self.runs[participant].step for number in numbers), len(numbers)
 
     def _at_levels(self, run: Run, step: PlannedStep) -> bool:
-        """Return True when a person's condition asks for a step."""
+        """Return True if a person's condition calls for a step."""
         levels = self.design.levels_at(run.place.cell, step.condition)
         return all(levels.get(factor) == level for factor, level in step.entry.only_at.items())
 
@@ -230,13 +231,13 @@ class Progress:
                 raise _CannotFollowError(f"{person} begins at place {number}, which is taken, or begins twice")
             place = self.design.allocation.place(number)
             if (data.get("cell", place.cell), data.get("order", place.order)) != (place.cell, place.order):
-                raise _CannotFollowError(f"place {number} was dealt other conditions, or another order of them")
+                raise _CannotFollowError(f"place {number} had other conditions, or another order of conditions")
             runs[person] = Run(person, place, plan_of(self.design, place))
             return
         run = runs.get(person)
         if run is None:
             return
-        # Also after the end of a run: tables have its events.
+        # Events after the end of a run are checked too, because tables have them.
         self._check(run, event, data)
         if event.kind == EventKind.RUN_EXCLUDED:
             runs[person] = dataclasses.replace(run, state=RunState.EXCLUDED, reason=str(data["reason"]))
@@ -249,7 +250,7 @@ class Progress:
             runs[person] = dataclasses.replace(run, debriefs=debriefs)
 
     def _check(self, run: Run, event: NewEvent, data: Mapping[str, JsonValue]) -> None:
-        """Raise _CannotFollowError where a step is not the one that a person went through."""
+        """Raise _CannotFollowError if a step is not the one that a person went through."""
         if event.step == 0:
             return
         if event.step > len(run.plan):
@@ -265,15 +266,15 @@ class Progress:
         if "item" in data:
             form = self.design.forms.get(step.index)
             if form is not None and all(item.id != data["item"] for item in form.items):
-                raise _CannotFollowError(f"{run.participant} was asked {data['item']}, which {step.name} has not")
+                raise _CannotFollowError(f"{run.participant} was asked {data['item']}, which {step.name} does not have")
 
 
 def _gone_on(run: Run, event: NewEvent, data: Mapping[str, JsonValue]) -> Run:
-    """Return a run that is under way after one of its events."""
+    """Return a run after one of its events, while it is in progress."""
     match event.kind:
         case EventKind.STEP_BEGUN:
             if event.step != run.step or run.under_way:
-                raise _CannotFollowError(f"{run.participant} begins step {event.step} where {run.step} is next")
+                raise _CannotFollowError(f"{run.participant} begins step {event.step}, but step {run.step} is next")
             begun = {**run.begun, event.step: run.begun.get(event.step, 0) + 1}
             run = _emptied(run)
             return dataclasses.replace(run, under_way=True, begun=begun, game=None, agrees=None)
@@ -318,7 +319,7 @@ def _emptied(run: Run) -> Run:
 
 def _ended(run: Run, number: int, outcome: StepOutcome) -> Run:
     if number != run.step:
-        raise _CannotFollowError(f"{run.participant} ends step {number} where {run.step} is under way")
+        raise _CannotFollowError(f"{run.participant} ends step {number}, but is in step {run.step}")
     step, run = run.plan[number - 1], dataclasses.replace(run, last_outcome=outcome)
     if outcome is StepOutcome.LOST:
         reason = f"{step.name} could not go on"
@@ -338,7 +339,7 @@ def _ended(run: Run, number: int, outcome: StepOutcome) -> Run:
 
 
 def options_shown(item: Item) -> dict[str, JsonValue]:
-    """Return what an `ITEM_SHOWN` says of the order of answers; nothing where all participants see the same order.
+    """Return the data of an `ITEM_SHOWN` about the order of answers; empty if all participants see the same order.
 
     Args:
         item: as the participant sees it.
@@ -347,12 +348,12 @@ def options_shown(item: Item) -> dict[str, JsonValue]:
 
 
 def resumes(run: Run, step: PlannedStep) -> ResumeRule:
-    """Return how a step that was under way when a program died goes on."""
+    """Return the rule by which a step resumes that was in progress when a program ended."""
     return step.entry.resume if run.under_way else ResumeRule.BEGINNING
 
 
 def lag_words(progress: Progress) -> Iterator[str]:
-    """Yield a sentence on how far games were behind real time; none where no game has a real time."""
+    """Yield a sentence on the lag of games behind real time; nothing if no game has a real time."""
     measured = [run for run in progress.runs.values() if run.lags]
     if not measured:
         return

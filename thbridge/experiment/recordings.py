@@ -1,4 +1,4 @@
-"""Recordings that lie beside those of games that were played to their end: what a crash or an early end left."""
+"""Incomplete recordings next to those of finished games, left by a crash or an early end."""
 
 import re
 from collections.abc import Iterable, Iterator
@@ -10,24 +10,24 @@ from thbridge.experiment.store.events import EventKind, LogEntry, LoggedEvent, R
 from thbridge.recording.recordings import ACTIVE
 
 _PART = re.compile(r"_[0-9]+(?=\.bag$)")
-"""What a file of a split recording has in its name beside the recording's."""
+"""Number of a file of a split recording, which is added to the recording's name."""
 _STEP = re.compile(r"step-([0-9]+)(-attempt-[0-9]+)?(-[0-9]+)?(_[0-9]+)?\.bag(\.active)?")
 
 
 def moved_aside(bag: Path) -> list[Path]:
-    """Return the files that `make_room` has moved out of the way of a recording, in order."""
+    """Return the files that `make_room` has moved away to make room for a recording, in order."""
     moved = re.compile(rf"{re.escape(bag.stem)}-[0-9]+(_[0-9]+)?{re.escape(bag.suffix)}({re.escape(ACTIVE)})?")
     there = bag.parent.iterdir() if bag.parent.is_dir() else ()
     return sorted(path for path in there if moved.fullmatch(path.name))
 
 
 def told_leftovers(study: ExperimentFolder, progress: Progress, entries: Iterable[LogEntry]) -> Iterator[str]:
-    """Yield a sentence about each recording of the log's people that is not the whole of a game that was played.
+    """Yield a sentence about each recording of people in the log that is not the whole recording of a played game.
 
     Args:
         study: the experiment's folder.
-        progress: after all entries.
-        entries: of its log.
+        progress: progress after all entries.
+        entries: entries of the log.
     """
     events = [entry.event for entry in entries if isinstance(entry, LoggedEvent)]
     whole = {str((event.data or {})["bag"]) for event in events if event.kind == EventKind.GAME_PLAYED}
@@ -44,8 +44,8 @@ def told_leftovers(study: ExperimentFolder, progress: Progress, entries: Iterabl
             continue
         kind = why.get((person, path.name)) or why.get((person, path.name.removesuffix(ACTIVE)))
         if kind == EventKind.RECORDING_CUT_OFF:
-            yield f"{name} was cut off when the program ended; the game went on from there and has a whole recording."
+            yield f"{name} was cut off when the program ended; the game resumed from there and its recording is whole."
         elif kind is not None:
-            yield f"{name} is of a game that was broken off; another was begun in its place."
+            yield f"{name} is from a game that was broken off; another game was started in its place."
         elif run.state is not RunState.UNDER_WAY or run.step != int(match[1]):
-            yield f"{name} is of a game that the log does not have: the run ended in the middle of it."
+            yield f"{name} is from a game that the log does not have: the run ended in the middle of the game."

@@ -1,8 +1,8 @@
-"""Restore of a study from a backup: its log, recordings and files, without losing what the study had.
+"""Restore of a study from a backup: its log, recordings and files. Nothing that the study had is lost.
 
-What is replaced is kept in the store, in `replaced-N`, a study's folder of its own. A restore that is killed has either
-replaced nothing, or its study is refused until it is run again. A participant who withdrew after the backup was made
-stays withdrawn: the digests of their events say who they are in the backup.
+Everything that is replaced is kept in the store, in a study folder `replaced-N`. If a restore is killed, it has either
+replaced nothing, or the study is refused until the restore is run again. A participant who withdrew after the backup
+was made stays withdrawn: the digests of their deleted events identify them in the backup.
 """
 
 import json
@@ -33,7 +33,7 @@ from thbridge.files.disk.whole import write_whole
 from thbridge.files.errors import BadFile, reason_of
 
 _LARGEST = 1000
-"""Largest size in bytes of the file that exists during a restore; it has one name."""
+"""Largest size in bytes of the file that exists during a restore; it contains one name."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,10 +42,10 @@ class RestorePlan:
 
     Attributes:
         backup: the backup.
-        study: the folder that it replaces.
+        study: the folder that the backup replaces.
         events: number of events in the backup.
-        damage: why the study's own log cannot be used; empty if it is whole or there is none.
-        newer: number of events of the study's own log, if that is whole, which the backup does not have.
+        damage: reason why the study's own log cannot be used; empty if it is whole or does not exist.
+        newer: number of events that a whole log of the study has, and the backup does not.
         withdrawn: participants in the backup who have withdrawn since.
     """
 
@@ -58,18 +58,18 @@ class RestorePlan:
 
 
 def plan_restore(backup: Path, to: Path | None) -> RestorePlan:
-    """Return what a restore is going to do.
+    """Return what a restore will do.
 
     Args:
         backup: the backup's folder.
         to: the folder of the study. If None, it is the folder that was backed up.
 
     Raises:
-        BadFile: there is no whole backup, or `to` is no place for it.
+        BadFile: there is no whole backup, or the backup cannot be restored to `to`.
     """
     copy = ExperimentFolder(backup)
     if not copy.file.is_file() or not copy.log.exists():
-        raise BadFile(backup, "this is no backup of a study", "Name the folder that `thbridge study backup` wrote")
+        raise BadFile(backup, "not a backup of a study", "Name the folder that `thbridge study backup` wrote")
     entries, digests = read_log(copy.log), log_digests(copy.log)
     study = ExperimentFolder(_origin(copy) if to is None else to)
     _check_place(copy, study)
@@ -100,13 +100,13 @@ def plan_restore(backup: Path, to: Path | None) -> RestorePlan:
 
 
 def restore(plan: RestorePlan) -> tuple[Path | None, tuple[str, ...]]:
-    """Restore a study. Withdrawals since the backup was made are pending then; see `finish_withdrawals`.
+    """Restore a study. Afterwards, withdrawals since the backup are pending; see `finish_withdrawals`.
 
     Args:
-        plan: what is going to be done, as `plan_restore` has just returned it.
+        plan: what to do, just returned by `plan_restore`.
 
     Returns:
-        The folder that keeps what was replaced, or None if there was nothing; and sentences on what the backup lacks.
+        The folder that keeps what was replaced, or None if nothing was; and sentences about what the backup lacks.
 
     Raises:
         BadFile: a program runs the study, the study has changed since the plan was made, or it cannot be written.
@@ -116,7 +116,7 @@ def restore(plan: RestorePlan) -> tuple[Path | None, tuple[str, ...]]:
         make_folder(study.log.parent)
         with lock_log(study.log):
             if plan_restore(backup.root, study.root) != plan:
-                raise BadFile(study.root, "the study has changed meanwhile", "Run the command again")
+                raise BadFile(study.root, "the study has changed in the meantime", "Run the command again")
             kept = _begun(study) or _keep(study)
             shutil.rmtree(study.restoring, ignore_errors=True)
             make_folder(study.restoring)
@@ -135,7 +135,7 @@ def restore(plan: RestorePlan) -> tuple[Path | None, tuple[str, ...]]:
             restoring_path(study.log).unlink()
             sync_folder(study.log.parent)
     except OSError as error:
-        remedy = "Make room there, or give the right to write it, and run the command again"
+        remedy = "Free some space there, or give the right to write it, and run the command again"
         raise BadFile(study.root, f"it cannot be written ({reason_of(error)})", remedy) from None
     return (kept.root if kept.root.exists() else None), (*lacking, *missing_recordings(study))
 
@@ -143,21 +143,22 @@ def restore(plan: RestorePlan) -> tuple[Path | None, tuple[str, ...]]:
 def _origin(copy: ExperimentFolder) -> Path:
     places = copy.origins.paths()
     if not places:
-        raise BadFile(copy.root, "this backup does not know where its study was", "Name the folder with --to")
+        raise BadFile(copy.root, "this backup does not record where its study was", "Name the folder with --to")
     return places[-1]
 
 
 def _check_place(copy: ExperimentFolder, study: ExperimentFolder) -> None:
-    """Raise BadFile where a backup cannot be restored."""
+    """Raise BadFile if a backup cannot be restored to a place."""
     one, other = copy.root.resolve(), study.root.resolve()
     if one.is_relative_to(other) or other.is_relative_to(one):
-        raise BadFile(study.root, f"this folder and the backup {copy.root} are in each other", "Name another with --to")
+        problem = f"this folder and the backup {copy.root} are inside each other"
+        raise BadFile(study.root, problem, "Name another with --to")
     if study.root.exists() and not study.root.is_dir():
-        raise BadFile(study.root, "this is no folder", "Name the folder of the study with --to")
+        raise BadFile(study.root, "not a folder", "Name the folder of the study with --to")
     is_study = study.file.exists() or study.log.exists() or restoring_path(study.log).exists()
     if study.root.is_dir() and not is_study and any(path.name != STORE for path in study.root.iterdir()):
-        problem = "there is something in this folder that is no study"
-        raise BadFile(study.root, problem, "Name the folder of the study, a new or an empty one with --to")
+        problem = "this folder has files that do not belong to a study"
+        raise BadFile(study.root, problem, "Name the folder of the study, or a new or an empty one, with --to")
 
 
 class _RestoringFile(msgspec.Struct):
@@ -171,7 +172,7 @@ class _RestoringFile(msgspec.Struct):
 
 
 def _begun(study: ExperimentFolder) -> ExperimentFolder | None:
-    """Return the folder that keeps what a restore which was interrupted has replaced; None if none was."""
+    """Return the folder that keeps what an interrupted restore has replaced, or None if none was interrupted."""
     path = restoring_path(study.log)
     try:
         name = msgspec.json.decode(content_of(path, _LARGEST), type=_RestoringFile).kept
@@ -185,7 +186,7 @@ def _begun(study: ExperimentFolder) -> ExperimentFolder | None:
 
 
 def _keep(study: ExperimentFolder) -> ExperimentFolder:
-    """Copy the log and the planned files of a study into a new folder that keeps them, all of them or nothing."""
+    """Copy the log and the planned files of a study into a new folder that keeps them, either all or none."""
     shutil.rmtree(study.restoring, ignore_errors=True)
     part = study.restoring / "kept"
     make_folder(part / STORE)
@@ -206,7 +207,7 @@ def _keep(study: ExperimentFolder) -> ExperimentFolder:
 
 
 def _keep_files(backup: ExperimentFolder, study: ExperimentFolder, kept: ExperimentFolder) -> None:
-    """Move files that a backup has in another version, and recordings that it does not have, to those that are kept."""
+    """Move replaced files, and recordings that the backup lacks, to the folder that keeps them."""
     for path in [*_files(study)]:
         name = path.relative_to(study.root)
         there = backup.root / name
@@ -216,7 +217,7 @@ def _keep_files(backup: ExperimentFolder, study: ExperimentFolder, kept: Experim
             continue
         other = kept.root / name
         if other.exists():
-            # It was copied, or this was interrupted.
+            # Either `_keep` copied it, or an interrupted restore moved it.
             path.unlink()
         else:
             make_folder(other.parent)
@@ -229,7 +230,7 @@ def _keep_files(backup: ExperimentFolder, study: ExperimentFolder, kept: Experim
 
 
 def _files(study: ExperimentFolder) -> Iterator[Path]:
-    """Yield the files of a study, but for those of its store and its exports."""
+    """Yield the files of a study, except those of its store and exports."""
     without = {*known_exports(study), (study.root / EXPORTS).resolve(), (study.root / STORE).resolve()}
     folders = [study.root]
     while folders:

@@ -1,4 +1,4 @@
-"""Games of people: the setting of a trial and of practice, and what the log keeps of them."""
+"""Games of people: the setting of trials and of practice, and the log's data about them."""
 
 import math
 from collections.abc import Mapping
@@ -29,7 +29,7 @@ from thbridge.timing.pace_meter import GamePace
 def setting_of_trial(
     design: ExperimentDesign, settings: SettingCache, run: Run, step: PlannedStep
 ) -> StudySetting | None:
-    """Return the setting of a game; None of practice, which is not recorded and counts for nothing."""
+    """Return the setting of a trial. Return None for practice, which is not recorded and does not count."""
     if step.condition is None or step.trial is None:
         return None
     study = design.cells[run.place.cell].studies[step.condition]
@@ -39,7 +39,8 @@ def setting_of_trial(
 def setting_of_practice(design: ExperimentDesign, settings: SettingCache, run: Run, step: PlannedStep) -> StudySetting:
     """Return the setting of a practice game: that of the person's first condition, with the keys of the step.
 
-    Its seed is that of no trial, so that nothing is learned of one. The study's consent and farewell belong to trials.
+    Its seed is different from every trial's, so that people learn nothing about a trial. The study's consent and
+    farewell are for trials only.
     """
     first = design.orders[run.place.order][0] if step.condition is None else step.condition
     study = design.practices[step.index][run.place.cell][first]
@@ -49,11 +50,11 @@ def setting_of_practice(design: ExperimentDesign, settings: SettingCache, run: R
 
 
 class PracticeCount:
-    """Counts what a person does in a practice game.
+    """Counter of what a person does in a practice game.
 
     Args:
-        step: the practice.
-        setting: that it is played in.
+        step: the practice step.
+        setting: the setting of the game.
     """
 
     def __init__(self, step: PlannedStep, setting: StudySetting) -> None:
@@ -63,7 +64,7 @@ class PracticeCount:
         self._dialogues: set[int] = set()
 
     def record(self, record: TickRecord) -> None:
-        """Take one tick."""
+        """Count the events of one tick."""
         done = self._done
         if record.game is not None and record.game.ended is None:
             done[PracticeTerm.SECONDS] = record.tick * TICK
@@ -81,7 +82,7 @@ class PracticeCount:
 
     @property
     def missing(self) -> Mapping[PracticeTerm, float]:
-        """Amount of each term that must still be done before the person may go on; empty when all is done."""
+        """Amount of each term that the person must still do before the next step; empty when all is done."""
         done = self._done
         return {term: number - done[term] for term, number in self._demands.items() if done[term] < number}
 
@@ -92,7 +93,7 @@ class PracticeCount:
 
 
 def results_of(design: ExperimentDesign, settings: SettingCache, run: Run) -> list[tuple[int, int | None]]:
-    """Return the score of each game that a person played, with the result of `best_possible`."""
+    """Return the score of each game that a person played, with the best possible score (see `best_possible`)."""
     found = []
     for step in run.plan:
         setting = setting_of_trial(design, settings, run, step)
@@ -102,7 +103,7 @@ def results_of(design: ExperimentDesign, settings: SettingCache, run: Run) -> li
 
 
 def best_possible(setting: StudySetting) -> int | None:
-    """Return the most points that the team can win in the first game; None for too many rooms to compare."""
+    """Return the most points that the team can win in the first game, or None for too many rooms to compare."""
     study, rooms = setting.study, setting.costs.rooms
     if len(rooms) > most_rooms_shared_out(study.robots):
         return None
@@ -123,10 +124,10 @@ def played(measures: GameMeasures, bag: Path, root: Path, pace: GamePace | None 
     """Return the data of a `GAME_PLAYED`: the recording with its hash, and measures of the game.
 
     Args:
-        measures: of the game.
-        bag: its recording, closed.
+        measures: measures of the game.
+        bag: its closed recording.
         root: the folder that paths of recordings are relative to.
-        pace: of the game; None in a rehearsal, which has no real time.
+        pace: pace of the game, or None in a rehearsal, which has no real time.
     """
     measured: dict[str, JsonValue] = {} if pace is None else _measured(pace)
     return {

@@ -1,7 +1,7 @@
-"""Withdrawal of a participant: nothing of them stays in the log, recordings, exports and backups that a study knows.
+"""Withdrawal of a participant: all their data is deleted from the study's log, recordings, exports and known backups.
 
-A list in the store has the withdrawal before anything is deleted, and loses it when nothing is left. So a withdrawal
-that was killed, or could not reach a backup, is finished later: each command of a study begins with that.
+The withdrawal enters a list in the store before anything is deleted, and leaves it when all is deleted. So a
+withdrawal that was killed, or could not reach a backup, is finished later: each command of a study first does that.
 """
 
 import mmap
@@ -26,24 +26,24 @@ from thbridge.files.disk.synced import sync_folder
 from thbridge.files.errors import BadFile, reason_of
 
 _ID = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}")
-"""An id of a participant, where nothing but the name of a folder says that it is one."""
+"""Id of a participant, used where only the name of a folder suggests one."""
 
 
-class NobodyWithdraws(Exception):  # noqa: N818 - it is told as a sentence
-    """The study has nothing of a participant of this id or code."""
+class NobodyWithdraws(Exception):  # noqa: N818 - people read it as a sentence
+    """A withdrawal of a participant with an id or code that the study does not have."""
 
 
 @dataclass(frozen=True, slots=True)
 class WithdrawalPlan:
-    """Plan of a withdrawal: all that it is going to delete.
+    """Plan of a withdrawal: everything that it will delete.
 
     Attributes:
         withdrawal: the participant with their code.
-        log_entries: number of the log's entries that are deleted.
-        recordings: number and bytes of the files in the participant's recordings, by their folder.
-        exports: the exports that are written again.
-        backups: the backups that are brought up to date.
-        missing: exports and backups that are not where they were written.
+        log_entries: number of entries of the log to delete.
+        recordings: number and bytes of the files in the participant's recordings, by folder.
+        exports: exports to write again.
+        backups: backups to bring up to date.
+        missing: exports and backups that no longer exist where they were written.
     """
 
     withdrawal: PendingWithdrawal
@@ -56,14 +56,14 @@ class WithdrawalPlan:
 
 @dataclass(slots=True)
 class Withdrawal:
-    """Withdrawal that was carried out, as far as it could be.
+    """Result of a withdrawal, which may be partial.
 
     Attributes:
         participant: id of the participant.
         code: their completion code; empty if there is none.
         done: sentences on what was deleted or written again.
-        left: sentences on what somebody has to do, because no program can.
-        failed: sentences on what could not be done, and is tried again later.
+        left: sentences on what a person has to do, because no program can.
+        failed: sentences on what failed and will be tried again later.
     """
 
     participant: str
@@ -77,12 +77,12 @@ def plan_withdrawal(study: ExperimentFolder, design: ExperimentDesign, named: st
     """Return what is deleted if a participant withdraws.
 
     Args:
-        study: its folder.
+        study: folder of the study.
         design: the study.
-        named: the participant's id or their completion code, with any blanks and in any case.
+        named: the participant's id or completion code, in any case and with any blanks.
 
     Raises:
-        NobodyWithdraws: the study knows nobody of this id or code.
+        NobodyWithdraws: the study has no participant with this id or code, or several.
         BadFile: the log or a list of folders cannot be read.
     """
     entries = study.entries()
@@ -119,15 +119,15 @@ def withdraw(
     changed: Sequence[str] | None,
     clocks: Callable[[], Clocks],
 ) -> Withdrawal:
-    """Delete everything of a participant; what is interrupted or fails is for `finish_withdrawals`.
+    """Delete all data of a participant. `finish_withdrawals` later finishes what is interrupted or fails.
 
     Args:
-        study: its folder; no other program may be running it.
+        study: folder of the study; no other program may be running it.
         design: the study.
         withdrawal: who withdraws.
-        versions: of the programs, for exports that are written again.
-        changed: what differs from the registered study, likewise; None: it was not registered.
-        clocks: the time now.
+        versions: versions of the programs, for exports that are written again.
+        changed: differences from the registered study, for these exports. If None, the study was not registered.
+        clocks: return the current time.
 
     Raises:
         BadFile: the log or a list cannot be read or written, or another program runs the study.
@@ -160,7 +160,7 @@ def finish_withdrawal(
     changed: Sequence[str] | None,
     clocks: Callable[[], Clocks],
 ) -> Withdrawal:
-    """Finish one withdrawal that is in the list of those begun, with the log open; see `withdraw`."""
+    """Finish one of the withdrawals that have begun, with the log open; see `withdraw`."""
     participant = withdrawal.participant
     told = Withdrawal(participant, withdrawal.code)
     known = log.read()
@@ -172,7 +172,7 @@ def finish_withdrawal(
     entries = log.read()
     told.left += _named_elsewhere(entries, participant)
     _delete_recordings(study, told)
-    # Copies of the log, left by a restore that was killed before it replaced anything.
+    # Copies of the log that a restore left when it was killed before it replaced anything.
     shutil.rmtree(study.restoring, ignore_errors=True)
     for old in study.replaced():
         _withdraw_from_replaced(old, told, clocks)
@@ -181,7 +181,7 @@ def finish_withdrawal(
     for export in exports_with(study, participant):
         if (of := last_event_of(export)) is not None and of > last:
             told.failed.append(
-                f"{export}: it was made of a log with {of} events, and this one has {last}: this is an older copy of "
+                f"{export}: it was made from a log with {of} events, but this log has {last}: this is an older copy of "
                 f"that study. The export still has data of {participant}: withdraw them there, too, or delete it."
             )
             continue
@@ -194,12 +194,12 @@ def finish_withdrawal(
             continue
         try:
             told.left += back_up(study, backup)
-            told.done.append(f"{backup}: this backup is brought up to date, without {participant}.")
+            told.done.append(f"{backup}: this backup is up to date again, without {participant}.")
         except BadFile as fault:
             if _may_hold(ExperimentFolder(backup), participant):
                 told.failed.append(f"{fault} {backup} may still have data of {participant}.")
             else:
-                told.left.append(f"{fault} {backup} has nothing of {participant}.")
+                told.left.append(f"{fault} {backup} has no data of {participant}.")
     if not told.failed:
         study.pending_withdrawals.remove(withdrawal)
     return told
@@ -211,7 +211,7 @@ def plain(word: str) -> str:
 
 
 def _people_elsewhere(study: ExperimentFolder) -> Iterator[str]:
-    """Yield ids that recordings, exports, backups and replaced files have, whether the log knows them or not."""
+    """Yield ids of participants in recordings, exports, backups and replaced files, even if the log lacks them."""
     backups = [ExperimentFolder(path) for path in study.backups_known.paths()]
     for folder in (study, *backups, *study.replaced()):
         if folder.recordings.is_dir():
@@ -227,7 +227,7 @@ def _people_elsewhere(study: ExperimentFolder) -> Iterator[str]:
 
 
 def _recordings(folder: ExperimentFolder, participant: str) -> Path | None:
-    """Return the folder of a participant's recordings; None if their id, which a damaged log may have, names none.
+    """Return the folder of a participant's recordings, or None if their id cannot be a name (in a damaged log).
 
     Raises:
         BadFile: a link leads out of the folder.
@@ -251,7 +251,7 @@ def _delete_recordings(folder: ExperimentFolder, told: Withdrawal) -> None:
 
 
 def _withdraw_from_replaced(old: ExperimentFolder, told: Withdrawal, clocks: Callable[[], Clocks]) -> None:
-    """Delete a participant from what a backup has replaced."""
+    """Delete a participant's data from files that a backup has replaced."""
     _delete_recordings(old, told)
     if not old.log.exists():
         return
@@ -264,12 +264,12 @@ def _withdraw_from_replaced(old: ExperimentFolder, told: Withdrawal, clocks: Cal
         if any(_names(path, told.participant) for path in old.log.parent.iterdir() if path.is_file()):
             told.failed.append(
                 f"{fault} A backup has replaced this log. It may have data of {told.participant}: "
-                f"take from it what you need, and delete {old.root}."
+                f"copy what you need from it, and delete {old.root}."
             )
 
 
 def _may_hold(backup: ExperimentFolder, participant: str) -> bool:
-    """Return True where a backup has data of a participant, or cannot be read."""
+    """Return True if a backup has data of a participant, or cannot be read."""
     try:
         return bool(sequences_of(read_log(backup.log), participant)) or _has_recordings(backup, participant)
     except BadFile:
@@ -282,7 +282,7 @@ def _has_recordings(folder: ExperimentFolder, participant: str) -> bool:
 
 
 def _named_elsewhere(entries: Sequence[LogEntry], participant: str) -> list[str]:
-    """Sentences on events of others that name somebody; the study would be another one without them."""
+    """Return sentences on events of other people that name a participant. They stay, because the study needs them."""
     return [
         f"Event {entry.sequence} ({entry.event.kind} of {entry.event.participant}) names {participant}, and stays."
         for entry in entries
@@ -301,8 +301,8 @@ def _remake(
 ) -> None:
     if people_of(export) is None:
         told.left.append(
-            f"{export}: an export was written here, and its manifest.json is missing or damaged. Look whether there is "
-            f"something of {told.participant}, and delete it."
+            f"{export}: an export was written here, and its manifest.json is missing or damaged. Check whether it has "
+            f"data of {told.participant}, and delete it."
         )
         return
     try:
@@ -310,18 +310,20 @@ def _remake(
     except BadFile as fault:
         told.failed.append(f"{fault} This export may still have data of {told.participant}.")
         return
-    told.done.append(f"{export}: this export is made anew, without {told.participant}. Run its scripts again.")
+    told.done.append(f"{export}: this export was written again, without {told.participant}. Run its scripts again.")
     for path in others:
         named = [file for file in (path, *path.rglob("*")) if file.is_file() and _names(file, told.participant)]
         told.left += [
-            f"{file} is none of the export's files, and names {told.participant}. Delete that." for file in named
+            f"{file} is not one of the export's files, and names {told.participant}. Delete it." for file in named
         ]
         if not named:
-            told.left.append(f"{path} is none of the export's files. Look whether it has data of {told.participant}.")
+            told.left.append(
+                f"{path} is not one of the export's files. Check whether it has data of {told.participant}."
+            )
 
 
 def _names(file: Path, participant: str) -> bool:
-    """Return True where a file has an id as plain text, or cannot be read."""
+    """Return True if a file contains an id as plain text, or cannot be read."""
     try:
         if not file.stat().st_size:
             return False

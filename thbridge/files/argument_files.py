@@ -1,8 +1,8 @@
-"""Reads argumentation frameworks in the formats of solvers.
+"""Reading of argumentation frameworks in the formats of solvers.
 
-APX has a fact for each argument and each attack (`arg(a).`, `att(a,b).`), TGF a line for each, with a line `#` between
-them. The numeric format of the competitions from 2023 on (AF) says in its first line how many arguments there are
-(`p af 3`), and then has a line for each attack (`1 2`).
+APX has a fact for each argument and each attack (`arg(a).`, `att(a,b).`). TGF has a line for each argument, then a line
+`#`, then a line for each attack. The numeric format of the competitions since 2023 (AF) gives the number of arguments
+in its first line (`p af 3`), and then has a line for each attack (`1 2`).
 """
 
 import re
@@ -14,23 +14,23 @@ from thbridge.files.errors import BadFile, FaultCollection
 
 _NAME = r"[^\s(),]+"
 _FACT = re.compile(rf"\s*(?:(arg)\s*\(\s*({_NAME})\s*\)|(att)\s*\(\s*({_NAME})\s*,\s*({_NAME})\s*\))\s*(\.?)\s*")
-_NAMES_HOLD = "names hold no blanks, commas or brackets"
+_NAMES_HOLD = "names cannot contain blanks, commas or brackets"
 _NUMBER = re.compile(r"[1-9][0-9]*|0")
 _LARGEST = 64_000_000
-"""Bytes."""
+"""Largest file in bytes."""
 _MOST_ARGUMENTS = 10_000_000
-"""That a number in a file may declare."""
+"""Largest number of arguments that a file may declare."""
 _LONGEST = 60
-"""Letters of a file that are told in a fault."""
+"""Largest number of letters of a file that a fault quotes."""
 _MOST_FAULTS = 20
-"""After so many the rest is not read: it is another kind of file."""
+"""Number of faults after which reading stops, because the file must be of another kind."""
 
 
 def read_framework(path: Path) -> ArgumentationFramework:
-    """Read a framework; its name says in which format it is.
+    """Read a framework; the suffix of its name gives its format.
 
     Raises:
-        BadFile: it cannot be read, or is not of its format; faults of several lines together.
+        BadFile: it cannot be read, or is not in its format; faults of several lines are raised together.
     """
     match path.suffix.lower():
         case ".apx":
@@ -39,11 +39,11 @@ def read_framework(path: Path) -> ArgumentationFramework:
             return _read_tgf(path)
         case ".af":
             return _read_af(path)
-    raise BadFile(path, "its name does not say what it is", "give a file whose name ends in .apx, .tgf or .af")
+    raise BadFile(path, "its name does not show its format", "give a file with the suffix .apx, .tgf or .af")
 
 
 class _Facts:
-    """The arguments and attacks of a file, and what is wrong with its lines."""
+    """The arguments and attacks of a file, and the faults of its lines."""
 
     def __init__(self, path: Path) -> None:
         self._path = path
@@ -57,12 +57,12 @@ class _Facts:
         with self.faults.kept():
             raise BadFile(self._path, problem, remedy, line=line)
 
-    def argue(self, name: str, line: int, remedy: str = "take one of them away") -> None:
+    def argue(self, name: str, line: int, remedy: str = "delete one of them") -> None:
         if not name.isprintable():
-            # It would be printed as it stands, and might command the terminal.
-            self.fail(line, f"the name {_start(name)} has signs that cannot be printed", "write it with others")
+            # It would be printed unchanged, and could control the terminal.
+            self.fail(line, f"the name {_start(name)} has characters that cannot be printed", "choose other characters")
         elif name in self._arguments:
-            self.fail(line, f"the argument {name} is there twice, first in line {self._arguments[name]}", remedy)
+            self.fail(line, f"the argument {name} is defined twice, first in line {self._arguments[name]}", remedy)
         else:
             self._arguments[name] = line
 
@@ -70,12 +70,12 @@ class _Facts:
         self._attacks.setdefault((attacker, target), line)
 
     def framework(self) -> ArgumentationFramework:
-        # What a line that cannot be read declares is not known.
+        # Unreadable lines may declare further arguments, so attacks cannot be checked.
         attacks = {} if self.faults.found else self._attacks
         for attack, line in attacks.items():
             for name in dict.fromkeys(attack):
                 if name not in self._arguments:
-                    self.fail(line, f"there is no argument {name}", "declare it, or mend its name")
+                    self.fail(line, f"no argument {name} is defined", "declare it, or correct its name")
         if self.faults.found:
             raise self.faults.together()
         return ArgumentationFramework.of(self._arguments, self._attacks)
@@ -93,7 +93,7 @@ def _read_apx(path: Path) -> ArgumentationFramework:
                 break
             at = fact.end()
             if not fact[6]:
-                facts.fail(number, f"there is no full stop after {fact[0].strip()}", "put one there")
+                facts.fail(number, f"the full stop after {fact[0].strip()} is missing", "add it")
             if fact[1]:
                 facts.argue(fact[2], number)
             else:
@@ -112,13 +112,13 @@ def _read_tgf(path: Path) -> ArgumentationFramework:
         if words == ["#"]:
             is_of_attacks = True
         elif strange := [name for name in names if not re.fullmatch(_NAME, name)]:
-            facts.fail(number, f"{_start(strange[0])} is no name of an argument", f"mend it: {_NAMES_HOLD}")
+            facts.fail(number, f"{_start(strange[0])} is not a name of an argument", f"correct it: {_NAMES_HOLD}")
         elif not is_of_attacks:
-            facts.argue(names[0], number, "take one of them away; attacks come after a line with a # alone")
+            facts.argue(names[0], number, "delete one of them; attacks come after a line that has only a #")
         elif len(names) == 2:
             facts.attack(names[0], names[1], number)
         else:
-            facts.fail(number, f"{_start(line)} is no attack", "write the attacker, a blank and what it attacks")
+            facts.fail(number, f"{_start(line)} is not an attack", "write the attacker, a blank, and its target")
     return facts.framework()
 
 
@@ -132,21 +132,21 @@ def _read_af(path: Path) -> ArgumentationFramework:
         if count is None:
             if words[:2] != ["p", "af"] or len(words) != 3 or len(numbers) != 1 or numbers[0] > _MOST_ARGUMENTS:
                 remedy = f"begin with p af and the number of arguments, at most {_MOST_ARGUMENTS}: p af 3"
-                raise BadFile(path, f"{_start(line)} does not say how many arguments there are", remedy, line=number)
+                raise BadFile(path, f"{_start(line)} does not give the number of arguments", remedy, line=number)
             count = numbers[0]
             for each in range(1, count + 1):
                 facts.argue(str(each), number)
         elif len(words) == 2 and len(numbers) == 2 and all(1 <= each <= count for each in numbers):
             facts.attack(words[0], words[1], number)
         else:
-            remedy = f"write the attacker, a blank and what it attacks, numbers from 1 to {count}"
-            facts.fail(number, f"{_start(line)} is no attack", remedy)
+            remedy = f"write the attacker, a blank, and its target, as numbers from 1 to {count}"
+            facts.fail(number, f"{_start(line)} is not an attack", remedy)
     if count is None:
-        raise BadFile(path, "it does not say how many arguments there are", "begin with a line like p af 3")
+        raise BadFile(path, "the number of arguments is missing", "begin with a line like p af 3")
     return facts.framework()
 
 
 def _start(text: str) -> str:
-    """The text in quotes, or as much of it as a sentence bears."""
+    """Return the text in quotes, cut to a length that fits into a sentence."""
     text = text.strip()
     return repr(text if len(text) <= _LONGEST else f"{text[:_LONGEST]}...")

@@ -8,14 +8,15 @@ from contextlib import contextmanager
 from pathlib import Path
 
 _UNSEEN = re.compile(r"[\x00-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069\ud800-\udfff]")
-"""Controls of terminals, those of the direction of writing, ends of lines, and bytes of names that are no UTF-8."""
+"""Control characters of terminals and of writing direction, line ends, and bytes of names that are not UTF-8."""
 
 _LONGEST = 1000
-"""Letters that are shown of a path or a key: names of others may have half a million."""
+"""Largest number of letters shown of a path or a key: names from outside may have half a million."""
 
 
 def visible(text: str, keep: str = "") -> str:
-    """A text of others with its control characters as escapes, such as \\x1b: they clear screens and forge lines.
+    """Return untrusted text with its control characters as escapes, such as \\x1b: they can clear screens and forge
+    lines.
 
     Args:
         text: the text.
@@ -24,17 +25,17 @@ def visible(text: str, keep: str = "") -> str:
     return _UNSEEN.sub(lambda found: found[0] if found[0] in keep else repr(found[0])[1:-1], text)
 
 
-class BadFile(Exception):  # noqa: N818 - it names the fault of a file, and is shown to people as a sentence
+class BadFile(Exception):  # noqa: N818 - it names the fault of a file, and people read it as a sentence
     """A fault of a file that people write, with its place, problem and remedy.
 
-    `str()` of it is the message to show, on one line: `PATH, line N, KEY: problem. Remedy.`
+    `str()` gives the message to show, on one line: `PATH, line N, KEY: problem. Remedy.`
 
     Attributes:
-        path: the file or folder at fault.
+        path: the faulty file or folder.
         line: line number from 1, or None when no single line is at fault.
-        key: the word, key or column at fault, or None.
-        problem: the problem as a clause without its full stop.
-        remedy: the remedy as a clause without its full stop.
+        key: the faulty word, key or column, or None.
+        problem: the problem as a clause without a full stop.
+        remedy: the remedy as a clause without a full stop.
     """
 
     def __init__(self, path: Path, problem: str, remedy: str, line: int | None = None, key: str | None = None) -> None:
@@ -57,9 +58,9 @@ class BadFile(Exception):  # noqa: N818 - it names the fault of a file, and is s
 
 
 class BadFiles(BadFile):
-    """All faults of a file, so that they can be corrected together.
+    """All faults of a file, so that people can correct them together.
 
-    `str()` of it has one line for each fault; the attributes are those of the first.
+    `str()` gives one line for each fault; the attributes are those of the first fault.
 
     Attributes:
         faults: the faults, at least one.
@@ -78,10 +79,10 @@ class BadFiles(BadFile):
 
 
 class FaultCollection:
-    """Faults of several files that are read one after the other, so that they can be corrected together.
+    """Faults of several files, read one after the other, so that people can correct them together.
 
     Attributes:
-        found: all so far.
+        found: all faults so far.
     """
 
     def __init__(self) -> None:
@@ -89,7 +90,7 @@ class FaultCollection:
 
     @contextmanager
     def kept(self) -> Iterator[None]:
-        """Keep a fault that is raised within, and go on after it."""
+        """Keep a fault that is raised within, and continue."""
         try:
             yield
         except BadFiles as several:
@@ -98,7 +99,7 @@ class FaultCollection:
             self.found.append(fault)
 
     def together(self) -> BadFile:
-        """Return the only fault, or all of them, of which there is at least one."""
+        """Return the only fault, or all of them together. At least one must have been found."""
         return self.found[0] if len(self.found) == 1 else BadFiles(tuple(self.found))
 
     def raise_any(self) -> None:
@@ -108,11 +109,11 @@ class FaultCollection:
 
 
 def reason_of(error: OSError) -> str:
-    """The system's text for an error, without the call and address that asyncio adds."""
-    # Failed look-ups of host names have negative numbers and their own texts.
+    """Return the system's text for an error, without the call and address that asyncio adds."""
+    # Failed lookups of host names have negative numbers and their own texts.
     if error.errno is not None and error.errno > 0:
         return os.strerror(error.errno)
     if isinstance(error, shutil.Error) and (number := re.search(r"\[Errno (\d+)\]", str(error))):
-        # Of a copied folder: one for each file, and most are the same.
+        # A copied folder has one error for each file, and most are the same.
         return os.strerror(int(number[1]))
     return error.strerror or str(error)

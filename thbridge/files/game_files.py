@@ -1,4 +1,4 @@
-"""Reads dialogue games and their locutions: YAML files, checked until nothing in them can go wrong in a dialogue."""
+"""Reading of dialogue games and their locutions from YAML files, checked so that no dialogue can fail later."""
 
 import dataclasses
 import difflib
@@ -18,15 +18,15 @@ from thbridge.files.yaml.load import Loaded, load
 
 LOCUTIONS = "locutions.yaml"
 SHIPPED_GAMES = PACKAGE / "dialogue" / "games" / "rules"
-"""The folder of the games that come with the project."""
+"""Folder of the built-in games."""
 _KIND_OF_SLOT: Mapping[Slot, ContentKind] = {
     Slot.ARGUMENT: ContentKind.ARGUMENT,
     Slot.UNKNOWN: ContentKind.UNKNOWN,
     Slot.SUPPORT: ContentKind.LITERAL,
 }
-"""Kinds of what slots hold; in all others stands what the game is about."""
+"""Kinds of the contents of slots; all other slots contain what the game is about."""
 LONGEST_NAME = 60
-_NAMES = f"A name has 1 to {LONGEST_NAME} letters, with no blanks at its ends"
+_NAMES = f"A name has 1 to {LONGEST_NAME} letters, without blanks at its ends"
 _FormKey = tuple[str, ContentKind, str | None]
 _Forms = Mapping[_FormKey, Locution]
 
@@ -68,11 +68,11 @@ class _GameYaml:
     about: Literal["literal", "rule"]
     opening: str
     stages: tuple[_StageYaml, ...]
-    most_turns: int = param(60, "moves after which no further one is legal", minimum=2, maximum=10_000)
+    most_turns: int = param(60, "number of moves after which no further move is legal", minimum=2, maximum=10_000)
 
 
 def read_rulebook(folders: Iterable[Path] = (SHIPPED_GAMES,)) -> Rulebook:
-    """Read the locutions and games of folders; a later folder's replace those of the same name.
+    """Read the locutions and games of folders; those of a later folder replace earlier ones with the same name.
 
     Raises:
         BadFile: a fault of a file, or all faults together.
@@ -98,12 +98,12 @@ def read_rulebook(folders: Iterable[Path] = (SHIPPED_GAMES,)) -> Rulebook:
 
 def _game_paths(folder: Path) -> list[Path]:
     if folder.is_file():
-        raise BadFile(folder, "this is a file, not a folder", f"Name the folder that it is in: {folder.parent}")
+        raise BadFile(folder, "this is a file, not a folder", f"Name its folder: {folder.parent}")
     if not folder.is_dir():
-        raise BadFile(folder, "there is no such folder", f"Make it, and put games or a {LOCUTIONS} into it")
+        raise BadFile(folder, "there is no such folder", f"Create it, and add games or a {LOCUTIONS}")
     paths = sorted(path for path in folder.glob("*.yaml") if path.name != LOCUTIONS)
     if not paths and not (folder / LOCUTIONS).exists():
-        raise BadFile(folder, f"there are neither games, *.yaml, nor a {LOCUTIONS} in it", "Name the folder of some")
+        raise BadFile(folder, f"it has neither games, *.yaml, nor a {LOCUTIONS}", "Name a folder that has some")
     return paths
 
 
@@ -118,7 +118,7 @@ def _load_games(paths: Iterable[Path], others: Mapping[str, Loaded[_GameYaml]]) 
 
     Args:
         paths: files of games.
-        others: games of earlier folders, which these replace where they have the same name.
+        others: games of earlier folders, which are replaced by games with the same name.
     """
     faults, games = FaultCollection(), dict[str, Loaded[_GameYaml]]()
     for path in paths:
@@ -126,10 +126,10 @@ def _load_games(paths: Iterable[Path], others: Mapping[str, Loaded[_GameYaml]]) 
             loaded = load(path, _GameYaml)
             name, about = loaded.value.name, loaded.value.about
             if not _is_name(name):
-                raise loaded.fault("name", f"{name!r} is no name", _NAMES)
+                raise loaded.fault("name", f"{name!r} is not a valid name", _NAMES)
             if name in games:
-                problem = f"{games[name].path.name} has a game {name}, too"
-                raise loaded.fault("name", problem, "Give each a name of its own")
+                problem = f"{games[name].path.name} also has a game {name}"
+                raise loaded.fault("name", problem, "Give each game its own name")
             games[name] = loaded
             if name in others and about != others[name].value.about:
                 problem = f"{name} of {others[name].path}, which it replaces, is about a {others[name].value.about}"
@@ -140,14 +140,14 @@ def _load_games(paths: Iterable[Path], others: Mapping[str, Loaded[_GameYaml]]) 
 
 
 def _check_others(path: Path, games: Iterable[Loaded[_GameYaml]], forms: _Forms) -> None:
-    """Raise a BadFile of a file of locutions with which a game of an earlier folder cannot be played any more."""
+    """Raise BadFile for a file of locutions that makes a game of an earlier folder unplayable."""
     for game in games:
         try:
             _check(game, forms)
         except BadFile as fault:
             why = f"{fault.path}, line {fault.line}: {fault.problem}"
             problem = f"with it the game {game.value.name} cannot be played ({why})"
-            remedy = "Give locutions of your own names of their own, or write a game that takes the place of that one"
+            remedy = "Give your locutions names of their own, or write a game that replaces that one"
             raise BadFile(path, problem, remedy, line=1, key="locutions") from None
 
 
@@ -157,7 +157,7 @@ def _locutions(loaded: Loaded[_LocutionsYaml]) -> list[Locution]:
     for place, each in enumerate(loaded.value.locutions):
         key = f"locutions[{place}]"
         if (each.name, each.content, each.of) in seen:
-            faults.append(loaded.fault(key, f"{each.name} of a {each.content} is there twice", "Keep one of them"))
+            faults.append(loaded.fault(key, f"{each.name} of a {each.content} is defined twice", "Keep one of them"))
         seen.add((each.name, each.content, each.of))
         for field, names, known in (
             ("before", each.before, CONDITIONS),
@@ -172,15 +172,15 @@ def _locutions(loaded: Loaded[_LocutionsYaml]) -> list[Locution]:
                 elif each.content not in known[name].kinds:
                     kinds = ", ".join(kind for kind in ContentKind if kind in known[name].kinds)
                     problem = f"{name} is for content: {kinds}; not for {each.content}"
-                    faults.append(loaded.fault(place_of_word, problem, "Take it away"))
+                    faults.append(loaded.fault(place_of_word, problem, "Delete it"))
         for field, names in (("before", each.before), ("before_person", each.before_person)):
             faults += [
-                loaded.fault(f"{key}.{field}", f"{one} and {other} never hold together", "Take one of them away")
+                loaded.fault(f"{key}.{field}", f"{one} and {other} never hold together", "Delete one of them")
                 for one, other in CONTRADICTIONS
                 if {one, other} <= set(names)
             ]
         if not _is_name(each.name):
-            faults.append(loaded.fault(f"{key}.name", f"{each.name!r} is no name", _NAMES))
+            faults.append(loaded.fault(f"{key}.name", f"{each.name!r} is not a valid name", _NAMES))
     if faults:
         raise BadFiles(tuple(faults))
     return [
@@ -201,7 +201,7 @@ def _table(written: _GameYaml) -> GameTable:
 
 
 def _check(loaded: Loaded[_GameYaml], forms: _Forms) -> None:
-    """Raise the faults of a game: first those of words, then, of a table that hangs together, those of its course."""
+    """Raise the faults of a game: first those of its words, and, if there are none, those of its course."""
     for find in (_faults, _course_faults):
         if faults := tuple(find(loaded, forms)):
             raise BadFiles(faults)
@@ -216,18 +216,18 @@ def _faults(loaded: Loaded[_GameYaml], forms: _Forms) -> Iterator[BadFile]:
     for place, stage in enumerate(written.stages):
         key = f"stages[{place}]"
         if not _is_name(stage.name):
-            yield loaded.fault(f"{key}.name", f"{stage.name!r} is no name", _NAMES)
+            yield loaded.fault(f"{key}.name", f"{stage.name!r} is not a valid name", _NAMES)
         if stage.name in names[:place]:
-            yield loaded.fault(f"{key}.name", f"there are two stages {stage.name}", "Give each a name of its own")
+            yield loaded.fault(f"{key}.name", f"two stages have the name {stage.name}", "Give each stage its own name")
         if stage.name in set(DialogueEnd):
             yield loaded.fault(f"{key}.name", f"{stage.name} is the name of an end", "Give the stage another name")
         if not stage.replies:
-            yield loaded.fault(f"{key}.replies", "nothing can be said in this stage", "Add a reply, or take it away")
+            yield loaded.fault(f"{key}.replies", "this stage has no replies", "Add a reply, or delete the stage")
         for at, reply in enumerate(stage.replies):
             yield from _reply_faults(loaded, f"{key}.replies[{at}]", reply, targets, forms)
             yield from _questioned_faults(loaded, f"{key}.replies[{at}]", reply, names)
             if any((reply.say, reply.of) == (other.say, other.of) for other in stage.replies[:at]):
-                problem = f"{reply.say} of {reply.of} is a reply of this stage already"
+                problem = f"{reply.say} of {reply.of} is already a reply of this stage"
                 yield loaded.fault(f"{key}.replies[{at}]", problem, "Keep one of them")
         if stage.name == written.opening:
             yield from _opening_faults(loaded, key, stage)
@@ -243,7 +243,7 @@ def _opening_faults(loaded: Loaded[_GameYaml], key: str, stage: _StageYaml) -> I
             yield loaded.fault(f"{key}.replies[{at}].of", problem, "Write topic")
     if stage.replies and all(reply.next in set(DialogueEnd) for reply in stage.replies):
         remedy = "Let one lead to a stage in which the respondent replies"
-        yield loaded.fault(f"{key}.replies[0].next", "nobody can reply to the opening: the game is over", remedy)
+        yield loaded.fault(f"{key}.replies[0].next", "every opening ends the game without a reply", remedy)
 
 
 def _reply_faults(
@@ -265,14 +265,14 @@ def _reply_faults(
             f"Add one to {LOCUTIONS}, or write another slot",
         )
     if reply.of in {Slot.OPPOSITE, Slot.UNKNOWN} and about == "rule":
-        problem = f"of a rule there is no {'opposite' if reply.of is Slot.OPPOSITE else 'not knowing'}"
+        problem = f"a rule has no {'opposite' if reply.of is Slot.OPPOSITE else 'form for not knowing'}"
         yield loaded.fault(f"{key}.of", problem, "Write about: literal, or another slot")
     for field, target in (("next", reply.next), ("last", reply.last)):
         if target is not None and target not in targets:
             yield _no_such(loaded, f"{key}.{field}", "stage or end", target, targets)
     if reply.last is not None and reply.of not in {Slot.SUPPORT, Slot.ARGUMENT}:
         problem = f"`last` is for the last support of a claim, not for {reply.of}"
-        yield loaded.fault(f"{key}.last", problem, "Take it away, or write of: support or of: argument")
+        yield loaded.fault(f"{key}.last", problem, "Delete it, or write of: support or of: argument")
 
 
 def _questioned_faults(
@@ -283,12 +283,12 @@ def _questioned_faults(
     if reply.questioned not in names:
         yield _no_such(loaded, f"{key}.questioned", "stage", reply.questioned, names)
     if reply.next in names:
-        problem = "`questioned` is for a refusal that ends the game, and this reply does not"
-        yield loaded.fault(f"{key}.questioned", problem, "Take it away, or write an end as next")
+        problem = "`questioned` is for a refusal that ends the game, but this reply does not end it"
+        yield loaded.fault(f"{key}.questioned", problem, "Delete it, or write an end as next")
 
 
 def _course_faults(loaded: Loaded[_GameYaml], forms: _Forms) -> Iterator[BadFile]:
-    """Turns of nobody, and replies that are legal in no play of the game."""
+    """Yield faults of turns without a speaker, and of replies that are never legal in the game."""
     table = _table(loaded.value)
 
     def form_of(reply: Reply) -> Locution:
@@ -300,7 +300,7 @@ def _course_faults(loaded: Loaded[_GameYaml], forms: _Forms) -> Iterator[BadFile
         here = [position for position in found if position.stage == stage]
         if any(speaker_in(table, position) is None for position in here):
             turn = table.stages[stage].turn
-            problem = f"it can be the {turn}'s turn here though {NO_CLAIM.problem}"
+            problem = f"it can be the {turn}'s turn here although {NO_CLAIM.problem}"
             yield loaded.fault(f"stages[{place}].turn", problem, f"Write initiator or respondent. {NO_CLAIM.remedy}")
             continue
         for at, reply in enumerate(table.stages[stage].replies):
@@ -311,13 +311,13 @@ def _course_faults(loaded: Loaded[_GameYaml], forms: _Forms) -> Iterator[BadFile
             elif reply.questioned is not None and not any(
                 refuses_support(table, position, reply, form_of) for position in here
             ):
-                problem = "nothing is refused here that could be questioned: it is no answer to a support"
-                remedy = "Take it away, or move the reply to a stage in which the challenger answers `of: support`"
+                problem = "no refusal here can be questioned, because the reply does not answer a support"
+                remedy = "Delete it, or move the reply to a stage in which the challenger answers `of: support`"
                 yield loaded.fault(f"stages[{place}].replies[{at}].questioned", problem, remedy)
 
 
 def _stage_faults(loaded: Loaded[_GameYaml], names: Collection[str]) -> Iterator[BadFile]:
-    """Stages that are never reached, and those from which no end is."""
+    """Yield faults of stages that are never reached, and of stages that lead to no end."""
     written = loaded.value
     after = {
         stage.name: {to for reply in stage.replies for to in (reply.next, reply.last, reply.questioned) if to}
@@ -333,17 +333,17 @@ def _stage_faults(loaded: Loaded[_GameYaml], names: Collection[str]) -> Iterator
     while grown := {name for name, targets in after.items() if targets & ending} - ending:
         ending |= grown
     lost = [name for name in names if name not in reached] if reached else []
-    # Stages to which only lost ones lead are found again with them.
+    # Stages that only lost stages lead to are not reported: their cause is the first lost stage.
     first_lost = [name for name in lost if not any(name in after[other] for other in lost)] or lost[:1]
     for place, stage in enumerate(written.stages):
         if stage.name in first_lost:
             yield loaded.fault(
-                f"stages[{place}].name", f"no reply leads to the stage {stage.name}", "Let one do so, or take it away"
+                f"stages[{place}].name", f"no reply leads to the stage {stage.name}", "Add one, or delete the stage"
             )
         elif stage.replies and stage.name not in ending:
             yield loaded.fault(
                 f"stages[{place}].name",
-                f"from the stage {stage.name} there is no way to an end",
+                f"the stage {stage.name} leads to no end",
                 "Let a reply end the game",
             )
 
@@ -353,8 +353,8 @@ def _no_such(
 ) -> BadFile:
     choices = sorted(set(known))
     near = difflib.get_close_matches(name, choices, n=1)
-    remedy = f"The nearest is {near[0]}" if near else f"There are: {', '.join(choices) or 'none'}"
-    return loaded.fault(key, f"there is no {what} {name}", remedy)
+    remedy = f"The nearest is {near[0]}" if near else f"Write one of: {', '.join(choices) or 'none'}"
+    return loaded.fault(key, f"{what} {name} does not exist", remedy)
 
 
 def _kind_of(slot: Slot, about: str) -> ContentKind:

@@ -1,4 +1,4 @@
-"""Occupancy grids in files: `map.yaml` and its image as map_server reads them and map_saver writes them."""
+"""Occupancy grids in files: `map.yaml` and its image, as map_server reads them and map_saver writes them."""
 
 import math
 import re
@@ -22,18 +22,18 @@ from thbridge.files.yaml.load import Loaded, load_tree
 from thbridge.files.yaml.tree import Listing, Node, Scalar, Section, parse
 
 GREY_OF_CELL = {FREE: 254, OCCUPIED: 0, UNKNOWN: 205}
-"""Gray values of cells, as written by map_saver."""
+"""Gray values of cells, as map_saver writes them."""
 UNKNOWN_GREY = GREY_OF_CELL[UNKNOWN]
 OCCUPIED_THRESH = 0.65
 FREE_THRESH = 0.196
 
 LEAST_WALL = 0.05
-"""Share of the edge of the floor that is occupied, below which walls have another shade."""
+"""Share of occupied cells along the edge of the floor, below which walls probably have another shade."""
 TINTED, LARGE_SHARE = 0.02, 0.05
-"""Darkness from which on floor is not white, and the share of an image from which on a shade is an area of its own."""
+"""Darkness from which floor counts as not white, and share of an image from which a shade counts as an area."""
 
 POSE = {"unit": "m, m, rad"}
-"""Declaration of a field of x, y, yaw."""
+"""Declaration of a field with x, y, yaw."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,25 +49,25 @@ class _MapYaml:
 
 @dataclass(frozen=True, slots=True)
 class GridFile:
-    """A `map.yaml` that was read, and the occupancy grid that map_server makes of it."""
+    """A `map.yaml`, and the occupancy grid that map_server makes from it."""
 
     yaml: Loaded[_MapYaml]
     grid: OccupancyGrid
 
     @property
     def doubts(self) -> tuple[BadFile, ...]:
-        """Oddities of the file that do not keep map_server from reading it."""
+        """Oddities of the file that map_server accepts."""
         return self.yaml.doubts
 
 
 @dataclass(frozen=True, slots=True)
 class UnseenWalls:
-    """A map whose floor ends at unknown cells: no laser sees them, and robots get lost.
+    """A map with a floor that ends at unknown cells. No laser sees these cells, so robots get lost.
 
     Attributes:
-        problem: what is wrong, for people.
-        occupied_thresh: a threshold by which what is around the floor is occupied.
-        free_thresh: one by which large areas that are not quite white are no floor.
+        problem: the problem in words.
+        occupied_thresh: a threshold that makes the surroundings of the floor occupied.
+        free_thresh: a threshold that excludes large areas from the floor if they are not quite white.
     """
 
     problem: str
@@ -76,7 +76,9 @@ class UnseenWalls:
 
 
 def unseen_walls(cells: Cells, pixels: NDArray[np.uint8], negate: bool) -> UnseenWalls | None:
-    """Find out if hardly anything around a map's floor is occupied; None where walls are, or savers' unknown."""
+    """Check whether hardly any cell around a map's floor is occupied. Return None if there are walls, or unknown cells
+    in the shade of map savers.
+    """
     free = np.pad(cells == FREE, 1)
     beside = free[:-2, 1:-1] | free[2:, 1:-1] | free[1:-1, :-2] | free[1:-1, 2:]
     edge = beside & ~free[1:-1, 1:-1]
@@ -89,8 +91,8 @@ def unseen_walls(cells: Cells, pixels: NDArray[np.uint8], negate: bool) -> Unsee
     if gray == UNKNOWN_GREY:
         return None
     problem = (
-        f"{seen:.0%} of what is around the floor is occupied, the rest is unknown, mostly gray {gray}. Lasers see "
-        "occupied cells alone, so robots would be lost"
+        f"{seen:.0%} of the cells around the floor are occupied; the rest is unknown, mostly gray {gray}. Lasers see "
+        "only occupied cells, so robots would be lost"
     )
     shares = np.bincount(grays[free[1:-1, 1:-1]], minlength=256) / cells.size
     tinted = darkness[(shares >= LARGE_SHARE) & (darkness >= TINTED)]
@@ -100,17 +102,17 @@ def unseen_walls(cells: Cells, pixels: NDArray[np.uint8], negate: bool) -> Unsee
 
 
 def read_grid(map_yaml: Path) -> OccupancyGrid:
-    """The occupancy grid of a `map.yaml`; as `read_grid_file`."""
+    """Return the occupancy grid of a `map.yaml`; see `read_grid_file`."""
     return read_grid_file(map_yaml).grid
 
 
 def read_grid_file(map_yaml: Path) -> GridFile:
     """Read a `map.yaml` and its image.
 
-    An image that is not where the file says may be beside it, as when the map comes from another machine.
+    If the image is not at its path in the file, one next to `map.yaml` is used: the map may come from another machine.
 
     Raises:
-        BadFile: the file or its image is missing or has a fault.
+        BadFile: the file or its image does not exist or has a fault.
     """
     doubts: list[BadFile] = []
     loaded = load_tree(map_yaml, _as_map_server(map_yaml, parse(map_yaml, read_text(map_yaml)), doubts), _MapYaml)
@@ -119,13 +121,13 @@ def read_grid_file(map_yaml: Path) -> GridFile:
         problem = f"{entry.free_thresh} is above occupied_thresh {entry.occupied_thresh}"
         raise loaded.fault("free_thresh", problem, "Lower it; map_saver writes 0.196 and 0.65")
     if problem := fault_of_path(entry.image):
-        raise loaded.fault("image", problem, "Name the image, beside map.yaml or with its full path")
+        raise loaded.fault("image", problem, "Name the image, next to map.yaml or with its full path")
     image = _image_of(map_yaml, entry.image)
     if image is None:
-        remedy = "Name the image, beside map.yaml or with its full path"
-        raise loaded.fault("image", f"there is no file {map_yaml.parent / entry.image}", remedy)
+        remedy = "Name the image, next to map.yaml or with its full path"
+        raise loaded.fault("image", f"file {map_yaml.parent / entry.image} does not exist", remedy)
     if image != as_on_disk(map_yaml.parent / entry.image):
-        problem = f"there is no file {entry.image}, so {image.name} next to {map_yaml.name} is used"
+        problem = f"file {entry.image} does not exist, so {image.name} next to {map_yaml.name} is used"
         doubts.append(loaded.fault("image", problem, f"Write image: {image.name}"))
     pixels = read_image(image)
     cells = interpret_image(pixels, entry.negate == 1, entry.occupied_thresh, entry.free_thresh, entry.mode)
@@ -133,8 +135,8 @@ def read_grid_file(map_yaml: Path) -> GridFile:
         unknown = (pixels[..., :3].mean(axis=2) if pixels.ndim == 3 else pixels) == UNKNOWN_GREY
         if unknown.any():
             share = 100.0 * float(unknown.mean())
-            problem = f"gray {UNKNOWN_GREY}, savers' shade for unknown, counts as free ({share:.0f} % of the image)"
-            remedy = f"Write free_thresh: {FREE_THRESH}, unless it is free; map_server and Nav2 take it for free, too"
+            problem = f"gray {UNKNOWN_GREY}, map savers' shade for unknown, is free here ({share:.0f} % of the image)"
+            remedy = f"Write free_thresh: {FREE_THRESH}, unless it is free; map_server and Nav2 also treat it as free"
             doubts.append(loaded.fault("free_thresh", problem, remedy))
     if entry.mode != "raw" and (unseen := unseen_walls(cells, pixels, entry.negate == 1)) is not None:
         remedy = (
@@ -145,8 +147,8 @@ def read_grid_file(map_yaml: Path) -> GridFile:
         opaque = interpret_image(pixels[..., :3], entry.negate == 1, entry.occupied_thresh, entry.free_thresh)
         if (differing := float((cells != opaque).mean())) > 0.0:
             problem = (
-                "the image has an alpha channel (transparency), which map_server and Nav2 average with its colors; so "
-                f"{100.0 * differing:.0f} % of the cells are not what the colors say"
+                "the image has an alpha channel (transparency), which map_server and Nav2 average with its colors, so "
+                f"{100.0 * differing:.0f} % of the cells differ from what the colors show"
             )
             doubts.append(loaded.fault("image", problem, "Save the image without an alpha channel"))
     whole = replace(loaded, doubts=(*doubts, *loaded.doubts))
@@ -156,8 +158,8 @@ def read_grid_file(map_yaml: Path) -> GridFile:
 def _as_map_server(path: Path, tree: Node, doubts: list[BadFile]) -> Node:
     """Return a tree as map_server reads it.
 
-    It takes numbers in quotes and ignores keys that it does not know (yaml-cpp); that of Nav2 also takes true and false
-    for `negate`, and capitals in `mode` (map_io.cpp).
+    map_server accepts numbers in quotes and ignores unknown keys (yaml-cpp). Nav2's also accepts true and false for
+    `negate`, and capitals in `mode` (map_io.cpp).
     """
     if not isinstance(tree, Section):
         return tree
@@ -166,7 +168,7 @@ def _as_map_server(path: Path, tree: Node, doubts: list[BadFile]) -> Node:
     entries: list[tuple[Scalar, Node]] = []
     for key, child in tree.entries:
         if key.text not in known and not get_close_matches(key.text, missing, n=1):
-            remedy = "Remove the line if it is a typing error"
+            remedy = "Delete the line if it is a typing error"
             doubts.append(BadFile(path, "map_server ignores this key", remedy, key.line, key.text))
         elif isinstance(child, Scalar) and key.text == "mode":
             entries.append((key, replace(child, text=child.text.lower())))
@@ -188,7 +190,7 @@ _NEGATE = {"true": "1", "false": "0", "yes": "1", "no": "0", "on": "1", "off": "
 
 
 def _image_of(map_yaml: Path, written: str) -> Path | None:
-    """Return the image that a `map.yaml` names, or else one of the same name beside it; None: there is none."""
+    """Return the image that a `map.yaml` names, or else one of the same name next to it, or None."""
     image = as_on_disk(map_yaml.parent / written)
     if is_regular(image):
         return image
@@ -200,17 +202,17 @@ def _image_of(map_yaml: Path, written: str) -> Path | None:
 
 
 def pose_of(x: float, y: float, yaw: float) -> Pose2:
-    """Return a pose with its heading within half a turn."""
-    # Wrapping rounds, so an angle that needs no wrapping stays as it was written.
+    """Return a pose with its heading from -pi to less than pi."""
+    # Wrapping rounds, so an angle that needs no wrapping is not changed.
     return Pose2(x, y, yaw if -math.pi <= yaw < math.pi else wrap_angle(yaw))
 
 
 def write_grid(folder: Path, grid: OccupancyGrid) -> None:
-    """Write `map.yaml` and `map.pgm` as map_saver does; the folder is made if it is missing.
+    """Write `map.yaml` and `map.pgm` as map_saver does; a missing folder is created.
 
     Raises:
-        ValueError: there are cells other than free, occupied and unknown, which these files cannot store.
-        OSError: the folder cannot be made.
+        ValueError: some cells are not free, occupied or unknown; these files cannot store them.
+        OSError: the folder cannot be created.
         BadFile: a file cannot be written.
     """
     shades = np.full(256, 1, dtype=np.uint8)

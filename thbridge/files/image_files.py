@@ -11,22 +11,22 @@ from thbridge.files.disk.regular_files import content_of
 from thbridge.files.errors import BadFile
 
 MOST_PIXELS = 32_000_000
-"""Largest number of pixels: 280 m x 280 m at 0.05 m. To localize on such a map takes 32 bytes a cell, a gigabyte."""
+"""Largest number of pixels: 280 m x 280 m at 0.05 m. Localization on such a map takes 32 bytes a cell, a gigabyte."""
 MOST_WORDS = 8_000_000
-"""Largest number of pixels that are written as words (P2), for each takes 40 bytes."""
+"""Largest number of pixels that are written as words (P2), because each takes 40 bytes."""
 LARGEST_IMAGE = 1 << 29
 """Largest file in bytes."""
 
 _FORMATS = ("PNG", "PPM", "JPEG", "BMP", "GIF", "TIFF", "WEBP", "TGA", "PCX", "XPM")
-"""Those of Pillow's formats that map_server reads as well; for others, such as EPS, Pillow runs other programs."""
+"""Formats of Pillow that map_server also reads. For others, such as EPS, Pillow would run other programs."""
 
 
 def read_image(path: Path) -> NDArray[np.uint8]:
-    """The pixels of an image: PGM (P2 and P5, 8 and 16 bit), PNG, JPEG, BMP, GIF, TIFF, WebP, TGA, PCX, XPM.
+    """Return the pixels of an image: PGM (P2 and P5, 8 and 16 bit), PNG, JPEG, BMP, GIF, TIFF, WebP, TGA, PCX, XPM.
 
     Returns:
-        (rows, cols) gray or (rows, cols, 3 or 4) colors, row 0 at the top; deeper pixels are scaled down to 8 bit as
-        the library behind map_server does.
+        (rows, cols) gray or (rows, cols, 3 or 4) colors, row 0 at the top; deeper pixels are scaled down to 8 bit like
+        in the library behind map_server.
 
     Raises:
         BadFile: it is not an image, or a part of it is missing.
@@ -40,7 +40,7 @@ def read_image(path: Path) -> NDArray[np.uint8]:
     if data[:2] in {b"P4", b"P6"}:
         data = _with_plain_header(path, data)
     elif data[:2] in {b"P1", b"P3"}:
-        data = _COMMENT.sub(b"", data)  # Pillow lets a comment end with LF alone
+        data = _COMMENT.sub(b"", data)  # in Pillow, a comment ends only at LF
     # Imported here because it is slow and few maps need it.
     from PIL import Image, UnidentifiedImageError  # noqa: PLC0415
 
@@ -55,10 +55,10 @@ def read_image(path: Path) -> NDArray[np.uint8]:
             mode = mode or ("RGBA" if image.mode in {"RGBA", "RGBa"} else "RGB")
             return np.asarray(image.convert(mode), dtype=np.uint8)
     except (UnidentifiedImageError, Image.DecompressionBombError):
-        raise BadFile(path, "not a picture that can be read", "Save it as PGM or PNG") from None
-    # Pillow raises whatever comes of a wrong tag, such as a place that is a float.
+        raise BadFile(path, "it is not a readable image", "Save it as PGM or PNG") from None
+    # Pillow raises many kinds of errors for wrong tags, such as an offset that is a float.
     except (OSError, SyntaxError, ValueError, TypeError, LookupError, ArithmeticError) as error:
-        raise BadFile(path, f"the picture is damaged ({error})", "Save it anew as PGM or PNG") from None
+        raise BadFile(path, f"the image is damaged ({error})", "Save it again as PGM or PNG") from None
 
 
 def _too_large(path: Path, width: int, height: int) -> BadFile:
@@ -67,12 +67,12 @@ def _too_large(path: Path, width: int, height: int) -> BadFile:
 
 
 def _with_plain_header(path: Path, data: bytes) -> bytes:
-    """A binary PBM or PPM with a header as Pillow reads it, which ends the header at the first byte of a line's end."""
+    """Return a binary PBM or PPM with a header for Pillow, which ends the header at the first byte of a line end."""
     kind, count = data[:2], _HEADER_NUMBERS[data[:2]]
     numbers, end = _netpbm_header(path, data, count)
     if numbers[0] * numbers[1] > MOST_PIXELS:
         raise _too_large(path, numbers[0], numbers[1])
-    # Of a PPM with values above 255 each takes two bytes.
+    # Values above 255 take two bytes each in a PPM.
     row = (numbers[0] + 7) // 8 if count == 2 else 3 * numbers[0] * (1 + (numbers[2] > 255))
     begin = _raster_begin(data, end, row * numbers[1])
     return kind + b"\n" + b" ".join(str(number).encode() for number in numbers) + b"\n" + data[begin:]
@@ -81,9 +81,9 @@ def _with_plain_header(path: Path, data: bytes) -> bytes:
 def _read_pgm(path: Path, data: bytes) -> NDArray[np.uint8]:
     (width, height, deepest), end = _netpbm_header(path, data, _HEADER_NUMBERS[data[:2]])
     if width < 1 or height < 1:
-        raise BadFile(path, f"the picture is {width} x {height} pixels", "Save it anew")
+        raise BadFile(path, f"the image has {width} x {height} pixels", "Save it again")
     if not 1 <= deepest <= 65535:
-        raise BadFile(path, f"the header's greatest value is {deepest}", "Save it with 8 or 16 bit")
+        raise BadFile(path, f"the largest value in the header is {deepest}", "Save it with 8 or 16 bit")
     if width * height > MOST_PIXELS:
         raise _too_large(path, width, height)
     if data[:2] == b"P2" and width * height > MOST_WORDS:
@@ -104,32 +104,32 @@ def _read_pgm(path: Path, data: bytes) -> NDArray[np.uint8]:
             raise _truncated(path, width, height, f"{len(words)} values")
         wrong = next((word for word in words[: width * height] if not word.isdigit() or len(word) > 5), None)
         if wrong is not None:
-            raise BadFile(path, f"{wrong!r} stands among the grey values", "Save the picture anew")
+            raise BadFile(path, f"{wrong!r} is among the gray values", "Save the image again")
         values = np.array(words[: width * height], dtype=np.uint32)
     if values.max() > deepest:
-        problem = f"a grey value of {values.max()} above the header's greatest, {deepest}"
-        raise BadFile(path, problem, "Save the picture anew")
+        problem = f"a gray value of {values.max()} is above the header's largest value, {deepest}"
+        raise BadFile(path, problem, "Save the image again")
     shades = (np.arange(deepest + 1) * 255 // deepest).astype(np.uint8)
     drawn: NDArray[np.uint8] = shades[values].reshape(height, width)
     return drawn
 
 
 def _truncated(path: Path, width: int, height: int, found: str) -> BadFile:
-    problem = f"the picture is cut off: its header says {width} x {height} pixels, but there are {found} only"
-    return BadFile(path, problem, "Copy or save it anew")
+    problem = f"the image is cut off: its header says {width} x {height} pixels, but it has only {found}"
+    return BadFile(path, problem, "Copy or save it again")
 
 
 _HEADER_NUMBERS = {b"P2": 3, b"P4": 2, b"P5": 3, b"P6": 3}
-"""Numbers in the header of a kind: width, height and, but for black and white, the greatest value."""
+"""Count of numbers in the header of each kind: width, height and, except for black and white, the largest value."""
 _COMMENT = re.compile(rb"#[^\r\n]*")
 _LINE_END = re.compile(rb"[\r\n]")
 
 
 def _raster_begin(data: bytes, end: int, size: int) -> int:
-    """Offset of the first pixel of so many bytes, behind a header whose last number ends at an offset.
+    """Return the offset of the first pixel of `size` bytes, after a header with its last number ending at `end`.
 
-    Exactly one blank ends the header; the byte after it is a pixel, even if it is a blank, too. But where an editor has
-    written CR LF for each line's end, both end it. A comment right behind the number goes up to its line's end.
+    Exactly one blank ends the header; the byte after it is a pixel, even if it looks like a blank. But if an editor has
+    written CR LF for each line end, both bytes end the header. A comment right after the number ends with its line.
     """
     if data[end : end + 1] == b"#":
         found = _LINE_END.search(data, end)
@@ -139,7 +139,7 @@ def _raster_begin(data: bytes, end: int, size: int) -> int:
 
 
 def _netpbm_header(path: Path, data: bytes, count: int) -> tuple[list[int], int]:
-    """The numbers of a header, and the offset of the end of the last."""
+    """Return the numbers of a header, and the offset of the end of the last number."""
     numbers: list[int] = []
     position = 2
     while len(numbers) < count:
@@ -153,7 +153,7 @@ def _netpbm_header(path: Path, data: bytes, count: int) -> tuple[list[int], int]
             while data[end : end + 1].isdigit() and end - position < 10:
                 end += 1
             if end == position:
-                raise BadFile(path, "the PGM header is damaged", "Save the picture anew as PGM")
+                raise BadFile(path, "the PGM header is damaged", "Save the image again as PGM")
             numbers.append(int(data[position:end]))
             position = end
     return numbers, position

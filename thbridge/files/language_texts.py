@@ -1,6 +1,6 @@
-"""Reads what participants read or hear beside dialogues: in the folder of each language, YAML files in `texts/`.
+"""Reading of texts for participants outside of dialogues: YAML files in `texts/`, in the folder of each language.
 
-English has all texts that there are. Texts that another language lacks are in English, and `missing_texts` lists them.
+English has all texts. Texts that another language lacks are shown in English, and `missing_texts` lists them.
 """
 
 import difflib
@@ -20,21 +20,21 @@ from thbridge.files.yaml.tree import Listing, Node, Scalar, Section, parse
 ENGLISH = "en"
 """Language that has all texts."""
 TEXTS = "texts"
-"""Name of the folder in that of a language."""
+"""Name of the folder of texts in the folder of a language."""
 LONGEST_TEXT = 4000
-"""Greatest length of a text, in characters."""
+"""Largest length of a text, in characters."""
 LAST = "words.last"
-"""Key of what stands before the last thing of a list."""
+"""Key of the word before the last item of a list."""
 
 
 @cache
 def shipped_texts(language: str = ENGLISH) -> Texts:
-    """Return the texts of a language that comes with the project."""
+    """Return the texts of a built-in language."""
     return read_texts((SHIPPED_LANGUAGES,), language)
 
 
 def shipped_languages() -> dict[str, str]:
-    """Return the languages that come with the project: what each calls itself, by its name."""
+    """Return the built-in languages: the title of each, by its name."""
     names = languages_in(SHIPPED_LANGUAGES)
     return {name: read_head((SHIPPED_LANGUAGES,), name).title for name in names}
 
@@ -43,11 +43,11 @@ def read_texts(folders: Iterable[Path], language: str) -> Texts:
     """Read the texts of a language.
 
     Args:
-        folders: with a folder for each language; a text of a later one replaces that of an earlier one.
+        folders: folders with a subfolder for each language; a text of a later folder replaces an earlier one.
         language: name of the language's folder.
 
     Raises:
-        BadFile: a fault of a file, or all faults together; or there is no such language.
+        BadFile: a fault of a file, or all faults together; or the language does not exist.
     """
     folders = tuple(folders)
     entries = dict(_english()) if language != ENGLISH else {}
@@ -64,7 +64,7 @@ def read_texts(folders: Iterable[Path], language: str) -> Texts:
     except ValueError as error:
         remedy = 'Write it as in Plural-Forms of gettext, such as "n != 1"'
         raise BadFile(
-            head.path, f"{head.plural!r} is no rule for plurals: {error}", remedy, key="language.plural"
+            head.path, f"{head.plural!r} is not a rule for plurals: {error}", remedy, key="language.plural"
         ) from None
     grammar = head.grammar
     last = entries[LAST]
@@ -88,7 +88,7 @@ def missing_texts(folders: Sequence[Path], language: str) -> tuple[str, ...]:
 
 
 def advice_on_texts(folders: Sequence[Path], language: str) -> str | None:
-    """Return a sentence about the texts that a language lacks, and where to write them; None where it has all.
+    """Return a sentence about the texts that a language lacks, and where to write them, or None if it has all.
 
     Raises:
         BadFile: a fault of a file, or all faults together.
@@ -105,7 +105,7 @@ def advice_on_texts(folders: Sequence[Path], language: str) -> str | None:
 
 @cache
 def _english() -> dict[str, Text]:
-    """The English texts that come with the project."""
+    """Return the built-in English texts."""
     return {key: text for path in _files(SHIPPED_LANGUAGES, ENGLISH) for key, text in _read(path, {}).items()}
 
 
@@ -114,19 +114,19 @@ def _files(folder: Path, language: str) -> list[Path]:
 
 
 def _read(path: Path, english: dict[str, Text]) -> dict[str, Text]:
-    """Read a file; each text must have the values of the English one, if there are English ones to compare with."""
+    """Read a file. Each text must have the same values as the English one, if English texts are given to compare."""
     tree = parse(path, read_text(path))
     if not isinstance(tree, Section):
-        raise BadFile(path, "there are no texts", "Write NAME: TEXT, one a line")
+        raise BadFile(path, "it has no texts", "Write one NAME: TEXT in each line")
     entries: dict[str, Text] = {}
     faults = FaultCollection()
     for name, node in tree.entries:
         key = f"{path.stem}.{name.text}"
         with faults.kept():
             if key in entries:
-                raise BadFile(path, "the same stands above", "Keep one of the two", line=name.line, key=name.text)
+                raise BadFile(path, "this name is used above", "Keep one of the two", line=name.line, key=name.text)
             if english and key not in english:
-                raise BadFile(path, f"there is no text {key}", _nearest(key, english), line=name.line, key=name.text)
+                raise BadFile(path, f"text {key} does not exist", _nearest(key, english), line=name.line, key=name.text)
             entries[key] = _text(path, name, node)
             for problem, remedy in _wrong_in(entries[key], english.get(key)):
                 raise BadFile(path, problem, remedy, line=name.line, key=name.text)
@@ -147,11 +147,11 @@ def _text(path: Path, name: Scalar, node: Node) -> Text:
 
 
 def _wrong_in(text: Text, english: Text | None) -> Iterator[tuple[str, str]]:
-    """Problems of a text, with their remedies."""
+    """Yield problems of a text, with their remedies."""
     forms = _forms(text)
     for form in forms:
         if not form.strip() and form == "":
-            yield "there is no text", "Write one"
+            yield "the text is empty", "Write one"
         if len(form) > LONGEST_TEXT:
             yield f"{len(form)} characters are too many", f"Write at most {LONGEST_TEXT}"
         if english is None:
@@ -165,7 +165,7 @@ def _wrong_in(text: Text, english: Text | None) -> Iterator[tuple[str, str]]:
         missing = sorted(values - {value_of(word) for word in reserved_in(form)} - {COUNT})
         if missing:
             words = " and ".join(f"£{value}£" for value in missing)
-            yield f"this text has to carry {words}, as the English one does", f"Write {words} into it"
+            yield f"this text must contain {words}, as the English one does", f"Write {words} into it"
 
 
 def _values(text: Text) -> set[str]:

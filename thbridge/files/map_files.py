@@ -1,9 +1,10 @@
-"""Map folders: `map.yaml` and its image as read by map_server, and `rooms.yaml` with rooms and start poses.
+"""Map folders: `map.yaml` and its image as map_server reads them, and `rooms.yaml` with rooms and start poses.
 
-A folder for each further language, such as `de`, has the names of the rooms in a `words.yaml`.
+For each further language, such as `de`, a subfolder has the names of the rooms in a `words.yaml`.
 
 A folder is checked as a whole: on a map that loads, every robot can stand at its start, drive to the goal of every
-room, and turn there.
+    room,
+and turn there.
 """
 
 import json
@@ -37,11 +38,11 @@ FOOTPRINT: Polygon = WorldParameters().footprint
 """Corners of the robot of the 2016 study, meters."""
 
 LEAST_FLOOR = 0.01
-"""A region smaller than this is a mistake, square meters."""
+"""Area below which a region is a mistake, square meters."""
 MOST_AMISS = 0.75
-"""Share of goals and starts off the floor from which on the image is in doubt, and not each of them."""
+"""Share of goals and starts off the floor from which the image counts as faulty instead of each place."""
 MOST_STARTS = 1000
-"""A row with more start poses than this is a mistake."""
+"""Number of start poses in a row above which the row is a mistake."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,7 +53,7 @@ class MapRoom:
         room: its number.
         name: its name for people.
         region: corners of its floor in the map frame, meters; a simple polygon inside the map.
-        goal: the goal of robots that are sent there, map frame.
+        goal: goal pose of robots that are sent there, map frame.
     """
 
     room: Room
@@ -61,7 +62,7 @@ class MapRoom:
     goal: Pose2
 
     def holds(self, x: float, y: float) -> bool:
-        """Return True when a point of the map frame is in the room."""
+        """Return True if a point of the map frame is in the room."""
         return bool(inside(self.region, np.array([x]), np.array([y]))[0])
 
 
@@ -74,10 +75,10 @@ class Map:
         grid: the occupancy grid.
         rooms: the rooms in the order of their numbers, 1, 2, ...; at least one.
         starts: start poses of robot 1, 2, ... in the map frame; at least one.
-        costs: the map's own cost file `mapTimes`, which replaces that of a template folder; None when it has none.
-        language: of the rooms' names; None: that of the study, whatever it is.
+        costs: the map's own cost file `mapTimes`, which replaces that of a template folder, or None if it has none.
+        language: language of the rooms' names. If None, they count as being in every study's language.
         words: names of the rooms in further languages, by the language and the name in `rooms.yaml`.
-        warnings: of the check, for people; a game can be played.
+        warnings: warnings of the check; a game can be played in spite of them.
     """
 
     name: str
@@ -95,19 +96,19 @@ class Map:
         return RoomNames.of((entry.room.people, entry.name) for entry in self.rooms)
 
     def room_names_in(self, language: str) -> RoomNames:
-        """Return the names of the rooms in a language; one that has none in it stays as it is."""
+        """Return the names of the rooms in a language. A room without a name in it keeps its own name."""
         words = {} if language == self.language else self.words.get(language, {})
         named = self.room_names.named
         return RoomNames({number: words.get(name, name) for number, name in named.items()})
 
     def room_at(self, x: float, y: float) -> Room | None:
-        """The room with a point of the map frame; None in a corridor."""
+        """Return the room with a point of the map frame, or None in a corridor."""
         return next((entry.room for entry in self.rooms if entry.holds(x, y)), None)
 
 
 @dataclass(frozen=True, slots=True)
 class MapFinding:
-    """A fault of a map: with an error the map does not load, with a warning it does."""
+    """A fault of a map. With an error the map does not load, with a warning it does."""
 
     severity: Literal["error", "warning"]
     fault: BadFile
@@ -115,10 +116,10 @@ class MapFinding:
 
 @dataclass(frozen=True, slots=True)
 class MapCheck:
-    """A map folder as far as it could be read, and all that is wrong with it.
+    """A map folder as far as it could be read, and all its faults.
 
     Attributes:
-        map: the map, with its faults; None where `map.yaml`, the image or `rooms.yaml` cannot be read.
+        map: the map, with its faults, or None if `map.yaml`, the image or `rooms.yaml` cannot be read.
         findings: all errors and warnings.
     """
 
@@ -137,7 +138,7 @@ def read_map(folder: Path, footprint: Polygon = FOOTPRINT, *, with_costs: bool =
     Args:
         folder: the folder of `map.yaml`, its image, `rooms.yaml` and, optionally, `mapTimes`.
         footprint: corners of a robot in its own frame, meters.
-        with_costs: False leaves `mapTimes` unread: the map has no costs, whatever is in that file.
+        with_costs: False to leave `mapTimes` unread, so that the map has no costs.
 
     Raises:
         BadFile: the map has a fault; or, as BadFiles, all its faults as far as they can be found together.
@@ -182,14 +183,14 @@ class _RoomWords:
 def write_rooms(
     folder: Path, rooms: Sequence[MapRoom], starts: Sequence[Pose2], *, language: str | None = None
 ) -> None:
-    """Write `rooms.yaml`, also over an older one. Raises BadFile: it cannot be written; an older one is unchanged."""
+    """Write or replace `rooms.yaml`. Raises BadFile if it cannot be written; an older one is then unchanged."""
     write_whole(folder / "rooms.yaml", rooms_text(rooms, starts, language).encode())
 
 
 def rooms_text(rooms: Sequence[MapRoom], starts: Sequence[Pose2], language: str | None = None) -> str:
-    """The text of `rooms.yaml`."""
+    """Return the text of `rooms.yaml`."""
     lines = [
-        "# Metres and radians in the map frame. region: two opposite corners of a box, or all corners in turn.",
+        "# Meters and radians in the map frame. region: two opposite corners of a box, or all corners in order.",
         "# goal and poses: x, y, yaw.",
         *([] if language is None else [f"language: {json.dumps(language, ensure_ascii=False)}"]),
         "rooms:",
@@ -212,7 +213,7 @@ def _pose_text(pose: Pose2) -> str:
 
 
 def _short_region(region: Polygon) -> Polygon:
-    """Two opposite corners where the region is a box."""
+    """Return two opposite corners if the region is a box, and otherwise the region unchanged."""
     left, right = min(x for x, _ in region), max(x for x, _ in region)
     low, high = min(y for _, y in region), max(y for _, y in region)
     box = ((left, low), (right, low), (right, high), (left, high))
@@ -223,9 +224,9 @@ def _short_region(region: Polygon) -> Polygon:
 
 
 def check_map(folder: Path, footprint: Polygon = FOOTPRINT, *, with_costs: bool = True) -> MapCheck:
-    """Read a map folder and find all its faults together. Arguments as for `read_map`."""
+    """Read a map folder and find all its faults. Arguments are as for `read_map`."""
     if not folder.is_dir():
-        remedy = "Name a folder that holds map.yaml and rooms.yaml"
+        remedy = "Name a folder that contains map.yaml and rooms.yaml"
         return MapCheck(None, (MapFinding("error", BadFile(folder, "there is no such folder", remedy)),))
     findings: list[MapFinding] = []
     drawing = _attempt(lambda: read_grid_file(folder / "map.yaml"), findings)
@@ -256,7 +257,7 @@ def check_map(folder: Path, footprint: Polygon = FOOTPRINT, *, with_costs: bool 
 
 
 def _read_words(folder: Path, names: Sequence[str], findings: list[MapFinding]) -> dict[str, Mapping[str, str]]:
-    """Read the names of rooms in further languages. One for no room may be of a room that was renamed."""
+    """Read the names of rooms in further languages. A name for no room may belong to a room that was renamed."""
     words: dict[str, Mapping[str, str]] = {}
     for language in languages_beside(folder, (WORDS,)):
         path = folder / language / WORDS
@@ -266,26 +267,26 @@ def _read_words(folder: Path, names: Sequence[str], findings: list[MapFinding]) 
         words[language] = loaded.value.rooms
         for name, said in loaded.value.rooms.items():
             if name not in names:
-                fault = loaded.fault(f"rooms.{name}", f"no room is called {name!r}", nearest(name, names))
+                fault = loaded.fault(f"rooms.{name}", f"no room has the name {name!r}", nearest(name, names))
                 findings.append(MapFinding("warning", fault))
             elif not said.strip():
-                fault = loaded.fault(f"rooms.{name}", "nothing is written there", "Write the name in this language")
+                fault = loaded.fault(f"rooms.{name}", "the name is empty", "Write the name in this language")
                 findings.append(MapFinding("error", fault))
     return words
 
 
 def missing_room_names(place: Map, folder: Path, language: str) -> Iterator[BadFile]:
-    """Yield what a map whose names are in another language lacks in this one, with the file to write.
+    """Yield the fault of room names that a map lacks in a language, if its names are in another one.
 
     Args:
         place: the map.
-        folder: of the map.
+        folder: folder of the map.
         language: name of the language.
     """
     words = place.words.get(language, {})
     unnamed = [name for name in place.room_names.named.values() if name not in words]
     if place.language not in {None, language} and unnamed:
-        problem = f"the map is in {place.language}, and these rooms have no name in {language}: {', '.join(unnamed)}"
+        problem = f"the map is in {place.language}, but these rooms have no name in {language}: {', '.join(unnamed)}"
         yield BadFile(folder / language / WORDS, problem, "Write them under rooms", key="rooms")
 
 
@@ -305,7 +306,7 @@ def _findings_of_costs(path: Path, rooms: int | None) -> Iterator[MapFinding]:
     yield from findings
     if matrix is not None and rooms is not None and len(matrix.rooms) != rooms:
         problem = f"costs for {len(matrix.rooms)} rooms, but rooms.yaml has {rooms}"
-        remedy = "Write one row and one column for the corridor and for every room, or measure the map anew"
+        remedy = "Write one row and one column for the corridor and for every room, or measure the map again"
         yield MapFinding("error", BadFile(path, problem, remedy, line=1))
 
 
@@ -320,7 +321,7 @@ def _room(entry: _RoomEntry) -> MapRoom:
 def _starts(entry: _StartsEntry) -> Iterator[tuple[str, Pose2]]:
     """Yield key path and pose of every start: first the poses, then the rows, each from its first end.
 
-    Rows that are too long to be meant are left out.
+    Rows that are too long are left out.
     """
     for index, (x, y, yaw) in enumerate(entry.poses):
         yield f"starts.poses[{index}]", pose_of(x, y, yaw)
@@ -334,17 +335,17 @@ def _starts(entry: _StartsEntry) -> Iterator[tuple[str, Pose2]]:
 
 
 def _faults_of_rooms(loaded: Loaded[_RoomsYaml]) -> Iterator[BadFile]:
-    """Yield faults that can be found without the grid: in numbers, names, shapes."""
+    """Yield faults that can be found without the grid, in numbers, names and shapes."""
     rooms = loaded.value.rooms
     if not rooms:
-        yield loaded.fault("rooms", "there is no room", "Add at least one")
+        yield loaded.fault("rooms", "the map has no rooms", "Add at least one")
     by_number: dict[int, int] = {}
     by_name: dict[str, int] = {}
     for index, entry in enumerate(rooms):
         key = f"rooms[{index}]"
         line = loaded.lines[key]
         if entry.number in by_number:
-            problem = f"room {entry.number} stands twice, first in line {by_number[entry.number]}"
+            problem = f"room {entry.number} is defined twice, first in line {by_number[entry.number]}"
             yield loaded.fault(f"{key}.number", problem, "Give every room its own number")
         if entry.name in by_name:
             problem = f"{entry.name!r} is also the name of the room in line {by_name[entry.name]}"
@@ -353,14 +354,14 @@ def _faults_of_rooms(loaded: Loaded[_RoomsYaml]) -> Iterator[BadFile]:
         by_name.setdefault(entry.name, line)
         room = _room(entry)
         if len(entry.region) < 2 or area(room.region) < LEAST_FLOOR:
-            remedy = "Write two opposite corners of a box, or three or more in turn"
+            remedy = "Write two opposite corners of a box, or three or more corners in order"
             yield loaded.fault(f"{key}.region", "these corners enclose no floor", remedy)
         elif crosses_itself(room.region):
-            remedy = "Write the corners in turn around the room"
+            remedy = "Write the corners in order around the room"
             yield loaded.fault(f"{key}.region", "its sides cross each other", remedy)
         elif not room.holds(room.goal.x, room.goal.y):
             problem = f"({room.goal.x:g}, {room.goal.y:g}) is not in the room's region"
-            yield loaded.fault(f"{key}.goal", problem, "Move the goal into the region, or mend the region")
+            yield loaded.fault(f"{key}.goal", problem, "Move the goal into the region, or correct the region")
     gaps = sorted(set(range(1, len(by_number) + 1)) - set(by_number))
     if gaps:
         problem = f"no room has the number {gaps[0]}, but there is a room {max(by_number)}"
@@ -371,7 +372,7 @@ def _faults_of_rooms(loaded: Loaded[_RoomsYaml]) -> Iterator[BadFile]:
             problem = f"more than {MOST_STARTS} starts in a row"
             yield loaded.fault(f"starts.rows[{index}]", problem, "Shorten the row, or widen starts.spacing")
     if not starts.poses and not starts.rows:
-        yield loaded.fault("starts", "there is no start pose", "Add at least one to starts.poses")
+        yield loaded.fault("starts", "the map has no start poses", "Add at least one to starts.poses")
 
 
 @dataclass(frozen=True, slots=True)
@@ -409,7 +410,7 @@ def _findings_on_floor(image: GridFile, loaded: Loaded[_RoomsYaml], footprint: P
 
 
 def _doubt_of_image(image: GridFile, floor: TraversabilityMap, places: list[_Place]) -> BadFile | None:
-    """The fault of the image where nearly all places are not on its floor: then it is not the places that are wrong."""
+    """Return a fault of the image if nearly all places are off its floor, because then the places are not to blame."""
     grid = floor.grid
     values = [grid.value_at(place.pose.x, place.pose.y) for place in places]
     amiss = sum(value != FREE for value in values)
@@ -418,15 +419,15 @@ def _doubt_of_image(image: GridFile, floor: TraversabilityMap, places: list[_Pla
     on_map = sum(grid.contains(*grid.cell_of(place.pose.x, place.pose.y)) for place in places)  # of integers
     if 2 * on_map < len(places):
         problem = f"{len(places) - on_map} of {len(places)} goals and starts lie outside the image"
-        return image.yaml.fault("origin", problem, "Mend the origin or the resolution")
-    problem = f"{amiss} of {len(places)} goals and starts stand in walls or in unknown space"
+        return image.yaml.fault("origin", problem, "Correct the origin or the resolution")
+    problem = f"{amiss} of {len(places)} goals and starts are in walls or in unknown space"
     other = 1 - image.yaml.value.negate
-    remedy = f"Is the image inverted? Then write `negate: {other}`; if it is not, mend the origin or the resolution"
+    remedy = f"If the image is inverted, write `negate: {other}`; if not, correct the origin or the resolution"
     return image.yaml.fault("negate", problem, remedy)
 
 
 def _has_room(floor: TraversabilityMap, place: _Place) -> bool:
-    """Return True where a robot can turn on the spot."""
+    """Return True if a robot can turn on the spot."""
     return floor.clearance_at(place.pose) > floor.circumscribed
 
 
@@ -469,28 +470,28 @@ def _findings_of_regions(loaded: Loaded[_RoomsYaml], floor: TraversabilityMap) -
         if outside.any():
             x, y = room.region[int(outside.argmax())]
             problem = f"its corner ({x:g}, {y:g}) is outside the map, which is {width:g} m x {height:g} m"
-            yield MapFinding("error", loaded.fault(key, problem, "Mend the region, or the map's origin or resolution"))
+            yield MapFinding("error", loaded.fault(key, problem, "Correct the region, or the origin or resolution"))
         box, held = floor.held_by(room.region)
         own = owner[box]
         shared = own[held & (own > 0)]
         if shared.size:
             area = shared.size * grid.resolution * grid.resolution
             problem = f"it overlaps the region of room {shared[0]} by {area:.2f} m^2"
-            yield MapFinding("error", loaded.fault(key, problem, "Draw the regions apart"))
+            yield MapFinding("error", loaded.fault(key, problem, "Move the regions apart"))
         own[held] = entry.number
 
 
 def _findings_of_ways(
     loaded: Loaded[_RoomsYaml], floor: TraversabilityMap, goals: list[_Place], starts: list[_Place], crowded: bool
 ) -> Iterator[MapFinding]:
-    """Yield places without a way from a start, among those where a robot can stand.
+    """Yield faults of places that no path from a start reaches, among those where a robot can stand.
 
     Args:
         loaded: rooms.yaml.
-        floor: for the robot's footprint.
-        goals: of all rooms.
-        starts: of all robots.
-        crowded: True to look for starts that shut somebody in when all are taken.
+        floor: floor for the robot's footprint.
+        goals: goals of all rooms.
+        starts: starts of all robots.
+        crowded: True to look for starts that are shut in when all robots stand at their starts.
     """
     goals = [place for place in goals if _has_room(floor, place)]
     standing = [place for place in starts if _has_room(floor, place)]
@@ -500,7 +501,7 @@ def _findings_of_ways(
     reach = floor.reachable(first.pose)
     cut_off = [place for place in goals + standing if not reach[floor.grid.cell_of(place.pose.x, place.pose.y)]]
     for place in cut_off:
-        problem = f"no way {2 * floor.inscribed:g} m wide leads from {first.what} to {place.what}"
+        problem = f"no path that is {2 * floor.inscribed:g} m wide leads from {first.what} to {place.what}"
         yield MapFinding("error", loaded.fault(place.key, problem, "Widen a door, or move it"))
     if cut_off or not crowded or standing != starts:
         return
@@ -510,5 +511,5 @@ def _findings_of_ways(
         ways = zip(goals, crowded_floor.reached(robot, cells), strict=True)
         blocked = next((goal.what for goal, reached in ways if not reached), None)
         if blocked is not None:
-            problem = f"with {len(starts)} robots at their starts no way leads from {start.what} to {blocked}"
-            yield MapFinding("warning", loaded.fault(start.key, problem, "Leave a lane free between the starts"))
+            problem = f"with {len(starts)} robots at their starts no path leads from {start.what} to {blocked}"
+            yield MapFinding("warning", loaded.fault(start.key, problem, "Leave a free lane between the starts"))

@@ -12,12 +12,13 @@ MAP_TIMES = "mapTimes"
 
 
 def read_map_times(path: Path) -> CostMatrix:
-    """Read a travel cost matrix: the number of nodes, then one row of costs per node; 99 means no move.
+    """Read a travel cost matrix: the number of nodes, then one row of costs per node; 99 means that a move is
+    impossible.
 
     Costs are whole or decimal numbers and may be above 99; see `CostMatrix.of_map_times`.
 
     Raises:
-        BadFile: as the module promises.
+        BadFile: the file cannot be read or has a fault.
     """
     lines = numbered_lines(path)
     number, first = first_line(path, lines, "number of nodes", "the number of nodes, the corridor and the rooms")
@@ -27,7 +28,7 @@ def read_map_times(path: Path) -> CostMatrix:
         raise BadFile(
             path,
             f"{nodes} nodes need {nodes} rows, but {len(rows)} follow",
-            "add or remove rows, or mend the first line",
+            "add or delete rows, or correct the first line",
             line=rows[nodes][0] if len(rows) > nodes else number,
             key="number of nodes",
         )
@@ -35,11 +36,11 @@ def read_map_times(path: Path) -> CostMatrix:
 
 
 def map_times(seconds: Sequence[Sequence[float | None]]) -> str:
-    """The text of a travel cost matrix in whole seconds, because the programs of 2016 read only whole numbers.
+    """Return the text of a travel cost matrix in whole seconds, because the programs of 2016 read only whole numbers.
 
     Args:
-        seconds: `seconds[start][goal]`, square, the corridor first; None means no move. A trip of 99 s is written as
-            98, because 99 means no move in this format.
+        seconds: `seconds[start][goal]`, square, the corridor first; None means that a move is impossible. A trip of 99
+            s is written as 98, because 99 means that a move is impossible in this format.
     """
     rows = [" ".join(_cost_word(cost) for cost in row) for row in seconds]
     return "\n".join([str(len(rows)), *rows]) + "\n"
@@ -58,7 +59,7 @@ def _cost_row(path: Path, number: int, line: str, nodes: int) -> tuple[float, ..
         raise BadFile(
             path,
             f"{len(words)} costs in a row that needs {nodes}",
-            "give one cost for every node, with 99 where there is no move",
+            "give one cost for every node, and 99 for a move that is impossible",
             line=number,
         )
     return tuple(_cost(path, number, column, word) for column, word in enumerate(words))
@@ -73,7 +74,7 @@ def _cost(path: Path, number: int, column: int, word: str) -> float:
         raise BadFile(
             path,
             f"{word!r} is not a cost",
-            "write a number that is not negative, and 99 where there is no move",
+            "write a number that is not negative, or 99 for a move that is impossible",
             line=number,
             key=f"column {column + 1}",
         )

@@ -15,7 +15,7 @@ from thbridge.files.errors import BadFile
 
 @dataclass(frozen=True, slots=True)
 class PluginKind:
-    """Kind of plug-ins. Nothing is looked up before a name is asked for, and nothing imported before it is loaded.
+    """Kind of plug-ins. Names are only looked up when needed, and a plug-in is only imported when it is loaded.
 
     Attributes:
         group: group of entry points.
@@ -26,11 +26,11 @@ class PluginKind:
     what: str
 
     def key(self, name: str) -> str:
-        """Return the key of a name among versions that are recorded, such as `thbridge.strategies:polite`."""
+        """Return the key of a name among recorded versions, such as `thbridge.strategies:polite`."""
         return f"{self.group}:{name}"
 
     def names(self) -> tuple[str, ...]:
-        """Return the names that are installed, in alphabetical order."""
+        """Return the installed names, in alphabetical order."""
         return names_in(self.group)
 
     def describe(self, name: str) -> str:
@@ -39,11 +39,11 @@ class PluginKind:
         return f"{entry.value}, of the package {_package(entry)}"
 
     def package(self, name: str) -> str:
-        """Return the package and version of a name, such as `lab 1.0`. Raises BadFile: there is none."""
+        """Return the package and version of a name, such as `lab 1.0`. Raises BadFile if it is not installed."""
         return _package(self._entry(name))
 
     def load(self, name: str) -> Callable[..., Any]:  # type: ignore[explicit-any]  # of others
-        """Return what the entry point of a name refers to.
+        """Return the object that the entry point of a name refers to.
 
         Raises:
             BadFile: no plug-in of this name is installed, it cannot be imported, or it cannot be called.
@@ -56,14 +56,14 @@ class PluginKind:
             problem = f"{entry.value} cannot be imported: {type(error).__name__}: {error}"
             raise self.fault(name, problem, "Correct it, or install the package again") from error
         if not callable(program):
-            raise self.fault(name, f"{entry.value} is no function", "Name a function, or a class")
+            raise self.fault(name, f"{entry.value} is not a function", "Name a function, or a class")
         return program
 
     def made(self, name: str, make: Callable[[], object], methods: tuple[str, ...], takes: str) -> None:
-        """Try to make what a factory makes.
+        """Test a factory by making its product.
 
         Args:
-            name: of the plug-in.
+            name: name of the plug-in.
             make: calls the factory.
             methods: names of the methods that its product needs.
             takes: arguments of the factory, in words.
@@ -71,7 +71,7 @@ class PluginKind:
         Raises:
             BadFile: it cannot be made, or lacks a method.
         """
-        remedy = f"Name a class, or function, that takes {takes} and returns what has a method `{methods[0]}`"
+        remedy = f"Name a class or function with the arguments {takes}; its result needs a method `{methods[0]}`"
         try:
             with printing_aside():
                 product = make()
@@ -106,19 +106,19 @@ KINDS = (STRATEGIES, WORDINGS, PARTICIPANTS, LOCALIZERS, PLANNERS, RECOVERIES)
 
 
 def names_in(group: str) -> tuple[str, ...]:
-    """Return the names that are installed in a group of entry points, in alphabetical order."""
+    """Return the installed names in a group of entry points, in alphabetical order."""
     return tuple(sorted(entry_points(group=group).names))
 
 
 def package_of(key: str) -> str | None:
-    """Return the package and version of a plug-in, by its key; None: it is not installed, or the key is none."""
+    """Return the package and version of a plug-in by its key, or None if it is not installed or the key is invalid."""
     group, _, name = key.partition(":")
     found = [*entry_points(group=group, name=name)] if name else []
     return _package(found[-1]) if found else None
 
 
 def printing_aside() -> AbstractContextManager[object]:
-    """Context in which what a plug-in prints goes to standard error: standard output is for results."""
+    """Return a context that sends a plug-in's output to standard error, because standard output is for results."""
     return redirect_stdout(sys.stderr)
 
 

@@ -1,4 +1,4 @@
-"""Progress of long work on files, told to whoever shows it."""
+"""Progress of long work on files, reported to a callback."""
 
 from collections.abc import Callable, Iterable, Iterator
 from typing import TypeAlias, TypeVar
@@ -6,14 +6,14 @@ from typing import TypeAlias, TypeVar
 T = TypeVar("T")
 
 Tell: TypeAlias = Callable[[str, int, int], None]
-"""Takes what is counted, for example "messages", how many are done, and of how many."""
+"""Function that receives the unit, for example "messages", the number done, and the total number."""
 
 EVERY = 2000
-"""Number of things from one time that it is told to the next."""
+"""Number of items between two reports."""
 
 
 def followed(things: Iterable[T], what: str, total: int, tell: Tell, every: int = EVERY) -> Iterator[T]:
-    """Yield the things, telling now and then how many they were, and at the end."""
+    """Yield the items and report how many have been yielded, from time to time and at the end."""
     for done, thing in enumerate(things):
         if done % every == 0:
             tell(what, done, total)
@@ -22,4 +22,4 @@ def followed(things: Iterable[T], what: str, total: int, tell: Tell, every: int 
 
 
 def untold(what: str, done: int, total: int) -> None:
-    """Tell nobody."""
+    """Report nothing."""

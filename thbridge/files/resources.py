@@ -1,4 +1,4 @@
-"""Finds maps and template sets by path or by name, independent of the current folder."""
+"""Search for maps and template sets by path or name, independent of the current folder."""
 
 import difflib
 from collections.abc import Mapping
@@ -22,28 +22,28 @@ _WORDS: Mapping[ResourceKind, str] = {"maps": "map", "templates": "set of templa
 
 @dataclass(frozen=True, slots=True)
 class Resources:
-    """The folder of the maps and templates that come with the project.
+    """The folder of the built-in maps and templates.
 
     Attributes:
-        root: the folder that holds `maps/` and `templates/`.
+        root: the folder that contains `maps/` and `templates/`.
     """
 
     root: Path
 
     def names(self, kind: ResourceKind) -> tuple[str, ...]:
-        """Names of the maps or template sets of the project, in alphabetical order."""
+        """Return the names of the built-in maps or template sets, in alphabetical order."""
         return tuple(sorted(mark.parent.name for mark in (self.root / kind).glob(f"*/{_MARKS[kind]}")))
 
     def find(self, kind: ResourceKind, wanted: str, beside: Path) -> Path:
-        """The folder of a map or a set of templates.
+        """Return the folder of a map or a template set.
 
         Args:
             kind: map or template set.
-            wanted: a name, or a path, which has a slash in it.
-            beside: the folder for relative paths: that of the study file, or the current one.
+            wanted: a name, or a path, which contains a slash.
+            `beside`: the folder for relative paths: that of the study file, or the current folder.
 
         Raises:
-            BadFile: there is no such folder.
+            BadFile: the folder does not exist.
         """
         mark, word = _MARKS[kind], _WORDS[kind]
         if wanted and (problem := fault_of_path(wanted)):
@@ -52,12 +52,12 @@ class Resources:
             try:
                 folder = as_on_disk(beside / Path(wanted).expanduser())
             except RuntimeError:
-                problem = f"{wanted.partition('/')[0]} is the folder of no user of this machine"
+                problem = f"no user of this machine has the folder {wanted.partition('/')[0]}"
                 remedy = f"Give the path of a {word} without ~, or one of: {self._listed(kind)}"
                 raise BadFile(Path(wanted), problem, remedy) from None
             if is_regular(folder / mark):
                 return folder
-            problem = f"there is no {mark} in this folder" if folder.is_dir() else "there is no such folder"
+            problem = f"this folder has no {mark}" if folder.is_dir() else "there is no such folder"
             raise BadFile(folder, problem, f"Give the path of a {word}, or one of: {self._listed(kind)}")
         names = self.names(kind)
         if wanted in names:
@@ -65,13 +65,14 @@ class Resources:
         near = difflib.get_close_matches(wanted, names, n=1)
         remedy = f"The nearest name is {near[0]}" if near else f"The names are: {self._listed(kind)}"
         remedy += f"; a path of your own needs a slash, as in ./{wanted or 'folder'}"
-        raise BadFile(self.root / kind, f"there is no {word} of this name", remedy, key=wanted or None)
+        raise BadFile(self.root / kind, f"no {word} has this name", remedy, key=wanted or None)
 
     def _listed(self, kind: ResourceKind) -> str:
         return ", ".join(self.names(kind)) or "none"
 
 
 def shipped() -> Resources:
-    """The maps and templates of the installed wheel, or, in a checkout, those beside the packages."""
+    """Return the built-in maps and templates: those of the installed wheel, or in a checkout those next to the
+    packages."""
     data = PACKAGE / "data"
     return Resources(data if data.is_dir() else PACKAGE.parent)

@@ -1,6 +1,6 @@
-"""Words of a set of templates in further languages: a folder for each, with a `words.yaml` and a `DialogueText`.
+"""Words of a template set in further languages: a folder for each language, with a `words.yaml` and a `DialogueText`.
 
-`words.yaml` has the names of treasures, and what people read of properties: labels, values, and answers to questions.
+`words.yaml` has the names of treasures, and texts about properties: labels, values, and answers to questions.
 """
 
 import difflib
@@ -25,14 +25,14 @@ WORDS = "words.yaml"
 
 @dataclass(frozen=True, slots=True)
 class AnswersYaml:
-    """Texts of the buttons below a question, which agree and refuse; None: those of the language."""
+    """Texts of the two buttons below a question, to agree and to refuse. If None, the language's own texts are used."""
 
     room: tuple[str, str] | None = None
     picture: tuple[str, str] | None = None
     treasure: tuple[str, str] | None = None
 
     def by_scenario(self) -> dict[Scenario, tuple[str, str]]:
-        """Return the answers to the questions of each scenario that has some."""
+        """Return the answers to questions, for the scenarios that have some."""
         answers = {
             Scenario.SPECIFIC_ROOM: self.room,
             Scenario.DONT_KNOW: self.room,
@@ -42,7 +42,7 @@ class AnswersYaml:
         return {scenario: texts for scenario, texts in answers.items() if texts is not None}
 
     def faults(self, loaded: Loaded[T]) -> Iterator[BadFile]:
-        """Yield answers that people cannot distinguish."""
+        """Yield faults of answers that people cannot distinguish."""
         for each in fields(self):
             texts: tuple[str, str] | None = getattr(self, each.name)
             if texts is not None and (not all(text.strip() for text in texts) or len({*map(str.casefold, texts)}) < 2):
@@ -55,8 +55,8 @@ class SetWords:
     """Words and questions of a set in one language, as participants read them.
 
     Attributes:
-        names: words for the names of treasures; a name without some stays as it is.
-        properties: of the treasures, with their words.
+        names: words for the names of treasures; a name without a word is not translated.
+        properties: properties of the treasures, with their words.
         dialogue: the scripted questions.
     """
 
@@ -85,13 +85,13 @@ def read_set_words(path: Path, treasures: TreasureList, own: Template, spoken: T
     """Read the words of a set in a language.
 
     Args:
-        path: of the file of words, which may be missing.
-        treasures: of the set.
+        path: path of the file of words, which may not exist.
+        treasures: treasures of the set.
         own: the set's own scripted questions.
-        spoken: those in this language; None: there are none.
+        spoken: the scripted questions in this language, or None if there are none.
 
     Raises:
-        BadFile: as the module `thbridge.files.yaml.load` promises; all faults together.
+        BadFile: the file cannot be read or has faults; all faults are raised together.
     """
     written = _WordsYaml()
     if path.exists():
@@ -113,7 +113,7 @@ def read_set_words(path: Path, treasures: TreasureList, own: Template, spoken: T
         else each
         for each in treasures.properties
     )
-    # Beside questions in this language, answers that it lacks are the language's own and not the set's.
+    # If the questions are in this language, missing answers are the language's own texts, not the set's.
     answers = written.answers.by_scenario() if spoken else {**own.answers, **written.answers.by_scenario()}
     dialogue = replace(spoken or own, answers=answers)
     return SetWords(written.treasures, tuple(properties), dialogue)
@@ -125,37 +125,37 @@ def values_of(declared: TreasureProperty, kinds: Sequence[TreasureKind]) -> tupl
 
 
 def _faults(loaded: Loaded[_WordsYaml], treasures: TreasureList) -> Iterator[BadFile]:
-    """Yield words for what is not in the set, and empty ones."""
+    """Yield faults of words for things that are not in the set, and of empty words."""
     written = loaded.value
     kinds = [kind.name for kind in treasures.kinds]
     declared = {each.name: each for each in treasures.properties}
     for name, said in written.treasures.items():
         if name not in kinds:
-            yield loaded.fault(f"treasures.{name}", f"no treasure is called {name!r}", nearest(name, kinds))
+            yield loaded.fault(f"treasures.{name}", f"no treasure has the name {name!r}", nearest(name, kinds))
         elif not said.strip():
-            yield loaded.fault(f"treasures.{name}", "nothing is written there", "write the name in this language")
+            yield loaded.fault(f"treasures.{name}", "the name is empty", "write the name in this language")
     for index, each in enumerate(written.properties):
         key, of = f"properties[{index}]", declared.get(each.name)
         if of is None:
-            yield loaded.fault(f"{key}.name", f"no property is called {each.name!r}", nearest(each.name, declared))
+            yield loaded.fault(f"{key}.name", f"no property has the name {each.name!r}", nearest(each.name, declared))
             continue
         if each.name in [other.name for other in written.properties[:index]]:
-            yield loaded.fault(f"{key}.name", f"{each.name!r} is there twice", "put all words of it in one entry")
+            yield loaded.fault(f"{key}.name", f"{each.name!r} has two entries", "write all its words in one entry")
         if each.said and f"£{each.name}£" not in each.said:
-            remedy = f"write £{each.name}£ where the value is said"
-            yield loaded.fault(f"{key}.said", "it does not hold the value", remedy)
+            remedy = f"write £{each.name}£ in place of the value"
+            yield loaded.fault(f"{key}.said", "it does not contain the value", remedy)
         known = values_of(of, treasures.kinds)
         for value, said in each.values.items():
             if value not in known:
-                problem = f"{value!r} is no value of {each.name}"
+                problem = f"{value!r} is not a value of {each.name}"
                 yield loaded.fault(f"{key}.values.{value}", problem, nearest(value, known))
             elif not said.strip():
-                yield loaded.fault(f"{key}.values.{value}", "nothing is written there", "write it in this language")
+                yield loaded.fault(f"{key}.values.{value}", "the word is empty", "write it in this language")
     yield from written.answers.faults(loaded)
 
 
 def languages_beside(folder: Path, names: Collection[str]) -> tuple[str, ...]:
-    """Return the languages in which a map or a set has words: its folders with a file of one of these names."""
+    """Return the languages in which a map or a set has words: its subfolders that have a file of one of these names."""
     return tuple(sorted({path.parent.name for name in names for path in folder.glob(f"*/{name}")}))
 
 

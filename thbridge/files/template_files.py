@@ -1,10 +1,11 @@
-"""Reads template folders: the treasures and the dialogue of a game, and perhaps its travel costs.
+"""Reading of template folders: the treasures and the dialogue of a game, and optionally its travel costs.
 
-A folder has `treasures` as in 2016 or `treasures.yaml`, `DialogueText` and `pictures/`; perhaps, for the participant's
-machine, which must not know which picture belongs to which treasure, `treasures.participant`. It may have a
-`mapTimes` for maps without one, and a `set.yaml` that names the language of the set, the one map whose moves `mapTimes`
-prices, and the answers to questions. A folder for each further language has its words; see `thbridge.files.set_words`.
-All are UTF-8 text; Windows line ends, a byte order mark and blank lines are accepted.
+A folder has `treasures` as in 2016 or `treasures.yaml`, `DialogueText` and `pictures/`. It may have
+`treasures.participant` for the participant's machine, which must not know which picture belongs to which treasure. It
+may have a `mapTimes` for maps without one, and a `set.yaml` with the language of the set, the one map on which
+`mapTimes` replaces the map's own costs, and the answers to questions. A subfolder for each further language has its
+words; see `thbridge.files.set_words`. All files are UTF-8 text; Windows line ends, a byte order mark and blank lines
+are accepted.
 """
 
 import difflib
@@ -43,7 +44,7 @@ SET = "set.yaml"
 LARGEST_PICTURE = 2_000_000
 """Largest size of an image file in bytes."""
 _IMAGE_BEGINNINGS = (b"\x89PNG", b"\xff\xd8\xff", b"GIF8", b"BM", b"RIFF", b"<")
-"""First bytes of what windows can show: PNG, JPEG, GIF, BMP, WebP, SVG. Phones make HEIC, whatever the name."""
+"""First bytes of images that windows can show: PNG, JPEG, GIF, BMP, WebP, SVG. Phones make HEIC, whatever the name."""
 
 _SECTIONS: Mapping[str, Scenario] = {
     "SpecificRoom:": Scenario.SPECIFIC_ROOM,
@@ -62,19 +63,19 @@ class _SetYaml:
 
 @dataclass(frozen=True, slots=True)
 class TemplateSet:
-    """The contents of a checked template folder: all files have the same rooms, and no picture is missing.
+    """The contents of a checked template folder: its files agree on the number of rooms, and no picture is missing.
 
     Attributes:
-        rooms: number of rooms that the list of treasures is for.
-        costs: energy of every move on maps that have no costs of their own; None without a `mapTimes`.
-        map: name of the map on which `costs` count although it has its own; None: no map.
-        properties: of the treasures.
+        rooms: number of rooms in the list of treasures.
+        costs: energy of every move on maps that have no costs of their own, or None without a `mapTimes`.
+        map: name of a map on which `costs` replace the map's own costs, or None.
+        properties: properties of the treasures.
         kinds: treasures with their images.
         dialogue: the scripted questions.
         pictures: the treasures' image files, by name.
-        language: of its names and questions; None: that of the study, whatever it is.
-        words: in further languages, by their names.
-        warnings: what is allowed, but looks like a slip.
+        language: language of its names and questions. If None, they count as being in every study's language.
+        words: words in further languages, by their names.
+        warnings: contents that are allowed, but look like a slip.
     """
 
     rooms: int
@@ -89,12 +90,12 @@ class TemplateSet:
     warnings: tuple[BadFile, ...] = ()
 
     def in_language(self, language: str) -> SetWords:
-        """Return what participants read in a language; what is not there in it stays as it is."""
+        """Return what participants read in a language; missing words are not translated."""
         spoken = None if language == self.language else self.words.get(language)
         return SetWords({}, self.properties, self.dialogue) if spoken is None else spoken
 
     def answering_as(self, other: "TemplateSet") -> "TemplateSet":
-        """Return the set with the answers to questions that another one has, in each language."""
+        """Return the set with the answers to questions of another set, in each language."""
 
         def answering(dialogue: Template, others: Template) -> Template:
             return replace(dialogue, answers=others.answers)
@@ -109,18 +110,18 @@ class TemplateSet:
 def read_template_set(folder: Path, replaced: Mapping[str, bytes] = MappingProxyType({})) -> TemplateSet:
     """Read a template folder for the server.
 
-    A `treasures.participant` in the folder must agree with `treasures`; else participants would be offered names that
-    no treasure has.
+    A `treasures.participant` in the folder must agree with `treasures`; otherwise participants would be offered names
+    that no treasure has.
 
     Args:
         folder: the folder.
-        replaced: image files by name that are taken instead of those in the folder.
+        replaced: image files by name that are used instead of those in the folder.
 
     Raises:
-        BadFiles: all that is missing or wrong in its files, and where two do not agree.
+        BadFiles: all that is missing or wrong in its files, and all contradictions between them.
     """
     if not folder.is_dir():
-        raise BadFile(folder, "there is no such template folder", "name a folder that has DialogueText in it")
+        raise BadFile(folder, "the template folder does not exist", "name a folder that contains DialogueText")
     faults = FaultCollection()
     costs: CostMatrix | None = None
     treasures: TreasureList | None = None
@@ -130,8 +131,8 @@ def read_template_set(folder: Path, replaced: Mapping[str, bytes] = MappingProxy
     declaring = (folder / TREASURES_YAML).exists()
     path = folder / (TREASURES_YAML if declaring else TREASURES)
     if not path.exists():
-        problem = f"there is neither a {TREASURES_YAML} nor a {TREASURES}"
-        faults.found.append(BadFile(folder, problem, f"write the treasures into a {TREASURES_YAML}"))
+        problem = f"it has neither a {TREASURES_YAML} nor a {TREASURES}"
+        faults.found.append(BadFile(folder, problem, f"write the treasures to a {TREASURES_YAML}"))
     with faults.kept():
         costs = read_map_times(folder / MAP_TIMES) if (folder / MAP_TIMES).exists() else None
     with faults.kept():
@@ -173,7 +174,8 @@ def read_template_set(folder: Path, replaced: Mapping[str, bytes] = MappingProxy
 
 
 def _alike(path: Path, kinds: Sequence[TreasureKind]) -> Iterator[BadFile]:
-    """Yield treasures that none of their properties tells apart, or that share a picture, each once."""
+    """Yield warnings about treasures that no property distinguishes from another, or that share a picture, each
+    once."""
     for index, kind in enumerate(kinds):
         found = next((told for other in kinds[:index] if (told := _confusion(other, kind)) is not None), None)
         if found is not None:
@@ -181,23 +183,23 @@ def _alike(path: Path, kinds: Sequence[TreasureKind]) -> Iterator[BadFile]:
 
 
 def _confusion(one: TreasureKind, other: TreasureKind) -> tuple[str, str] | None:
-    """Return why people can mistake one treasure for another, and the remedy; None where they cannot."""
+    """Return why people can mistake one treasure for another, and the remedy, or None if they cannot."""
     both, same_picture = f"{one.name!r} and {other.name!r}", one.image == other.image is not None
     if all(same_name(value, other.properties[name]) for name, value in one.properties.items()):
         rest = "nothing distinguishes" if same_picture else "only their pictures distinguish"
         problem = f"{both} have the same properties, so {rest} them"
         return problem, "change a property of one of the two, if this is not intended"
     if same_picture:
-        return f"{both} have the same picture", "give one of the two another, if this is not intended"
+        return f"{both} have the same picture", "give one of them another picture, if this is not intended"
     return None
 
 
 def missing_words(templates: TemplateSet, folder: Path, language: str) -> Iterator[BadFile]:
-    """Yield what a set that is in another language lacks in this one, each with the file to write.
+    """Yield faults of words that a set in another language lacks in this one, each with the file to write.
 
     Args:
         templates: the set.
-        folder: of the set.
+        folder: folder of the set.
         language: name of the language.
     """
     if templates.language in {None, language}:
@@ -205,7 +207,7 @@ def missing_words(templates: TemplateSet, folder: Path, language: str) -> Iterat
     words, path = templates.in_language(language), folder / language / WORDS
 
     def missing(key: str, names: Sequence[str]) -> BadFile:
-        problem = f"the set is in {templates.language}, and these have no words in {language}: {', '.join(names)}"
+        problem = f"the set is in {templates.language}, but these have no words in {language}: {', '.join(names)}"
         return BadFile(path, problem, f"Write them into {key}", key=key)
 
     if unnamed := [kind.name for kind in templates.kinds if kind.name not in words.names]:
@@ -217,12 +219,12 @@ def missing_words(templates: TemplateSet, folder: Path, language: str) -> Iterat
             yield missing(f"values of {each.name}", unsaid)
     questions = folder / language / DIALOGUE_TEXT
     if any(templates.dialogue.questions.values()) and not questions.exists():
-        problem = f"the set is in {templates.language}, and it has no questions in {language}"
+        problem = f"the set is in {templates.language}, but it has no questions in {language}"
         yield BadFile(questions, problem, f"Translate {folder / DIALOGUE_TEXT} into this file")
 
 
 def _treasures_with_images(path: Path) -> TreasureList:
-    """A list of 2016 whose treasures have images."""
+    """Return a list of 2016 in which all treasures have images."""
     treasures = read_treasures(path)
     if any(kind.image is None for kind in treasures.kinds):
         raise BadFile(
@@ -241,38 +243,38 @@ def _check_together(folder: Path, path: Path, treasures: TreasureList, costs: Co
             path,
             f"{treasures.rooms} rooms, but {MAP_TIMES} has {len(costs.rooms) + 1} nodes, "
             f"the corridor and {len(costs.rooms)} rooms",
-            f"make both files tell of the same rooms, or take {MAP_TIMES} away where the map has its own",
+            f"make both files agree on the rooms, or delete {MAP_TIMES} if the map has its own",
             line=1 if path.name == TREASURES else None,
             key="number of rooms" if path.name == TREASURES else "rooms",
         )
     if path.name == TREASURES_YAML and (folder / TREASURES).exists():
-        raise BadFile(folder / TREASURES, f"there is a {TREASURES_YAML} beside it", "keep one of the two")
+        raise BadFile(folder / TREASURES, f"a {TREASURES_YAML} also exists", "keep one of the two")
     copy = folder / PARTICIPANT_TREASURES
     if path.name == TREASURES and copy.exists():
         check_copy(copy, treasures)
 
 
 def _set_yaml(path: Path) -> _SetYaml:
-    """Return the contents of a `set.yaml`, with defaults if there is no such file."""
+    """Return the contents of a `set.yaml`, or defaults if the file does not exist."""
     if not path.exists():
         return _SetYaml()
     loaded = load(path, _SetYaml)
     if not loaded.lines:
-        raise BadFile(path, "there is nothing in it", "write `language:`, `map:` or `answers:`, or delete the file")
+        raise BadFile(path, "the file is empty", "write `language:`, `map:` or `answers:`, or delete the file")
     for fault in loaded.value.answers.faults(loaded):
         raise fault
     return loaded.value
 
 
 def _picture(treasures: Path, name: str, folder: Path, image: str, data: bytes | None) -> bytes:
-    """Return the image file of a treasure, which is read where there are no `data` of it."""
+    """Return the image file of a treasure: `data`, or the contents of the file if `data` is None."""
     file = path_inside(folder, as_on_disk(path_inside(folder, image)).name)
     try:
         if data is None:
             with open_regular(file) as opened:
                 data = opened.read(LARGEST_PICTURE + 1)
     except FileNotFoundError:
-        problem, remedy = f"there is no picture {file.name}", f"put it into {file.parent} or mend the file name"
+        problem, remedy = f"picture {file.name} does not exist", f"put it into {file.parent} or correct the file name"
         raise BadFile(treasures, problem, remedy, key=name) from None
     except OSError as error:
         raise BadFile(file, f"it cannot be read ({error.strerror})", "check that it is a file") from None
@@ -280,18 +282,18 @@ def _picture(treasures: Path, name: str, folder: Path, image: str, data: bytes |
         problem = f"the picture is larger than {LARGEST_PICTURE // 1_000_000} MB, and participants would wait for it"
         raise BadFile(file, problem, "save it smaller; a photo of 1000 x 1000 pixels is enough")
     if not data.startswith(_IMAGE_BEGINNINGS):
-        raise BadFile(file, "this is no picture that windows can show", "save it as PNG or JPEG")
+        raise BadFile(file, "windows cannot show this picture", "save it as PNG or JPEG")
     return data
 
 
 def read_dialogue_text(path: Path, properties: Sequence[TreasureProperty] = OF_2016) -> Template:
     """Read scripted questions: a name, the questions of *don't know*, `SpecificRoom:` and its questions.
 
-    Questions about a treasure may name its properties. There may be two more sections, `TakePicture:` and
-    `TakeTreasure:`. A line may have several wordings of one question with ` | ` between them.
+    Questions about a treasure may name its properties. Two more sections are optional, `TakePicture:` and
+    `TakeTreasure:`. A line may have several wordings of one question, separated by ` | `.
 
     Raises:
-        BadFile: as the module promises; all faults together.
+        BadFile: the file cannot be read or has faults; all faults are raised together.
     """
     faults = FaultCollection()
     lines = numbered_lines(path)
@@ -300,7 +302,7 @@ def read_dialogue_text(path: Path, properties: Sequence[TreasureProperty] = OF_2
         meant = "a section" if name in _SECTIONS else "a question"
         raise BadFile(
             path,
-            f"the first line is the template's name, not {meant}",
+            f"the first line must be the template's name, not {meant}",
             "add a first line with a name, for instance DontKnow:",
             line=number,
             key=name,
@@ -315,10 +317,10 @@ def read_dialogue_text(path: Path, properties: Sequence[TreasureProperty] = OF_2
             continue
         scenario = _SECTIONS[heading]
         if heading != line:
-            faults.found.append(BadFile(path, "there is no such section", f"write {heading}", line=number, key=line))
+            faults.found.append(BadFile(path, "this section is unknown", f"write {heading}", line=number, key=line))
         elif scenario in questions:
             remedy = "put its questions under one heading"
-            faults.found.append(BadFile(path, "this section is there twice", remedy, line=number, key=line))
+            faults.found.append(BadFile(path, "this section appears twice", remedy, line=number, key=line))
         questions.setdefault(scenario, [])
     if Scenario.SPECIFIC_ROOM not in questions:
         remedy = "add a line SpecificRoom: above the questions that are asked when the person chose the room"
@@ -329,11 +331,11 @@ def read_dialogue_text(path: Path, properties: Sequence[TreasureProperty] = OF_2
 
 
 def scenario_on(text: str, number: int) -> Scenario | None:
-    """Return the scenario whose questions stand on a line of a dialogue text; None for its name and headings.
+    """Return the scenario of the questions on a line of a dialogue text, or None for its name and headings.
 
     Args:
-        text: the whole text, its lines ended by line feeds.
-        number: of the line, from 1.
+        text: the whole text, with line feeds as line ends.
+        number: number of the line, from 1.
     """
     lines = [line.strip() for line in text.split("\n")]
     above = [line for line in lines[: number - 1] if line]
@@ -344,7 +346,7 @@ def scenario_on(text: str, number: int) -> Scenario | None:
 
 
 def _heading_meant(line: str) -> str | None:
-    """The heading of a section that a line is, perhaps misspelt."""
+    """Return the heading of a section that a line is meant to be, even if it is misspelt, or None."""
     if line in _SECTIONS:
         return line
     if line.endswith(":") and len(line.split()) <= 2:
@@ -360,7 +362,7 @@ def _question(
     wordings = tuple(wording.strip() for wording in _BETWEEN_WORDINGS.split(line))
     if not all(wordings):
         raise BadFile(
-            path, "an empty wording", "write a wording on both sides of every bar, or remove the bar", line=number
+            path, "an empty wording", "write a wording on both sides of every bar, or delete the bar", line=number
         )
     for wording in wordings:
         fault = word_fault(wording, scenario, properties)

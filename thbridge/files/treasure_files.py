@@ -1,4 +1,4 @@
-"""Reads lists of treasures: the lines of 2016, and `treasures.yaml`, which declares properties of its own.
+"""Reading of lists of treasures: the lines of 2016, and `treasures.yaml`, which declares its own properties.
 
 A list of 2016 has two properties and does not declare them (`OF_2016`). Its copy for the participant's machine,
 `treasures.participant`, has the same lines without the pictures.
@@ -27,7 +27,7 @@ PICTURES = "pictures"
 
 _TREASURE_FORM = "Colour,Footprint,Points,Name,ImageFile"
 _NAME = re.compile(r"[a-z][a-z_]*")
-_UNSAYABLE = ("a line cannot tell brackets, colons, commas, quotation marks or pound signs", "leave them out")
+_UNSAYABLE = ("brackets, colons, commas, quotation marks and pound signs cannot be sent in a line", "leave them out")
 _ON_THE_WIRE = re.compile(r"[^()\":,£\n]+")
 
 
@@ -38,7 +38,7 @@ class TreasureList:
     Attributes:
         rooms: number of rooms.
         kinds: the treasures, at least one, in the order of the file; either all have an image or none has.
-        properties: that each of them has.
+        properties: properties that each treasure has.
     """
 
     rooms: int
@@ -49,20 +49,20 @@ class TreasureList:
 @dataclass(frozen=True, slots=True)
 class _PropertyYaml:
     name: str
-    label: str = param("", "as people read it above a value")
+    label: str = param("", "heading of its values for people")
     values: tuple[str, ...] = ()
     told_by: Teller = Teller.ROBOT
-    sensor: str = param("", "of a robot, for people")
+    sensor: str = param("", "name of the robot's sensor, for people")
     cost: float = param(0.0, "energy of sensing it", minimum=0.0, maximum=1e6)
     drawn: PropertyDrawing = PropertyDrawing.NONE
-    said: str = param("", "within a sentence")
+    said: str = param("", "wording within a sentence")
 
 
 @dataclass(frozen=True, slots=True)
 class _TreasureYaml:
     name: str
     image: str
-    points: int = param(0, "won by naming it rightly", minimum=0, maximum=999_999)
+    points: int = param(0, "points for naming it rightly", minimum=0, maximum=999_999)
     values: Mapping[str, str] = dataclasses.field(default_factory=dict)
 
 
@@ -70,20 +70,20 @@ class _TreasureYaml:
 class _TreasuresYaml:
     treasures: tuple[_TreasureYaml, ...]
     properties: tuple[_PropertyYaml, ...] = ()
-    rooms: int = param(8, "rooms to fill at a server of another make", minimum=1, maximum=1000)
+    rooms: int = param(8, "number of rooms to fill at another program's server", minimum=1, maximum=1000)
 
 
 def read_treasures(path: Path) -> TreasureList:
     """Read a list of treasures: the number of rooms, then one treasure per line, with or without its image file.
 
     Raises:
-        BadFile: as the module promises; faults of several lines together.
+        BadFile: the file cannot be read or has faults; faults of several lines are raised together.
     """
     lines = numbered_lines(path)
     number, first = first_line(path, lines, "number of rooms", "the number of rooms")
     rooms = count_in(path, number, "number of rooms", first, least=1)
     if not lines[1:]:
-        raise BadFile(path, "there is no treasure in the list", f"add lines of the form {_TREASURE_FORM}")
+        raise BadFile(path, "the list has no treasures", f"add lines of the form {_TREASURE_FORM}")
     kinds: list[TreasureKind] = []
     faults = FaultCollection()
     for number, line in lines[1:]:
@@ -97,10 +97,10 @@ def read_treasures(path: Path) -> TreasureList:
 
 
 def read_treasures_yaml(path: Path) -> TreasureList:
-    """Read a `treasures.yaml`: properties, and treasures with a value of each.
+    """Read a `treasures.yaml`: properties, and treasures with a value for each property.
 
     Raises:
-        BadFile: as the module `thbridge.files.yaml.load` promises; all faults together.
+        BadFile: the file cannot be read or has faults; all faults are raised together.
     """
     loaded = load(path, _TreasuresYaml)
     faults = (*_property_faults(loaded), *_treasure_faults(loaded))
@@ -131,24 +131,24 @@ def check_copy(path: Path, treasures: TreasureList) -> None:
     """Check the participant's copy of a list of 2016.
 
     Raises:
-        BadFile: it tells the images, or does not say the same.
+        BadFile: it contains the images, or differs otherwise.
     """
     copy = read_treasures(path)
     wanted = TreasureList(treasures.rooms, tuple(replace(kind, image=None) for kind in treasures.kinds))
     if any(kind.image is not None for kind in copy.kinds):
         raise BadFile(
-            path, "the participant's copy tells the images", "leave the last field of every line out", key="ImageFile"
+            path, "the participant's copy names the images", "delete the last field of every line", key="ImageFile"
         )
     if copy != wanted:
         raise BadFile(
             path,
-            f"does not say the same as {TREASURES}",
-            f"copy {TREASURES} here again and leave the last field of every line out",
+            f"differs from {TREASURES}",
+            f"copy {TREASURES} here again and delete the last field of every line",
         )
 
 
 def _check_beside(path: Path, number: int, kind: TreasureKind, earlier: list[TreasureKind]) -> None:
-    """Check that a treasure of a list of 2016 goes with those above it."""
+    """Check a treasure of a list of 2016 against those above it."""
     if any(same_name(kind.name, other.name) for other in earlier):
         raise BadFile(
             path, f"{kind.name!r} is there twice", "give every treasure its own name", line=number, key="Name"
@@ -156,8 +156,8 @@ def _check_beside(path: Path, number: int, kind: TreasureKind, earlier: list[Tre
     if earlier and (kind.image is None) != (earlier[0].image is None):
         raise BadFile(
             path,
-            "some treasures have an image and some have none",
-            "give every treasure its image, or leave all out in the participant's copy",
+            "some treasures have an image and others do not",
+            "give every treasure its image, or delete all images in the participant's copy",
             line=number,
             key="ImageFile",
         )
@@ -174,14 +174,14 @@ def _treasure(path: Path, number: int, line: str) -> TreasureKind:
         )
     for key, field in zip(_TREASURE_FORM.split(","), fields, strict=False):
         if not field:
-            raise BadFile(path, "nothing is written there", f"write the line as {_TREASURE_FORM}", line=number, key=key)
+            raise BadFile(path, "this field is empty", f"write the line as {_TREASURE_FORM}", line=number, key=key)
     colour, footprint, points, name = fields[:4]
     image = fields[4] if len(fields) == 5 else None
     if image is not None and not _is_plain_name(image):
         raise BadFile(
             path,
             f"{image!r} is not a plain file name",
-            f"write the name alone, without folder and without blanks, and put the file into {PICTURES}/",
+            f"write only the name, without folder and blanks, and put the file into {PICTURES}/",
             line=number,
             key="ImageFile",
         )
@@ -190,7 +190,7 @@ def _treasure(path: Path, number: int, line: str) -> TreasureKind:
 
 
 def _property_faults(loaded: Loaded[_TreasuresYaml]) -> Iterator[BadFile]:
-    """Yield faults in the declarations of properties."""
+    """Yield faults of the declarations of properties."""
     words, earlier = {word.name for word in WORDS}, set[str]()
     for index, each in enumerate(loaded.value.properties):
         key = f"properties[{index}]"
@@ -204,31 +204,31 @@ def _property_faults(loaded: Loaded[_TreasuresYaml]) -> Iterator[BadFile]:
         if each.label and not _ON_THE_WIRE.fullmatch(each.label):
             yield loaded.fault(f"{key}.label", *_UNSAYABLE)
         if each.said and f"£{each.name}£" not in each.said:
-            remedy = f"write £{each.name}£ where the value is said"
-            yield loaded.fault(f"{key}.said", "it does not hold the value", remedy)
+            remedy = f"write £{each.name}£ in place of the value"
+            yield loaded.fault(f"{key}.said", "it does not contain the value", remedy)
         if each.told_by is Teller.PERSON and (each.cost or each.sensor):
             wrong = "cost" if each.cost else "sensor"
-            problem, remedy = "a person tells it, free and without a sensor", "take the line away, or write robot"
+            problem, remedy = "people give it free of charge, without a sensor", "delete the line, or write robot"
             yield loaded.fault(f"{key}.{wrong}", problem, remedy)
         if each.told_by is Teller.PERSON and len(each.values) < 2:
-            problem = "people choose among the values, so there are at least two"
-            yield loaded.fault(f"{key}.values", problem, "write all that it can be: [wood, metal]")
+            problem = "people choose among the values, so at least two are needed"
+            yield loaded.fault(f"{key}.values", problem, "write all possible values: [wood, metal]")
 
 
 def _treasure_faults(loaded: Loaded[_TreasuresYaml]) -> Iterator[BadFile]:
-    """Yield faults in the treasures."""
+    """Yield faults of the treasures."""
     written = loaded.value
     if not written.treasures:
-        yield loaded.fault("treasures", "there is no treasure in the list", "write a line '- name: ...' for each")
+        yield loaded.fault("treasures", "the list has no treasures", "write a line '- name: ...' for each")
     declared = {each.name: each for each in written.properties}
     for index, kind in enumerate(written.treasures):
         key = f"treasures[{index}]"
         if not kind.name.strip():
-            yield loaded.fault(f"{key}.name", "nothing is written there", "give the treasure a name")
+            yield loaded.fault(f"{key}.name", "the name is empty", "give the treasure a name")
         if any(same_name(kind.name, other.name) for other in written.treasures[:index]):
             yield loaded.fault(f"{key}.name", f"{kind.name!r} is there twice", "give every treasure its own name")
         if not _is_plain_name(kind.image):
-            remedy = f"write the name alone, without folder and without blanks, and put the file into {PICTURES}/"
+            remedy = f"write only the name, without folder and blanks, and put the file into {PICTURES}/"
             yield loaded.fault(f"{key}.image", f"{kind.image!r} is not a plain file name", remedy)
         for name in declared.keys() - kind.values.keys():
             yield loaded.fault(f"{key}.values", f"{kind.name} has no {name}", f"add {name}: ... to its values")
@@ -236,10 +236,10 @@ def _treasure_faults(loaded: Loaded[_TreasuresYaml]) -> Iterator[BadFile]:
             place, of = f"{key}.values.{name}", declared.get(name)
             if of is None:
                 remedy = f"declare it under properties, or write one of {', '.join(declared) or 'those'}"
-                yield loaded.fault(place, f"no property is called {name!r}", remedy)
+                yield loaded.fault(place, f"no property has the name {name!r}", remedy)
             elif of.values and value not in of.values:
                 remedy = f"write one of {', '.join(of.values)}, or add it to the values of {name}"
-                yield loaded.fault(place, f"{value!r} is no value of {name}", remedy)
+                yield loaded.fault(place, f"{value!r} is not a value of {name}", remedy)
             elif not _ON_THE_WIRE.fullmatch(value):
                 yield loaded.fault(place, *_UNSAYABLE)
 

@@ -1,4 +1,4 @@
-"""Reads the words of arguing robots: YAML files, one folder a language, checked until no sentence can fail."""
+"""Reading of the words of arguing robots: YAML files, one folder per language, checked so that no sentence can fail."""
 
 import dataclasses
 import difflib
@@ -22,9 +22,9 @@ from thbridge.files.resources import PACKAGE
 from thbridge.files.yaml.load import Loaded, load
 
 SHIPPED_LANGUAGES = PACKAGE / "dialogue" / "wording" / "languages"
-"""The folder of the languages that come with the project."""
+"""Folder of the built-in languages."""
 LONGEST_WORDING = 500
-"""Greatest length of a wording, in characters."""
+"""Largest length of a wording, in characters."""
 
 _WORDS_OF_CONTENT: Mapping[ContentKind, tuple[str, ...]] = {
     ContentKind.LITERAL: ("content",),
@@ -32,7 +32,7 @@ _WORDS_OF_CONTENT: Mapping[ContentKind, tuple[str, ...]] = {
     ContentKind.ARGUMENT: ("conclusion", "support"),
     ContentKind.UNKNOWN: ("content",),
 }
-"""Words for the whole content of a move; all of them are needed where the values themselves are not named."""
+"""Words for the whole content of a move. All of them are needed if a wording does not name the values themselves."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,10 +41,10 @@ class LanguageHead:
 
     Attributes:
         path: the file with its section `language`.
-        title: its name in itself: `English`.
-        plural: place of the plural form for a number n; see `TextForms`.
-        falls_back_on: the language that speaks where this one has no words; None without one.
-        grammar: its own, or that of the language that it falls back on.
+        title: its name in the language itself, such as `English`.
+        plural: index of the plural form for a number n; see `TextForms`.
+        falls_back_on: language that is used where this one lacks words, or None.
+        grammar: its own grammar, or that of the language that it falls back on.
     """
 
     path: Path
@@ -106,7 +106,7 @@ class _WordsYaml:
 
 
 def languages_in(folder: Path) -> tuple[str, ...]:
-    """Return the names of the languages in a folder, in alphabetical order; one may have texts alone."""
+    """Return the names of the languages in a folder, in alphabetical order. A language may have only texts."""
     files = (*folder.glob("*/*.yaml"), *folder.glob("*/texts/*.yaml"))
     return tuple(sorted({path.relative_to(folder).parts[0] for path in files}))
 
@@ -117,12 +117,12 @@ def read_language(
     """Read a language, and those that it falls back on.
 
     Args:
-        folders: with a folder for each language; what a later one says replaces what is narrowed down in the same way.
-        name: of the language's folder.
-        locutions: for which there have to be words; None: those that come with the project.
+        folders: folders with a subfolder for each language; wordings of a later folder replace those for the same case.
+        name: name of the language's folder.
+        locutions: locutions that need words. If None, the built-in ones.
 
     Raises:
-        BadFile: a fault of a file, or all faults together; or there is no such language, or it lacks words.
+        BadFile: a fault of a file, or all faults together; or the language does not exist, or it lacks words.
     """
     folders = tuple(folders)
     locutions = read_rulebook().locutions if locutions is None else locutions
@@ -135,15 +135,15 @@ def read_language(
 
 
 def check_words(folder: Path, *, locutions: Sequence[Locution] | None = None) -> tuple[Language, ...]:
-    """Return the languages of a folder, read with those that come with the project.
+    """Return the languages of a folder, read together with the built-in ones.
 
     Raises:
-        BadFile: a fault of a file, or all faults together; or there is no language in the folder.
+        BadFile: a fault of a file, or all faults together; or the folder has no language.
     """
     names = languages_in(folder)
     if not names:
-        problem = "there is no language in this folder" if folder.is_dir() else "there is no such folder"
-        raise BadFile(folder, problem, "Make a folder in it for each language, such as en, with .yaml files")
+        problem = "this folder has no language" if folder.is_dir() else "there is no such folder"
+        raise BadFile(folder, problem, "Create a subfolder for each language, such as en, with .yaml files")
     faults, read = FaultCollection(), []
     for name in names:
         with faults.kept():
@@ -159,7 +159,7 @@ def read_head(folders: Sequence[Path], name: str) -> LanguageHead:
 
 
 def _read(folders: Sequence[Path], name: str, locutions: Collection[str], above: tuple[str, ...]) -> Language:
-    """Read a language without a look at what it lacks; `above` are those that fall back on it."""
+    """Read a language without checking for missing words; `above` are the languages that fall back on it."""
     by_folder = _load(folders, name)
     files = [loaded for of_folder in by_folder for loaded in of_folder]
     faults = FaultCollection()
@@ -186,7 +186,7 @@ def _load(folders: Sequence[Path], name: str) -> list[list[Loaded[_WordsYaml]]]:
     """Load the files of a language, a list for each folder."""
     known = sorted({each for folder in folders for each in languages_in(folder)})
     if name not in known:
-        raise BadFile(folders[-1] / name, f"there is no language {name}", _nearest(name, known))
+        raise BadFile(folders[-1] / name, f"language {name} does not exist", _nearest(name, known))
     faults = FaultCollection()
     loaded: list[list[Loaded[_WordsYaml]]] = []
     for folder in folders:
@@ -202,7 +202,7 @@ def _load(folders: Sequence[Path], name: str) -> list[list[Loaded[_WordsYaml]]]:
 def _head(
     files: Sequence[Loaded[_WordsYaml]], folders: Sequence[Path], name: str, above: tuple[str, ...]
 ) -> LanguageHead:
-    """Return name and grammar of a language from its files; `above` are those that fall back on it."""
+    """Return name and grammar of a language from its files; `above` are the languages that fall back on it."""
     headed = next((loaded for loaded in reversed(files) if loaded.value.language is not None), None)
     if headed is None or headed.value.language is None:
         remedy = "Add to one of its files: language: {title: ..., falls_back_on: en}"
@@ -213,7 +213,7 @@ def _head(
         raise headed.fault(key, "languages fall back on one another in a circle", "Write null")
     known = sorted({each for folder in folders for each in languages_in(folder)})
     if back is not None and back not in known:
-        raise headed.fault(key, f"there is no language {back}", _nearest(back, known))
+        raise headed.fault(key, f"language {back} does not exist", _nearest(back, known))
     written = next((loaded.value.grammar for loaded in reversed(files) if loaded.value.grammar is not None), None)
     if written is None and back is None:
         remedy = "Add one, or let it fall back on a language that has one"
@@ -255,7 +255,7 @@ def _grammar(written: _GrammarYaml) -> Grammar:
 
 
 def _faults(loaded: Loaded[_WordsYaml], locutions: Collection[str]) -> Iterator[BadFile]:
-    """Faults of one file."""
+    """Yield the faults of one file."""
     if loaded.value.grammar is not None:
         yield from _grammar_faults(loaded, loaded.value.grammar)
     for place, phrase in enumerate(loaded.value.phrases):
@@ -270,7 +270,7 @@ def _faults(loaded: Loaded[_WordsYaml], locutions: Collection[str]) -> Iterator[
             if not line.say:
                 yield _no_wording(loaded, f"{key}.say")
         else:
-            yield loaded.fault(f"{key}.key", f"there is no line {line.key}", _nearest(line.key, list(LineKey)))
+            yield loaded.fault(f"{key}.key", f"line {line.key} does not exist", _nearest(line.key, list(LineKey)))
 
 
 def _grammar_faults(loaded: Loaded[_WordsYaml], grammar: _GrammarYaml) -> Iterator[BadFile]:
@@ -301,26 +301,26 @@ def _grammar_faults(loaded: Loaded[_WordsYaml], grammar: _GrammarYaml) -> Iterat
         for problem, remedy in _wrong_in(form, words, words.values()):
             yield loaded.fault(f"grammar.{name}", problem, remedy)
     if "1" not in grammar.one_room:
-        yield loaded.fault("grammar.one_room", "a single room has to be said with its number", "Write it with a 1")
+        yield loaded.fault("grammar.one_room", "the form for a single room needs its number", "Write it with a 1")
     if grammar.decimal not in {".", ","}:
-        yield loaded.fault("grammar.decimal", "no sign before decimals", 'Write "." or ","')
+        yield loaded.fault("grammar.decimal", "not a decimal mark", 'Write "." or ","')
     if not grammar.negations:
-        remedy = "Write all words that deny what a sentence says"
-        yield loaded.fault("grammar.negations", "a language has negations", remedy)
+        remedy = "Write all words that negate a sentence"
+        yield loaded.fault("grammar.negations", "a language needs negations", remedy)
     for name, listed in (("negations", grammar.negations), ("bound", grammar.bound)):
         for place, word in enumerate(listed):
             if not can_be_found(word.casefold()):
-                remedy = "Write each word by itself, without blanks and signs; with a * before it, the end of words"
+                remedy = "Write each word alone, without blanks and signs; with a * in front, it is the end of words"
                 yield loaded.fault(f"grammar.{name}[{place}]", f"{word!r} is not one word", remedy)
 
 
 def _phrase_faults(loaded: Loaded[_WordsYaml], key: str, phrase: PhraseWording) -> Iterator[BadFile]:
     predicate = PREDICATES.get(phrase.of)
     if predicate is None:
-        yield loaded.fault(f"{key}.of", f"there is no predicate {phrase.of}", _nearest(phrase.of, list(PREDICATES)))
+        yield loaded.fault(f"{key}.of", f"predicate {phrase.of} does not exist", _nearest(phrase.of, list(PREDICATES)))
         return
     if phrase.robot is not None and predicate.robot is None:
-        yield loaded.fault(f"{key}.robot", f"{phrase.of} is about no robot", "Delete the key")
+        yield loaded.fault(f"{key}.robot", f"{phrase.of} is not about a robot", "Delete the key")
     allowed, needed = reserved_words(predicate.values), _needed(predicate, phrase.robot)
     said: Mapping[str, tuple[str, ...]] = {
         "yes": phrase.yes,
@@ -335,11 +335,11 @@ def _phrase_faults(loaded: Loaded[_WordsYaml], key: str, phrase: PhraseWording) 
         yield from _wording_faults(loaded, f"{key}.{name}", wordings, allowed, (whole,))
         for place, wording in enumerate(wordings):
             if wording.rstrip().endswith((".", "?", "!")):
-                problem = "a phrase stands within sentences, and ends none"
-                yield loaded.fault(f"{key}.{name}[{place}]", problem, "Take away the sign at its end")
+                problem = "a phrase is a part of a sentence and does not end it"
+                yield loaded.fault(f"{key}.{name}[{place}]", problem, "Delete the sign at its end")
     for place, wording in enumerate(phrase.yes):
         if wording in phrase.no:
-            problem = "the same words for what holds and for what does not"
+            problem = "the same words are used for yes and for no"
             yield loaded.fault(f"{key}.yes[{place}]", problem, "Deny it in 'no'")
 
 
@@ -347,18 +347,18 @@ def _move_faults(
     loaded: Loaded[_WordsYaml], key: str, move: MoveWording, locutions: Collection[str]
 ) -> Iterator[BadFile]:
     if move.move not in locutions:
-        yield loaded.fault(f"{key}.move", f"there is no locution {move.move}", _nearest(move.move, locutions))
+        yield loaded.fault(f"{key}.move", f"locution {move.move} does not exist", _nearest(move.move, locutions))
     whole = _WORDS_OF_CONTENT[move.content]
     allowed, ways = dict(zip(whole, whole, strict=True)), [frozenset(whole)]
     if move.of is not None:
         predicate = PREDICATES.get(move.of)
         if predicate is None:
-            yield loaded.fault(f"{key}.of", f"there is no predicate {move.of}", _nearest(move.of, list(PREDICATES)))
+            yield loaded.fault(f"{key}.of", f"predicate {move.of} does not exist", _nearest(move.of, list(PREDICATES)))
             return
         if move.content is ContentKind.RULE:
-            yield loaded.fault(f"{key}.of", "a wording for a rule is one for all predicates", "Delete the key")
+            yield loaded.fault(f"{key}.of", "a wording for a rule is for all predicates", "Delete the key")
         if move.robot is not None and predicate.robot is None:
-            yield loaded.fault(f"{key}.robot", f"{move.of} is about no robot", "Delete the key")
+            yield loaded.fault(f"{key}.robot", f"{move.of} is not about a robot", "Delete the key")
         allowed |= reserved_words(predicate.values)
         if move.holds is not None or move.content is ContentKind.UNKNOWN:
             ways.append(_needed(predicate, move.robot) | (set(whole) - {"content", "conclusion"}))
@@ -368,7 +368,7 @@ def _move_faults(
 
 
 def _needed(predicate: Predicate, robot: AboutRobot | None) -> frozenset[str]:
-    """The values that a wording has to name: all, save a robot that speaks of itself."""
+    """Return the values that a wording must name: all, except a robot that speaks of itself."""
     return frozenset(predicate.values) - ({predicate.robot} if robot is AboutRobot.SELF else set())
 
 
@@ -379,19 +379,19 @@ def _wording_faults(
     allowed: Mapping[str, str],
     ways: Sequence[Collection[str]],
 ) -> Iterator[BadFile]:
-    """Faults of wordings that may have some words, and have to name all values of one of these sets."""
+    """Yield faults of wordings that may use the allowed words, and must name all values of one of these sets."""
     for place, wording in enumerate(wordings):
         for problem, remedy in _wrong_in(wording, allowed, *ways):
             yield loaded.fault(f"{key}[{place}]", problem, remedy)
 
 
 def _wrong_in(wording: str, allowed: Mapping[str, str], *ways: Collection[str]) -> Iterator[tuple[str, str]]:
-    """Problems of a wording, with their remedies."""
+    """Yield problems of a wording, with their remedies."""
     if not wording.strip():
-        yield "there are no words", "Write some"
+        yield "the wording is empty", "Write some words"
     if strange := next((sign for sign in wording if not sign.isprintable()), None):
         told = f"{unicodedata.name(strange, 'a line break or control sign').lower()}, U+{ord(strange):04X}"
-        yield f"a sign that cannot be printed: {told}", "Write it on one line, with printable signs and plain blanks"
+        yield f"a character that cannot be printed: {told}", "Write one line of printable characters and plain blanks"
     if len(wording) > LONGEST_WORDING:
         yield f"{len(wording)} characters are too many", f"Write at most {LONGEST_WORDING}"
     fault = spelling_fault(wording, allowed)
@@ -403,15 +403,15 @@ def _wrong_in(wording: str, allowed: Mapping[str, str], *ways: Collection[str]) 
     if missing and all(missing):
         least = min(missing, key=len)
         words = " and ".join(f"£{value}£" for value in least)
-        yield f"a sentence has to carry {words}, which this one does not", f"Write {words} into it"
+        yield f"this sentence must contain {words}", f"Write {words} into it"
 
 
 def _no_wording(loaded: Loaded[_WordsYaml], key: str) -> BadFile:
-    return loaded.fault(key, "there is no wording", "Write at least one between [ and ]")
+    return loaded.fault(key, "it has no wording", "Write at least one between [ and ]")
 
 
 def _doubles(of_folder: Iterable[Loaded[_WordsYaml]]) -> Iterator[BadFile]:
-    """Sections and wordings of which a folder of a language has two, so that one of them is never said."""
+    """Yield faults of sections and wordings that a folder of a language has twice, because one would never be used."""
     first: dict[tuple[object, ...], str] = {}
     for loaded in of_folder:
         value = loaded.value
@@ -429,13 +429,13 @@ def _doubles(of_folder: Iterable[Loaded[_WordsYaml]]) -> Iterator[BadFile]:
         for key, narrowed in entries:
             place = f"{loaded.path.name}, line {loaded.lines.get(key, 1)}"
             if narrowed in first:
-                problem = f"the same stands in {first[narrowed]}, narrowed down in the same way"
+                problem = f"the same case is already in {first[narrowed]}"
                 yield loaded.fault(key, problem, "Keep one of the two, with all wordings in it")
             first.setdefault(narrowed, place)
 
 
 def _lacking(folder: Path, language: Language, locutions: Sequence[Locution]) -> Iterator[BadFile]:
-    """Words that a language and all that it falls back on lack."""
+    """Yield faults of words that a language and all that it falls back on lack."""
     or_fall_back = "or let the language fall back on another one"
     for name, predicate in PREDICATES.items():
         robots = (None,) if predicate.robot is None else tuple(AboutRobot)
@@ -443,20 +443,22 @@ def _lacking(folder: Path, language: Language, locutions: Sequence[Locution]) ->
             word = "yes" if holds else "no"
             if not all(language.phrase(name, side, robot, holds=holds) for side in Side for robot in robots):
                 remedy = f"Add to phrases: {{of: {name}, {word}: [...]}}, {or_fall_back}"
-                yield BadFile(folder, f"no phrase {name} with '{word}' for everybody", remedy, key="phrases")
+                yield BadFile(
+                    folder, f"phrase {name} with '{word}' does not cover every speaker and robot", remedy, key="phrases"
+                )
     for name, content in dict.fromkeys((each.name, each.content) for each in locutions):
         for side in Side:
             if not language.move(name, content, side, holds=False) or not language.move(name, content, side):
                 written = f"{{move: {name}, content: {content}, speaker: {side}, say: [...]}}"
-                problem = f"no wording of {name} with a {content} for every case, said by the {side}"
+                problem = f"{name} with a {content} has no wording for every case, said by the {side}"
                 yield BadFile(folder, problem, f"Add to moves: {written}, {or_fall_back}", key="moves")
     for key, line in LINES.items():
         if not language.line(key):
-            problem = f"no line {key} for the {line.speaker}: {line.meaning}"
+            problem = f"line {key} for the {line.speaker} is missing: {line.meaning}"
             yield BadFile(folder, problem, f"Add to lines: {{key: {key}, say: [...]}}, {or_fall_back}", key="lines")
 
 
 def _nearest(name: str, known: Iterable[str]) -> str:
     choices = sorted(known)
     near = difflib.get_close_matches(name, choices, n=1)
-    return f"The nearest is {near[0]}" if near else f"There are: {', '.join(choices)}"
+    return f"The nearest is {near[0]}" if near else f"Write one of: {', '.join(choices)}"

@@ -1,4 +1,4 @@
-"""Studies that are known by name without a file: `standard`, and `original-2016`."""
+"""Studies that have a name and no file: `standard` and `original-2016`."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -8,25 +8,26 @@ from thbridge.files.yaml.load import Loaded
 from thbridge.study.study_file import Study, load_study
 
 STANDARD = Study(templates="everyday-things")
-"""The study that people play who name none: costs from where robots stand, whole sentences, answers that say what
-happens. What a study file leaves out keeps its value of 2016, so that older files mean what they meant."""
+"""The study that is played if no study is named: moves are priced from where robots stand, robots speak whole
+and answers say what happens. Keys left out of a study file keep their values of 2016, so that older files keep their
+meaning."""
 
 BUILT_IN: Mapping[str, Study] = {"standard": STANDARD, "original-2016": Study()}
 """Each built-in study by its name."""
 
 
 def study_at(path: Path | None) -> tuple[Study, Loaded[Study] | None]:
-    """Return a study, and its file as it was read.
+    """Return a study, and its file as it was read. Built-in studies have no file.
 
     Args:
-        path: of the file, or the name of a built-in study, which has no file; None: a study that leaves all keys out.
+        path: path of the file, or name of a built-in study. If None, the study has only default values.
 
     Raises:
         BadFile: as `load_study`.
     """
     if path is None:
         return Study(), None
-    # A file of such a name comes first: it was played before there were built-in studies.
+    # A file with such a name comes first: it was playable before built-in studies existed.
     if str(path) in BUILT_IN and not path.exists():
         return BUILT_IN[str(path)], None
     if not path.suffix and not path.exists():

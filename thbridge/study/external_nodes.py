@@ -1,10 +1,10 @@
-"""Nodes of a ROS graph that others run in place of those of simulated robots."""
+"""Nodes of a ROS graph that replace the nodes of simulated robots."""
 
 from enum import StrEnum
 
 
 class ExternalNodes(StrEnum):
-    """The nodes of ROS that simulated robots leave to others: amcl has no use for who drives by our own move_base."""
+    """ROS nodes that replace ours: move_base alone, or amcl as well. Our own move_base cannot use another amcl."""
 
     NONE = "none"
     MOVE_BASE = "move_base"
@@ -12,10 +12,10 @@ class ExternalNodes(StrEnum):
 
     @property
     def amcl(self) -> bool:
-        """True where amcl is another's."""
+        """True if another amcl replaces ours."""
         return self is ExternalNodes.BOTH
 
     @property
     def move_base(self) -> bool:
-        """True where move_base is another's."""
+        """True if another move_base replaces ours."""
         return self is not ExternalNodes.NONE

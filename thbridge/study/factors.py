@@ -1,4 +1,4 @@
-"""Factors of a design: keys of the study that differ between conditions, and the levels that each takes."""
+"""Factors of a design: keys of the study that differ between conditions, and the levels of each."""
 
 import itertools
 import math
@@ -17,7 +17,7 @@ from thbridge.study.text import is_plain_word
 
 @dataclass(frozen=True, slots=True)
 class LevelRange:
-    """Levels of a factor at equal distances."""
+    """Equally spaced levels of a factor."""
 
     renamed: ClassVar[Mapping[str, str]] = {"from": "first", "to": "last"}
 
@@ -28,7 +28,7 @@ class LevelRange:
 
 @dataclass(frozen=True, slots=True)
 class Level:
-    """A level of a factor: its label, the tree of the keys that it sets, and its line."""
+    """A level of a factor: its label, the tree of the keys that it sets, and its line in the file."""
 
     label: str
     tree: Node
@@ -40,12 +40,12 @@ def levels_of(path: Path, section: str, factor: Scalar, node: Node) -> list[Leve
 
     Args:
         path: the file.
-        section: name of the section in which the factor stands.
-        factor: its name.
-        node: its levels.
+        section: name of the section that contains the factor.
+        factor: name of the factor.
+        node: levels of the factor.
 
     Raises:
-        BadFile: they are none.
+        BadFile: these are not levels.
     """
     key, line = f"{section}.{factor.text}", factor.line
     found: list[Level] = []
@@ -64,7 +64,7 @@ def levels_of(path: Path, section: str, factor: Scalar, node: Node) -> list[Leve
     named = isinstance(node, Section)
     values = [level.label if named else _value(level.label) for level in found]
     if twice := next((level.label for level, value in zip(found, values, strict=True) if values.count(value) > 1), ""):
-        raise BadFile(path, f"the level {twice} stands twice", "Keep one of the two", line=line, key=key)
+        raise BadFile(path, f"the level {twice} is listed twice", "Keep one of the two", line=line, key=key)
     return found
 
 
@@ -82,13 +82,13 @@ def _steps(path: Path, key: str, factor: Scalar, node: Section) -> list[str]:
 
 
 def factorial(factors: Mapping[str, Sequence[Level]]) -> Iterator[dict[str, Level]]:
-    """Yield every combination of levels, the last factor's changing first; without factors one empty condition."""
+    """Yield every combination of levels; the last changes fastest. Without factors, yield one empty condition."""
     for levels in itertools.product(*factors.values()):
         yield dict(zip(factors, levels, strict=True))
 
 
 def _value(label: str) -> float | str:
-    """The number that a label is, so that 20 and 20.0 are the same level; other labels as they are."""
+    """Return the number that a label stands for, so that 20 and 20.0 are the same level; else the label."""
     try:
         return float(label)
     except ValueError:
@@ -96,7 +96,7 @@ def _value(label: str) -> float | str:
 
 
 def spread(path: Path, node: Node) -> Node:
-    """Return a section whose keys may be paths with dots, as a tree of plain keys."""
+    """Return a section with dotted paths as keys as a tree of plain keys."""
     if not isinstance(node, Section):
         if isinstance(node, Scalar) and node.absent:
             return Section(node.line, [])
@@ -105,16 +105,16 @@ def spread(path: Path, node: Node) -> Node:
     for key, child in node.entries:
         further = nested(key.text, child, key.line)
         if (twice := set_by_both(tree, further)) is not None:
-            raise BadFile(path, "stands twice", "Keep one of the two", line=key.line, key=twice)
+            raise BadFile(path, "written twice", "Keep one of the two", line=key.line, key=twice)
         tree = over(tree, further)
     return tree
 
 
 def check_keys_set_once(path: Path, base: Node | None, factors: Mapping[str, Sequence[Level]]) -> None:
-    """Check that no factor sets what `base` or another factor sets.
+    """Check that each key is set only once, by `base` or by one factor.
 
     Raises:
-        BadFile: one does.
+        BadFile: a key is set twice.
     """
     setters = [] if base is None else [("base", spread(path, base))]
     for name, levels in factors.items():
@@ -127,12 +127,12 @@ def check_keys_set_once(path: Path, base: Node | None, factors: Mapping[str, Seq
 
 
 def entries_of(node: Node | None) -> Sequence[tuple[Scalar, Node]]:
-    """Return the keys and values of a section; none of what is no section."""
+    """Return the keys and values of a section; any other node has none."""
     return node.entries if isinstance(node, Section) else []
 
 
 def written(node: Node) -> str:
-    """Return a value as it is written, on one line."""
+    """Return a value as text on one line, as it would be written in a file."""
     match node:
         case Scalar():
             return node.text or '""'

@@ -22,33 +22,33 @@ from thbridge.sockets.addresses import Address, UdpTarget, parse_address, parse_
 S = TypeVar("S")
 
 _NORTHERNMOST = 85.0
-"""Greatest latitude in degrees: maps of ground stations end there."""
+"""Greatest latitude, degrees: maps of ground stations end there."""
 _LOWEST, _HIGHEST = -500.0, 9000.0
-_ORIGIN_REMEDY = "Write degrees north, degrees east and metres above the sea, such as [51.5115, -0.116, 20.0]"
+_ORIGIN_REMEDY = "Write degrees north, degrees east and meters above sea level, such as [51.5115, -0.116, 20.0]"
 
 
 @dataclass(frozen=True, slots=True)
 class MavlinkSection:
     """The robots as MAVLink vehicles."""
 
-    on: bool = param(default=False, help="whether every robot is a MAVLink vehicle, too")
+    on: bool = param(default=False, help="make every robot also a MAVLink vehicle")
     identity: AutopilotIdentity = param(
         AutopilotIdentity.GENERIC,
-        "whose autopilot they say they have; ground stations offer more to those of ardupilot",
+        "autopilot that the vehicles report; ground stations offer more functions for ardupilot",
     )
     udp: tuple[str, ...] = param(
         ("127.0.0.1:14550", "127.0.0.1:14540"),
-        "UDP addresses, HOST:PORT, at which ground stations and programs listen; HOST:PORT/ROBOT for one robot alone",
+        "UDP addresses, HOST:PORT, of ground stations and programs; HOST:PORT/ROBOT receives only that robot",
     )
     udp_listen: str | None = param(
-        None, "address, HOST:PORT, at which those find robots who speak first by UDP; null: none"
+        None, "address, HOST:PORT, for clients that send the first UDP frame; if null, there is none"
     )
-    tcp: str | None = param(None, "address, HOST:PORT, at which they may connect by TCP; null: none")
+    tcp: str | None = param(None, "address, HOST:PORT, for clients that connect by TCP; if null, there is none")
     signing_key: Path | None = param(
-        None, "path of a key file: frames without its signature are refused, ours have it; null: nothing is signed"
+        None, "path of a key file: our frames are signed, and others are refused; if null, no signing"
     )
     origin: tuple[float, float, float] = param(
-        (51.5115, -0.116, 20.0), "where on earth the map's (0, 0) lies, WGS84; north is the map's y", "deg, deg, m"
+        (51.5115, -0.116, 20.0), "position of the map's (0, 0) on earth, WGS84; north is the map's y", "deg, deg, m"
     )
     lost_after: float = param(
         5.0,
@@ -57,15 +57,15 @@ class MavlinkSection:
         SHORTEST_TIMEOUT,
         LONGEST_TIMEOUT,
     )
-    failsafe: Failsafe = param(Failsafe.STOP, "what a robot does whose ground station is lost")
+    failsafe: Failsafe = param(Failsafe.STOP, "what a robot does when its ground station is lost")
     position_rate: float = param(
-        5.0, "how often position, attitude and speed are told, unless somebody asks otherwise", "Hz", 0.1, 50
+        5.0, "rate of position, attitude and speed, unless a client requests another", "Hz", 0.1, 50
     )
     visited_rooms: VisitedRooms = param(
         VisitedRooms.HALT,
-        "what a mission does at an item that leads into a room that was visited already: it halts there, or skips it",
+        "what a mission does at an item in a room that was already visited: halt there, or skip the item",
     )
-    tlog: bool = param(default=False, help="whether all frames also go into a .tlog file beside the bag")
+    tlog: bool = param(default=False, help="also write all frames to a .tlog file next to the bag")
 
     @property
     def options(self) -> VehicleOptions:
@@ -94,7 +94,7 @@ def faults_of_mavlink(loaded: Loaded[S], section: MavlinkSection, robots: int) -
         if target is None:
             yield loaded.fault(key, _no_address(text), "Write HOST:PORT, such as 127.0.0.1:14550, or HOST:PORT/ROBOT")
         elif taken.setdefault(target.address, index) != index:
-            yield loaded.fault(key, f"{target.address} stands in this list twice", "Write each address once")
+            yield loaded.fault(key, f"{target.address} is in this list twice", "Write each address once")
         elif target.number is not None and target.number > robots:
             problem = f"there is no robot {target.number}: the study has {robots}"
             yield loaded.fault(key, problem, f"Write a number from 1 to {robots}, or raise robots")
@@ -109,9 +109,9 @@ def faults_of_mavlink(loaded: Loaded[S], section: MavlinkSection, robots: int) -
     if not abs(longitude) <= 180.0:
         yield loaded.fault("mavlink.origin", f"{longitude:g} degrees east is not within -180 to 180", _ORIGIN_REMEDY)
     if not _LOWEST <= altitude <= _HIGHEST:
-        problem = f"{altitude:g} m above the sea is not within {_LOWEST:g} to {_HIGHEST:g}"
+        problem = f"{altitude:g} m above sea level is not within {_LOWEST:g} to {_HIGHEST:g}"
         yield loaded.fault("mavlink.origin", problem, _ORIGIN_REMEDY)
 
 
 def _no_address(text: str) -> str:
-    return f"{text!r} is no address"
+    return f"{text!r} is not an address"

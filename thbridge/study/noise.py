@@ -1,7 +1,7 @@
-"""The section `noise` of a study: sensor noise, and the noise models of the estimators, side by side.
+"""The section `noise` of a study: true sensor noise next to the noise models of the estimators.
 
-A study keeps each of these numbers in one place: in `world` or in `robot`. The section gives people one place to write
-them, and `TARGET_PATHS` holds the place of each.
+A study keeps each of these numbers in one place, in `world` or in `robot`. The section lets people write them side by
+side, and `TARGET_PATHS` holds the place of each.
 """
 
 import dataclasses
@@ -25,13 +25,13 @@ S = TypeVar("S", bound="DataclassInstance")
 
 
 def _as_in(section: type["DataclassInstance"], name: str, kind: type[T]) -> T:
-    """Return a field with the same declaration as a field of another section."""
+    """Return a field with the same declaration as the field `name` of another section."""
     (found,) = (field for field in dataclasses.fields(section) if field.name == name)
     return cast(T, dataclasses.field(default=found.default, metadata=found.metadata))
 
 
 class NoisePreset(StrEnum):
-    """Name of a set of numbers; see `PRESETS`."""
+    """Name of a set of noise values; see `PRESETS`."""
 
     NONE = "none"
     PERFECT = "perfect"
@@ -64,7 +64,7 @@ class AmclNoiseBelief:
 
 @dataclass(frozen=True, slots=True)
 class EkfNoiseBelief:
-    """Noise model of the Kalman filter, which estimates the laser's noise from every scan."""
+    """Noise model of the Kalman filter. It estimates the laser's noise itself, from every scan."""
 
     odom_alpha1: float = _as_in(EkfParameters, "odom_alpha1", float)
     odom_alpha2: float = _as_in(EkfParameters, "odom_alpha2", float)
@@ -78,7 +78,7 @@ class NoiseBeliefs:
     """Noise models of the estimators."""
 
     amcl: AmclNoiseBelief = param(AmclNoiseBelief(), "the particle filter")
-    ekf: EkfNoiseBelief = param(EkfNoiseBelief(), "the Kalman filter, which learns the laser's noise from the scans")
+    ekf: EkfNoiseBelief = param(EkfNoiseBelief(), "the Kalman filter, which estimates the laser's noise from the scans")
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,12 +87,12 @@ class NoiseSection:
 
     preset: NoisePreset = param(
         NoisePreset.NONE,
-        "numbers to begin from (none: the defaults, perfect: no noise); a line below, once written, wins over it",
+        "numbers to begin with (`none`: the defaults, `perfect`: no noise); a line below overrides them",
     )
-    odometry: OdometryNoise = param(OdometryNoise(), "how the wheels truly err")
-    laser: LaserNoise = param(LaserNoise(), "how the laser truly errs")
+    odometry: OdometryNoise = param(OdometryNoise(), "actual odometry noise")
+    laser: LaserNoise = param(LaserNoise(), "actual laser noise")
     gyro_noise: float = _as_in(WorldParameters, "gyro_noise", float)
-    believed: NoiseBeliefs = param(NoiseBeliefs(), "what the software of every robot believes of that")
+    believed: NoiseBeliefs = param(NoiseBeliefs(), "noise model in the software of every robot")
 
 
 _SECTIONS = {
@@ -123,7 +123,7 @@ def with_value(section: T, path: str, value: object) -> T:
 
 
 def with_values(section: T, values: Mapping[str, object]) -> T:
-    """Return the section with other values at paths of names; each section on these paths is made once."""
+    """Return the section with other values at paths of names; each section on these paths is built only once."""
     own: dict[str, object] = {}
     inner: dict[str, dict[str, object]] = {}
     for path, value in values.items():
@@ -138,7 +138,7 @@ def with_values(section: T, values: Mapping[str, object]) -> T:
 
 
 TARGET_PATHS: Mapping[str, str] = dict(_homes())
-"""Path in a study of each number of the section, by its path in the section."""
+"""Path of each number in the study, by its path in the section."""
 
 
 def noise_section_of(study: object) -> NoiseSection:
@@ -147,15 +147,15 @@ def noise_section_of(study: object) -> NoiseSection:
 
 
 def with_noise(section: NoiseSection, study: T) -> T:
-    """Return the study with these numbers."""
+    """Return the study with the numbers of the section."""
     return with_values(study, {home: value_at(section, path) for path, home in TARGET_PATHS.items()})
 
 
 def resolve_noise(tree: Node) -> Node:
     """Return the tree of a study with the numbers of its section `noise` moved to their own places.
 
-    Their keys remember where people wrote them, for messages. A number that is also written at its own place stays, and
-    so does all else in the section, so that its faults are found where they are.
+    Their keys keep the line where people wrote them, for messages. A number that is also written at its own place stays
+    in the section, and so does everything else there, so that its faults are reported at the right line.
     """
     moved: Node = Section(1, [])
     rest = tree
@@ -184,13 +184,13 @@ def preset_in(tree: Node) -> NoisePreset:
 
 
 def tree_of_preset(name: NoisePreset) -> Node:
-    """Return the tree of a study that has just the numbers of a preset."""
+    """Return the tree of a study that has only the numbers of a preset."""
     section = parse(Path(f"preset {name}"), PRESETS[name])
     return without(resolve_noise(nested("noise", section, section.line)), ("noise",))
 
 
 def preset(name: NoisePreset, standard: NoiseSection) -> NoiseSection:
-    """Return the numbers of a preset, and those of `standard` for the rest."""
+    """Return the numbers of a preset, completed by those of `standard`."""
     path = Path(f"preset {name}")
     return load_tree(path, parse(path, PRESETS[name]), NoiseSection, standard).value
 
@@ -235,7 +235,7 @@ believed:
 """The section of each preset, as an admin would write it.
 
 turtlebot2: a Kobuki base and an RPLidar A1. The wheels' scales are the error of an uncalibrated base (Borenstein and
-Feng 1996 report up to a few per cent); the gyroscope's noise is its data sheet's 0.03 deg/s per root hertz (L3G4200D)
-over 50 Hz; the ranges' noise is the data sheet's 1 % at two meters (A1M8). The particle filter's model is that of
-turtlebot_navigation's amcl.launch.xml.
+Feng 1996 report up to a few percent). The gyroscope's noise is 0.03 deg/s per root hertz (data sheet of the L3G4200D)
+over 50 Hz. The noise of the ranges is 1 % at two meters (data sheet of the A1M8). The particle filter's model is that
+of turtlebot_navigation's amcl.launch.xml.
 """

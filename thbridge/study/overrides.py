@@ -1,4 +1,4 @@
-"""Changes to a study, by files or single keys, for example to replay a recording with other parameters."""
+"""Changes to a study, by files or by single keys, for example to replay a recording with other parameters."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -15,12 +15,12 @@ from thbridge.study.study_file import Study, load_study_tree
 from thbridge.study.text import resolved
 
 CHANGE_SOURCE = Path("--with")
-"""Name of the source in faults of a single change."""
+"""File name in faults of single changes."""
 
 
 @dataclass(frozen=True, slots=True)
 class StudyChange:
-    """One key of a study with another value, both as in a study file; `key` is a path such as `robot.amcl.kld_err`."""
+    """A key of a study, as a path such as `robot.amcl.kld_err`, and its new value, as written in a study file."""
 
     key: str
     value: str
@@ -29,10 +29,10 @@ class StudyChange:
 def with_changes(
     study: Study, files: Sequence[Path], changes: Sequence[StudyChange], source: Path = CHANGE_SOURCE
 ) -> Study:
-    """Return the study with the keys of files, one after the other, and then with single changes.
+    """Return the study with the keys of the files, one after the other, and then with the single changes.
 
-    Other keys keep their values, except that another noise preset resets the numbers of the section `noise`. Faults of
-    single changes name `source` as their file.
+    Other keys keep their values; only a new noise preset resets the numbers of the section `noise`. Faults of single
+    changes name `source` as their file.
 
     Raises:
         BadFile: a file cannot be read, or the result is not a valid study.
@@ -49,17 +49,15 @@ def with_changes(
 
 
 def resolved_tree(study: Study) -> Node:
-    """Return the tree of the whole study, defaults included."""
+    """Return the tree of the whole study, including defaults."""
     return parse(Path(), resolved(study))
 
 
 def merged(base: Node, path: Path, tree: Node) -> Loaded[Study]:
-    """Return the study of a `resolved_tree` with what a tree of the file `path` changes; faults as `with_changes`."""
+    """Return the study of a `resolved_tree`, changed by a tree of the file `path`; it has faults as `with_changes`."""
     if (ros := node_at(tree, ("ros_parameters",))) is not None:
-        problem = "files of ROS would change nothing, since a recorded study has every number"
-        raise BadFile(
-            path, problem, "write the numbers that shall change, under `robot`", line=ros.line, key="ros_parameters"
-        )
+        problem = "ROS files would change nothing, because a recorded study already has all numbers"
+        raise BadFile(path, problem, "write the numbers to change under `robot`", line=ros.line, key="ros_parameters")
     if node_at(tree, ("noise", "preset")) is not None:
         base = without(base, ("noise",))
     return load_study_tree(path, over(resolve_noise(base), resolve_noise(tree)))
@@ -67,5 +65,5 @@ def merged(base: Node, path: Path, tree: Node) -> Loaded[Study]:
 
 def _tree(change: StudyChange, source: Path) -> Node:
     node = parse(source, change.value)
-    # An empty text is an empty section to the parser; here it is a missing value.
+    # The parser makes an empty section of an empty text; here it is a missing value.
     return nested(change.key, node if change.value.strip() else Scalar("", True, 1), 1)

@@ -12,16 +12,16 @@ PART_KINDS: Mapping[PartKind, PluginKind] = {
     "planners": PLANNERS,
     "recoveries": RECOVERIES,
 }
-"""Kind of plug-ins of each kind of parts of robots."""
+"""Kind of plug-in for each kind of robot part."""
 
 
 def plugins_of(*studies: Study) -> tuple[str, ...]:
-    """Return the keys of all plug-ins that studies name, in alphabetical order; see `PluginKind.key`."""
+    """Return the keys of all plug-ins that the studies name, in alphabetical order; see `PluginKind.key`."""
     return tuple(sorted({key for study in studies for key in _plugins_of(study)}))
 
 
 def part_keys(*robots: RobotParameters) -> Iterator[str]:
-    """Yield the keys of the plug-ins that parameters of robots name."""
+    """Yield the keys of the plug-ins that the parameters of robots name."""
     for software in robots:
         for kind, _, name in installed_names(software):
             yield PART_KINDS[kind].key(name)

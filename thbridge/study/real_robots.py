@@ -24,25 +24,25 @@ _FRAMES = ("map_frame", "odom_frame", "base_frame")
 _NAME = re.compile(r"/?[A-Za-z][A-Za-z0-9_]*(/[A-Za-z0-9_]+)*/?")
 _FRAME = re.compile(r"\S+")
 _OWN = ("odom_frame", "odom", "scan", "amcl_pose", "battery", "cmd_vel", "initialpose", "move_base", "plan")
-"""Fields whose names must be unique in a team."""
+"""Fields with names that must be unique in a team."""
 
 
 @dataclass(frozen=True, slots=True)
 class FleetNames:
-    """Names of a robot's topics and frames; {n} stands for its number."""
+    """Names of the topics and frames of a robot; {n} stands for its number."""
 
-    namespace: str = param("/robot{n}", "what the names of its topics begin with, unless they begin with /")
-    map_frame: str = param("map", "frame of the map, that of the study")
-    odom_frame: str = param("robot{n}/odom", "frame in which its odometry counts")
+    namespace: str = param("/robot{n}", "prefix of its topics, unless they begin with /")
+    map_frame: str = param("map", "frame of the study's map")
+    odom_frame: str = param("robot{n}/odom", "frame of its odometry")
     base_frame: str = param("robot{n}/base_footprint", "frame of its base")
     odom: str = param("odom", "topic of its odometry, nav_msgs/Odometry")
     scan: str = param("scan", "topic of its laser, sensor_msgs/LaserScan")
-    amcl_pose: str = param("amcl_pose", "topic of its localisation, geometry_msgs/PoseWithCovarianceStamped")
-    battery: str = param("battery", "topic of its battery, sensor_msgs/BatteryState; it need not have one")
+    amcl_pose: str = param("amcl_pose", "topic of its localization, geometry_msgs/PoseWithCovarianceStamped")
+    battery: str = param("battery", "topic of its battery, sensor_msgs/BatteryState; optional")
     cmd_vel: str = param("cmd_vel", "topic of the commands to its base, geometry_msgs/Twist")
-    initialpose: str = param("initialpose", "topic on which amcl is told where it is")
+    initialpose: str = param("initialpose", "topic on which amcl receives its initial pose")
     move_base: str = param("move_base", "its action server, move_base_msgs/MoveBaseAction")
-    plan: str = param("move_base/NavfnROS/plan", "topic of its global plan, nav_msgs/Path; it need not say one")
+    plan: str = param("move_base/NavfnROS/plan", "topic of its global plan, nav_msgs/Path; optional")
     recorded: tuple[str, ...] = param(
         (
             "particlecloud",
@@ -50,7 +50,7 @@ class FleetNames:
             "move_base/local_costmap/costmap",
             "move_base/local_costmap/footprint",
         ),
-        "further topics of any type, for the bag only",
+        "further topics of any type, only for the bag",
     )
 
     def names(self, number: RobotNumber) -> RemoteNames:
@@ -88,11 +88,11 @@ class FleetNames:
                     continue  # A robot may be alone on its graph.
                 if not (_FRAME if field.name in _FRAMES else _NAME).fullmatch(plain):
                     what = "frame" if field.name in _FRAMES else "topic"
-                    yield field.name, f"{text!r} cannot be the name of a {what}"
+                    yield field.name, f"{text!r} is not a valid name of a {what}"
 
 
 class NameClash(NamedTuple):
-    """A name that is used twice: the robot's number, and the field."""
+    """A name that is used twice: number of the second robot, and the field."""
 
     robot: RobotNumber
     field: str
@@ -103,20 +103,20 @@ class NameClash(NamedTuple):
 class FleetSection:
     """Real robots."""
 
-    robot: FleetNames = param(FleetNames(), "what the topics and frames of every robot are called; {n} is its number")
+    robot: FleetNames = param(FleetNames(), "names of the topics and frames of every robot; {n} is its number")
     silence: float = param(
-        5.0, "time without a word after which a robot or its move_base counts as silent", "s", 1, 600
+        5.0, "time without a message after which a robot or its move_base counts as silent", "s", 1, 600
     )
     odom_time_offset: float = live(
         0.0,
-        "time by which odometry leads the scans (`thbridge localize` finds it); its stamps are corrected",
+        "time by which odometry leads the scans (`thbridge localize` measures it); its stamps are corrected by it",
         "s",
         -10,
         10,
     )
     each: Mapping[int, FleetNames] = dataclasses.field(
         default_factory=dict,
-        metadata={"help": "robots that are called otherwise, by number: {2: {namespace: /kobuki}}", "like": "robot"},
+        metadata={"help": "robots with other names, by number: {2: {namespace: /kobuki}}", "like": "robot"},
     )
 
     def names(self, robots: int) -> list[RemoteNames]:
@@ -153,5 +153,5 @@ def faults_of_fleet(loaded: Loaded[S], fleet: FleetSection, robots: int) -> Iter
     clash = fleet.clash(robots)
     if clash is not None:
         key = f"fleet.each.{clash.robot}" if clash.robot in fleet.each else "fleet.robot"
-        remedy = f"Give each its own; {NUMBER} stands for the robot's number"
+        remedy = f"Give each its own name; {NUMBER} stands for the robot's number"
         yield loaded.fault(f"{key}.{clash.field}", clash.problem, remedy)

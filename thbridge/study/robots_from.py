@@ -1,4 +1,4 @@
-"""The kinds of robots that a study may have."""
+"""Sources of robots that a study may use."""
 
 from enum import StrEnum
 

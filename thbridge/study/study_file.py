@@ -1,7 +1,7 @@
-"""The study file: all settings in one YAML file, every key of which may be left out.
+"""The study file: all settings in one YAML file. Every key may be left out.
 
-The sections are frozen dataclasses. `param` gives each field its default, meaning, unit and bounds, and the reader, its
-error messages and the commented file that `thbridge study init` writes all come from there.
+The sections are frozen dataclasses. `param` gives each field its default, meaning, unit and bounds. The reader, its
+error messages and the commented file that `thbridge study init` writes use these declarations.
 """
 
 import dataclasses
@@ -48,11 +48,11 @@ from thbridge.study.things import MishapEntry, ThingEntry, faults_of_mishaps, fa
 from thbridge.text_protocol.values.dialect import Dialect
 
 OWN_STRATEGY = "manner"
-"""Name of the strategy that robots come with."""
+"""Name of the built-in strategy of robots."""
 
 
 class CostModel(StrEnum):
-    """Price of a robot's moves: from where it stands, or by the places of a cost file alone."""
+    """How moves of robots are priced: from where the robot stands, or only between the places of a cost file."""
 
     POSITION = "position"
     MATRIX = "matrix"
@@ -68,75 +68,84 @@ class GameSection:
     wrong_share: float = param(1.0, "share of a treasure's points that a wrong name costs", "", 0, 10)
     costs: Path | None = param(
         None,
-        "path of a mapTimes file of travel costs, or a template set's name for its file (`original-2016`); null: that "
-        "of the templates where their `set.yaml` names the map, or else the map's own, or else the templates'",
+        "path of a mapTimes file of travel costs, or name of a template set that has one (`original-2016`); if null, "
+        "the "
+        "file of the templates if their `set.yaml` names the map, or else the map's own file, or else the templates'",
     )
     cost_model: CostModel | None = param(
         None,
-        "how moves are priced: `position`, from where each robot stands, or `matrix`, all places outside rooms alike; "
-        "null: by position where the map's own costs count",
+        "how moves are priced: `position`, from where each robot stands; `matrix`, the same price from all places "
+        "outside "
+        "rooms; if null, `position` when the map's own costs are used",
     )
 
 
 @dataclass(frozen=True, slots=True)
 class ShowsSection:
-    """Options of what participants see of robots and treasures, beside estimated poses and activities."""
+    """Optional parts of what participants see of robots and treasures. They always see estimated poses and
+    activities."""
 
-    way: bool = param(True, "whether the ways that lie ahead of robots are shown")
-    uncertainty: bool = param(False, "whether it is shown how sure robots are of their places")
-    truth: bool = param(False, "whether it is shown where simulated robots really are")
-    points: bool = param(True, "whether the points of treasures are told before they are named")
-    answers: bool = param(True, "whether it is told after the game what was in the rooms, and the best possible score")
+    way: bool = param(True, "show the paths that robots are about to drive")
+    uncertainty: bool = param(False, "show how certain robots are of their positions")
+    truth: bool = param(False, "show the true positions of simulated robots")
+    points: bool = param(True, "show the points of a treasure before the participant names it")
+    answers: bool = param(True, "show after the game what was in the rooms, and the best possible score")
 
 
 @dataclass(frozen=True, slots=True)
 class ParticipantSection:
-    """The participant: what they see and decide, and the strategy of a simulated one."""
+    """The participant: what they see and decide, and the strategy of a simulated participant."""
 
     strategy: str = param(
         BotStrategy.SUGGESTION.value,
-        "how a simulated participant chooses rooms; or the name of one that is installed, which decides everything",
+        "how a simulated participant chooses rooms; or the name of an installed participant, which makes all decisions",
         choices=tuple(each.value for each in BotStrategy),
         plugins=PARTICIPANTS.group,
     )
     attitude: Attitude = param(
         Attitude.CREDULOUS,
-        "how a simulated participant replies to robots: credulous, makes the most agreeable choice; cautious, asks for "
-        "reasons and accepts them; sceptical, holds to its own choice, and gives in late or not at all",
+        "how a simulated participant replies to robots: credulous, agrees whenever it can; cautious, asks for reasons "
+        "and "
+        "accepts them; sceptical, insists on its own choice, and gives in late or not at all",
     )
-    consent: Path | None = param(None, "path of a text that participants agree to before they play; null asks nothing")
+    consent: Path | None = param(
+        None, "path of a text that participants agree to before they play; if null, consent is not asked for"
+    )
     robots: tuple[int, int] | None = param(
         None,
-        "least and most robots that a participant may choose from, e.g. [1, 4]; null: always the study's number",
+        "least and most robots that a participant may choose from, e.g. [1, 4]; if null, always `robots`",
         "",
         1,
         MOST_ROBOTS,
     )
     shows: ShowsSection = param(ShowsSection(), "what participants see of robots and treasures")
-    sound: bool = param(True, "whether the participant's window may sound; participants can switch that off by M")
+    sound: bool = param(True, "allow sounds in the participant's window; participants can press M to switch them off")
     farewell: Path | None = param(
-        None, "path of a text for the end of a game: thanks, and what comes next; null thanks in a sentence"
+        None, "path of a text for the end of a game: thanks, and what comes next; if null, one sentence of thanks"
     )
 
 
 @dataclass(frozen=True, slots=True)
 class MannerSection:
-    """Manner in which a robot argues; of no effect where robots do not argue."""
+    """Manner in which a robot argues. It has no effect on robots that do not argue."""
 
     attitude: Attitude = param(
         Attitude.CAUTIOUS,
-        "what a robot accepts: credulous, whatever has a reason; cautious, what nothing it knows speaks against; "
-        "sceptical, what it has an argument for itself",
+        "what a robot accepts: credulous, everything that has a reason; cautious, everything that nothing it knows "
+        "speaks "
+        "against; sceptical, only what it can argue for itself",
     )
     persistence: int = param(
-        2, "number of dialogues about the same matter in which a robot holds out; 0 gives in at once", "", 0, 10
+        2, "number of dialogues about the same matter in which a robot insists; 0: it gives in at once", "", 0, 10
     )
     talkative: bool = param(
-        False, "whether a robot gives its arguments part by part, each to be accepted; else each as a whole"
+        False, "give an argument part by part, and wait until each part is accepted; if false, give it as a whole"
     )
-    gives_reasons: bool = param(True, "whether a robot answers questions for its reasons")
-    misheard: float = param(0.0, "share of the participant's moves that a robot takes for another legal one", "", 0, 1)
-    strategy: str | None = param(None, "name of a strategy, as for dialogue.strategy; null: the one named there")
+    gives_reasons: bool = param(True, "answer the participant's questions for reasons")
+    misheard: float = param(
+        0.0, "share of the participant's moves that a robot takes for a different legal move", "", 0, 1
+    )
+    strategy: str | None = param(None, "name of a strategy, as in dialogue.strategy; if null, that one")
 
 
 @dataclass(frozen=True, slots=True)
@@ -145,79 +154,81 @@ class DialogueSection:
 
     condition: DialogueCondition = param(
         DialogueCondition.SCRIPT,
-        "who decides: supervisor, robots do what they are told; script, they ask the questions of the templates; "
-        "collaborator, robots argue and nothing happens before both agree; adviser, they argue and the participant has "
-        "the last word; autonomous, they argue and have the last word",
+        "who decides: supervisor, robots obey; script, robots ask the questions of the templates; collaborator, robots "
+        "argue and nothing happens before both sides agree; adviser, robots argue and the participant decides; "
+        "autonomous, "
+        "robots argue and decide",
     )
     manner: MannerSection = param(MannerSection(), "how robots argue")
     each: Mapping[int, MannerSection] = dataclasses.field(
         default_factory=dict,
-        metadata={"help": "robots with another manner, by number: {2: {persistence: 0}}", "like": "manner"},
+        metadata={"help": "robots with a different manner, by number: {2: {persistence: 0}}", "like": "manner"},
     )
     neglect: float | None = param(
         None,
-        "time after which a robot that the participant does not attend to decides by itself; null: it waits, or in the "
-        "condition autonomous decides after 5 s",
+        "time after which a robot that the participant does not attend to decides alone; if null, it waits, except in "
+        "the condition autonomous, where it decides after 5 s",
         "s",
         1,
         3600,
     )
     language: str = param(
-        "en", "language of all that participants read and hear: en, de, or the name of a folder in the folder of words"
+        "en", "language of all that participants read and hear: en, de, or the name of a folder in the words folder"
     )
     author: str | None = param(
         None,
-        "name of an installed program that words robots' sentences, as the entry points `thbridge.wordings` have it; "
-        "null: the language's files alone",
+        "name of an installed program that words the robots' sentences (entry point group `thbridge.wordings`); if "
+        "null, "
+        "only the language's files are used",
     )
     words: Path | None = param(
         None,
-        "path of a folder of words for robots that argue, beside those that come with the project; null: those alone",
+        "path of a folder of words for robots that argue, in addition to the built-in ones; if null, only those",
     )
     strategy: str = param(
         OWN_STRATEGY,
-        "how robots that argue choose what to say: `manner`, as their manner has it, or the name of a strategy that is "
-        "installed",
+        "how robots that argue choose what to say: `manner`, according to their manner, or the name of an installed "
+        "strategy",
     )
     planner: TeamPlanner = param(
         TeamPlanner.JOINT,
-        "how robots choose the rooms they suggest: by the joint plan of the team, the nearest room, the cheapest moves "
-        "of all, their own tours, or an auction",
+        "how robots choose the rooms that they suggest: by the joint plan of the team, the nearest room, the cheapest "
+        "of all moves, a tour of their own, or an auction",
     )
     adviser_error_rate: float = param(
         0.0,
-        "share of suggestions that err: another room than planned; above 0 no suggestion compares rooms",
+        "share of wrong suggestions, which name another room than planned; above 0 no suggestion compares rooms",
         "",
         0,
         1,
     )
     says_confidence: bool = param(
-        False, "whether robots say how sure they are of a suggestion: the probability that it does not err"
+        False, "robots state how certain they are of a suggestion: the probability that it is not wrong"
     )
     confidence_bias: float = param(
-        0.0, "added to the confidence that robots state, which stays within 0 and 1; 0 is calibrated", "", -1, 1
+        0.0, "number added to the confidence that robots state; the sum is kept within 0 to 1; 0: calibrated", "", -1, 1
     )
     confidence_spread: float = param(
         0.0,
-        "greatest distance of a suggestion's own probability of error, drawn anew for each, from adviser_error_rate, "
-        "its mean; 0: all are equally sure",
+        "greatest difference between a suggestion's own probability of being wrong, drawn for each suggestion, and the "
+        "mean, adviser_error_rate; 0: all suggestions are equally certain",
         "",
         0,
         0.5,
     )
     games: Path | None = param(
-        None, "path of a folder of dialogue games, beside those that come with the project; null: those alone"
+        None, "path of a folder of dialogue games, in addition to the built-in ones; if null, only those"
     )
 
     def strategy_of(self, manner: MannerSection) -> str | None:
-        """Return the name of the strategy of robots with a manner; None: the one that they come with."""
+        """Return the name of the installed strategy of robots with a manner. None is the built-in strategy."""
         name = self.strategy if manner.strategy is None else manner.strategy
-        # Older studies have `template`.
+        # Older studies call the built-in strategy `template`.
         return None if name in {OWN_STRATEGY, "template"} else name
 
     @property
     def patience(self) -> float | None:
-        """Time for which a robot waits for the participant, s; None: for ever."""
+        """Time for which a robot waits for the participant, s. If None, it waits forever."""
         return 5.0 if self.neglect is None and self.condition is DialogueCondition.AUTONOMOUS else self.neglect
 
 
@@ -225,11 +236,11 @@ class DialogueSection:
 class ServerSection:
     """The text server of the game's programs."""
 
-    host: str = param("127.0.0.1", "address to listen on; 0.0.0.0 lets those of keys and open_to in")
-    port: int = param(TEXT_SERVER_PORT, "TCP port; 0 takes any that is free", "", 0, 65535)
-    dialect: Dialect = param(Dialect.LEGACY_2016, "which reading of %%goto comes first")
+    host: str = param("127.0.0.1", "address to listen on; 0.0.0.0 also accepts the clients of `keys` and `open_to`")
+    port: int = param(TEXT_SERVER_PORT, "TCP port; 0: any free port", "", 0, 65535)
+    dialect: Dialect = param(Dialect.LEGACY_2016, "which reading of an ambiguous %%goto is tried first")
     tell_refusals: bool = param(
-        False, "programs that speak as in 2016 hear `%%error Game NAME refused: WHY`; in 2016 they heard nothing"
+        False, "send `%%error Game NAME refused: WHY` to programs of the 2016 protocol, which in 2016 received nothing"
     )
 
 
@@ -238,33 +249,37 @@ class RecordingSection:
     """Recording of a session."""
 
     compression: Compression = param(
-        Compression.LZ4, "how the bag's chunks are packed; lz4 is quick, bz2 is small and slow, rosbag reads all"
+        Compression.LZ4, "compression of the bag's chunks: lz4 is fast, bz2 is small and slow; rosbag reads all of them"
     )
     detail: RecordingDetail = param(
         RecordingDetail.CHANGES,
-        "changes: of costmaps that stay the same one in 10 s, and every other message; all: these costmaps, too",
+        "changes: every other message, and of unchanged costmaps one in 10 s; all: every costmap, too",
     )
     definitions: DefinitionTexts = param(
         DefinitionTexts.OWN,
-        "texts of message types in the bag; own: the same on every machine; installed: those of an installed ROS, with "
-        "comments, as `rosbag check` wants them",
+        "message definitions in the bag; own: the same on every machine; installed: those of the installed ROS, with "
+        "comments, which `rosbag check` needs",
     )
-    errors: bool = param(True, "the pose that each robot believes at every scan, its errors, and whether it is lost")
+    errors: bool = param(True, "record each robot's estimated pose at every scan, its errors, and whether it is lost")
     readers: Readers = param(
         Readers.OWNER,
-        "accounts of this machine that may read what is recorded, the treasures of the game under way among it: owner, "
-        "group (that of the account) or everyone",
+        "accounts of this machine that may read the recording, which includes the treasures of a running game: owner, "
+        "group (the account's group) or everyone",
     )
     split_size: float | None = param(
-        None, "size of a file beyond which the recording goes on in another; null: one file", "MB", 0.1, 1e6
+        None, "size of a file at which the recording continues in a new one; if null, there is one file", "MB", 0.1, 1e6
     )
     split_duration: float | None = param(
-        None, "simulated time after which the recording goes on in another file; null: one file", "s", 1.0, 1e6
+        None,
+        "simulated time after which the recording continues in a new file; if null, one file",
+        "s",
+        1.0,
+        1e6,
     )
 
     @property
     def splitting(self) -> SplitLimits:
-        """Limits of a recording's file before the next begins. A megabyte is 2^20 bytes, as in rosbag."""
+        """Limits of a bag file before the recording continues in a new one. A megabyte is 2^20 bytes, as in rosbag."""
         size, duration = self.split_size, self.split_duration
         return SplitLimits(
             None if size is None else round(size * 2**20), None if duration is None else round(duration * 1e9)
@@ -275,11 +290,14 @@ class RecordingSection:
 class WatchSection:
     """Address for researchers' windows: they see the truth, and may send requests to robots."""
 
-    host: str = param("127.0.0.1", "address to listen on; 0.0.0.0 lets those in who have a key of a folder")
-    port: int | None = param(None, "TCP port, such as 6010; 0 takes any that is free; null: nobody may", "", 0, 65535)
+    host: str = param("127.0.0.1", "address to listen on; 0.0.0.0 also accepts remote clients that hold a key")
+    port: int | None = param(
+        None, "TCP port, such as 6010; 0: any free port; if null, watching is not possible", "", 0, 65535
+    )
     key: Path | None = param(
         None,
-        "path of a folder of keys (`thbridge keys`), or of a file with one, that is asked for; null: none is",
+        "path of a folder of keys (`thbridge keys`), or of a file with one key, that clients need; if null, no key is "
+        "needed",
     )
 
 
@@ -287,47 +305,52 @@ class WatchSection:
 class Study:
     """A study: map, robots, game, participant, programs."""
 
-    map: str = param("arena8", "name of a map, or the path of a map folder (with a slash, from this file's folder)")
-    templates: str = param("original-2016", "name of a set of templates, or the path of its folder")
+    map: str = param("arena8", "name of a map, or path of a map folder (with a slash, relative to this file's folder)")
+    templates: str = param("original-2016", "name of a template set, or path of its folder")
     robots: int = param(2, "size of the team", "", 1, MOST_ROBOTS)
-    robots_from: RobotsFrom = param(RobotsFrom.SIM, "simulated robots, or real ones of a ROS graph (section fleet)")
+    robots_from: RobotsFrom = param(RobotsFrom.SIM, "simulated robots, or real robots of a ROS graph (section fleet)")
     external_nodes: ExternalNodes = param(
         ExternalNodes.NONE,
-        "nodes of ROS that others run for simulated robots, by `simr --ros`; both: amcl, too",
+        "ROS nodes that replace ours for simulated robots, with `simr --ros`; both: move_base and amcl",
     )
-    seed: int = param(1, "all chance is keyed by it; the same seed gives the same run", "", 0, 2**31 - 1)
+    seed: int = param(1, "random seed; the same seed gives the same run", "", 0, 2**31 - 1)
     rate: float | None = param(
-        None, "simulated seconds per second; 0: as fast as it can; null: 1 when others take part, else 0", "", 0, 1000
+        None,
+        "simulated seconds per second; 0: as fast as possible; if null, 1 if others take part, or else 0",
+        "",
+        0,
+        1000,
     )
     game: GameSection = param(GameSection(), "rules and energy")
-    participant: ParticipantSection = param(ParticipantSection(), "whoever plays")
-    dialogue: DialogueSection = param(DialogueSection(), "how robots talk")
+    participant: ParticipantSection = param(
+        ParticipantSection(), "consent, display, strategy of a simulated participant"
+    )
+    dialogue: DialogueSection = param(DialogueSection(), "how robots and the participant talk")
     server: ServerSection = param(ServerSection(), "the text server")
     watch: WatchSection = param(WatchSection(), "researchers' windows")
     keys: Path | None = param(
         None,
-        "path of a folder of keys (`thbridge keys`), by which programs and windows of thbridge take part from other"
-        " machines, encrypted; null: none can",
+        "path of a folder of keys (`thbridge keys`), with which thbridge's programs and windows on other machines take "
+        "part, encrypted; if null, they cannot",
     )
     open_to: tuple[str, ...] = param(
         (),
-        "networks, such as 10.0.0.0/24, whose machines may speak as in 2016, ROS and MAVLink, which have neither keys"
-        " nor encryption, to what listens on an address that is not this machine's alone",
+        "networks, such as 10.0.0.0/24, whose machines may use the 2016 protocol, ROS and MAVLink, which have neither "
+        "keys"
+        " nor encryption, on the ports that are open to other machines",
     )
     mavlink: MavlinkSection = param(MavlinkSection(), "the robots as MAVLink vehicles, for ground stations")
     recording: RecordingSection = param(RecordingSection(), "the bag")
-    fleet: FleetSection = param(FleetSection(), "real robots: what their topics and frames are called")
-    world: WorldParameters = param(WorldParameters(), "bodies, motors and sensors as they truly are")
-    robot: RobotParameters = param(RobotParameters(), "the software of every robot, under ROS's names")
+    fleet: FleetSection = param(FleetSection(), "real robots: names of their topics and frames")
+    world: WorldParameters = param(WorldParameters(), "true bodies, motors and sensors")
+    robot: RobotParameters = param(RobotParameters(), "software of every robot, under ROS's names")
     each: Mapping[int, RobotParameters] = dataclasses.field(
         default_factory=dict,
-        metadata={"help": "robots whose software differs, by number: {2: {localization: ekf}}", "like": "robot"},
+        metadata={"help": "robots with different software, by number: {2: {localization: ekf}}", "like": "robot"},
     )
 
-    things: tuple[ThingEntry, ...] = param(
-        (), "bodies in the way that no map shows: each is a line - {key: value, ...}"
-    )
-    mishaps: tuple[MishapEntry, ...] = param((), "what befalls robots: each is a line - {key: value, ...}")
+    things: tuple[ThingEntry, ...] = param((), "obstacles that no map shows: each is a line - {key: value, ...}")
+    mishaps: tuple[MishapEntry, ...] = param((), "scheduled robot failures: each is a line - {key: value, ...}")
 
     def software(self, number: RobotNumber) -> RobotParameters:
         """Return the software of the robot with this number."""
@@ -336,18 +359,18 @@ class Study:
 
 @dataclass(frozen=True, slots=True)
 class StudyFile(Study):
-    """A study as people write it: noise also has its own section, and parameters may come from files of ROS."""
+    """A study as people write it: noise may have a section of its own, and parameters may come from ROS files."""
 
-    noise: NoiseSection = param(NoiseSection(), "how sensors err, and what the robots' software believes of it")
+    noise: NoiseSection = param(NoiseSection(), "sensor noise, and the noise models of the robots' software")
     ros_parameters: tuple[Path, ...] = param(
         (),
         "ROS's YAML files for the software (amcl.yaml, local_costmap:costmap.yaml with its namespace, ...); what they"
-        " leave out is as in ROS, and the section robot wins",
+        " leave out has ROS's default, and the section robot overrides them",
     )
 
     @classmethod
     def of(cls, study: Study) -> "StudyFile":
-        """Return the file of a study."""
+        """Return the study as it would be written to a file."""
         return cls(**_fields(study), noise=noise_section_of(study))
 
 
@@ -357,7 +380,7 @@ def _fields(study: Study) -> dict[str, Never]:
 
 
 def with_team_size(study: Study, robots: int) -> Study:
-    """Return the study with a team of this size; sections and mishaps of robots beyond it are left out."""
+    """Return the study with a team of this size, without the sections and failures of robots beyond it."""
     each = {number: software for number, software in study.each.items() if number <= robots}
     mishaps = tuple(mishap for mishap in study.mishaps if mishap.robot <= robots)
     manners = {number: manner for number, manner in study.dialogue.each.items() if number <= robots}
@@ -366,13 +389,13 @@ def with_team_size(study: Study, robots: int) -> Study:
 
 
 def check_manners(loaded: Loaded[Study], base: str = "") -> None:
-    """Raise BadFile for manners of robots that the study does not have, whatever number of robots people choose.
+    """Raise BadFile for manners of robots that the study never has, for any number of robots people may choose.
 
-    Such a study can be read, because recordings of it must stay readable; a check refuses it.
+    Only a check calls this. Reading accepts such a study, because recordings of it must stay readable.
 
     Args:
         loaded: the study.
-        base: key under which it is written, with its dot; empty: it is a whole file.
+        base: key under which the study is written, with its dot. If empty, it is a whole file.
     """
     study = loaded.value
     most = max((study.robots, *(study.participant.robots or ())))
@@ -384,24 +407,24 @@ def check_manners(loaded: Loaded[Study], base: str = "") -> None:
 
 
 def load_study(path: Path) -> Loaded[Study]:
-    """Read a study file, with notices about keys that are valid but have no effect.
+    """Read a study file, with notices about valid keys that have no effect.
 
     Raises:
-        BadFile: it cannot be read; as BadFiles, every fault of it at once.
+        BadFile: the file cannot be read; as BadFiles, with all its faults at once.
     """
     return load_study_tree(path, parse(path, read_text(path)))
 
 
 def read_study_text(path: Path, text: str) -> Study:
-    """Read a study from a text, such as that in a bag; faults name `path` as the file. See `load_study`."""
+    """Read a study from a text, such as the one in a bag; faults name `path` as the file. See `load_study`."""
     return load_study_tree(path, parse(path, text)).value
 
 
 def study_before(path: Path, tree: Node) -> StudyFile:
-    """Return the values before a study's own lines count: defaults, its noise preset, its files of ROS.
+    """Return the values that hold before a study's own lines: defaults, its noise preset, its ROS files.
 
     Raises:
-        BadFile: one of those files cannot be read.
+        BadFile: one of the ROS files cannot be read.
     """
     return StudyFile.of(_start(path, tree).study)
 
@@ -420,12 +443,12 @@ def load_study_tree(path: Path, tree: Node) -> Loaded[Study]:
 
 @dataclass(frozen=True, slots=True)
 class _Start:
-    """The values before a study's own lines count.
+    """The values that hold before a study's own lines.
 
     Attributes:
         study: these values.
-        begun: the software before presets and files of ROS: hunts' or ROS's.
-        ros: what the files of ROS say.
+        begun: the software before presets and ROS files: defaults of hunts, or of ROS.
+        ros: what the ROS files say.
     """
 
     study: Study
@@ -433,7 +456,7 @@ class _Start:
     ros: RosParameters
 
     def notices_about(self, study: Study, lines: Iterable[str]) -> Iterator[str]:
-        """Yield sentences about the files of ROS, given the whole study and the keys of its own lines."""
+        """Yield sentences about the ROS files, given the whole study and the keys of its own lines."""
         yield from self.ros.notices
         own = {TARGET_PATHS.get(line.removeprefix("noise."), line).removeprefix("robot.") for line in lines}
         yield from sentences_of(ros_defaults(study.robot, self.begun, RobotParameters(), self.ros.written | own))
@@ -449,14 +472,14 @@ def _start(path: Path, tree: Node) -> _Start:
 
 
 def _ros_files(path: Path, tree: Node) -> list[Path]:
-    """Return the files of ROS that a study names; they are needed before the rest of it can be read."""
+    """Return the ROS files that a study names; they are needed before the rest of it can be read."""
     entries = tree.entries if isinstance(tree, Section) else []
     lists = [child.items for key, child in entries if key.text == "ros_parameters" and isinstance(child, Listing)]
     return [path.parent / item.text for items in lists for item in items if isinstance(item, Scalar)]
 
 
 def _given_twice(written: Loaded[StudyFile]) -> Iterator[BadFile]:
-    """Yield faults of numbers written in `noise` and at their own place, with different values."""
+    """Yield faults of numbers that are written twice, in `noise` and at their own place, with different values."""
     for path, home in TARGET_PATHS.items():
         key = f"noise.{path}"
         here, there = value_at(written.value.noise, path), value_at(written.value, home)
@@ -466,7 +489,7 @@ def _given_twice(written: Loaded[StudyFile]) -> Iterator[BadFile]:
 
 
 def _contradictions(loaded: Loaded[Study]) -> Iterator[BadFile]:
-    """Yield faults of values that are valid alone but not together."""
+    """Yield faults of values that are valid alone but contradict each other."""
     study = loaded.value
     laser = study.world.laser
     if TICKS_PER_SECOND % laser.rate:
@@ -478,7 +501,7 @@ def _contradictions(loaded: Loaded[Study]) -> Iterator[BadFile]:
     yield from _crossings(loaded, "robot", study.robot)
     for key, host in (("server.host", study.server.host), ("watch.host", study.watch.host)):
         if not (host.isprintable() and 0 < len(host) <= LONGEST_HOST):
-            yield loaded.fault(key, "no address or name of a machine", "Write one such as 127.0.0.1")
+            yield loaded.fault(key, "not an address or name of a machine", "Write one such as 127.0.0.1")
     for number, software in study.each.items():
         if number > study.robots:
             problem = f"there is no robot {number}: the study has {study.robots}"
@@ -492,20 +515,20 @@ def _contradictions(loaded: Loaded[Study]) -> Iterator[BadFile]:
     rate, spread = study.dialogue.adviser_error_rate, study.dialogue.confidence_spread
     room = round(min(rate, 1.0 - rate), 9)
     if spread > room:
-        problem = f"suggestions would err with probabilities from {rate - spread:g} to {rate + spread:g}"
+        problem = f"suggestions would be wrong with probabilities from {rate - spread:g} to {rate + spread:g}"
         remedy = f"Write at most {room:g}, or change adviser_error_rate"
         yield loaded.fault("dialogue.confidence_spread", problem, remedy)
     for index, text in enumerate(study.open_to):
         if parse_network(text) is None:
-            remedy = "Write an address with the length of its prefix, such as 10.0.0.0/24; 0.0.0.0/0 is everybody"
-            yield loaded.fault(f"open_to[{index}]", f"{text!r} is no network", remedy)
+            remedy = "Write an address with the length of its prefix, such as 10.0.0.0/24; 0.0.0.0/0 is all machines"
+            yield loaded.fault(f"open_to[{index}]", f"{text!r} is not a network", remedy)
     yield from faults_of_fleet(loaded, study.fleet, study.robots)
     yield from faults_of_mavlink(loaded, study.mavlink, study.robots)
     yield from faults_of_things(loaded, study.things)
     yield from faults_of_mishaps(loaded, study.mishaps, study.robots)
     if not _surrounds_origin(study.world.footprint):
-        problem = "these corners do not surround the robot's centre (0, 0)"
-        yield loaded.fault("world.footprint", problem, "Write three or more corners in turn around it")
+        problem = "these corners do not surround the robot's center (0, 0)"
+        yield loaded.fault("world.footprint", problem, "Write three or more corners in order around it")
 
 
 def _crossings(loaded: Loaded[Study], key: str, software: RobotParameters) -> Iterator[BadFile]:

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 _WORD = re.compile(r"[A-Za-z][A-Za-z0-9_-]*")
 """Text that needs no quotes, unless YAML gives it another meaning."""
 _HEAD = (
-    "# A study: the one that `thbridge play` takes if none is given. A key left out has the value written here,",
+    "# A study: the one that `thbridge play` uses if no other is given. A key left out has the value written here,",
     f"# except `templates`, which is then {Study().templates}: the game of 2016.",
     "",
 )
@@ -25,12 +25,12 @@ _RESERVED = {"true", "false", "null", "yes", "no", "on", "off", "y", "n"}
 
 
 def resolved(study: Study) -> str:
-    """Return the whole study as YAML, defaults included; reading it gives an equal study."""
+    """Return the whole study as YAML, including defaults; reading it gives an equal study."""
     return "\n".join(_lines(StudyFile.of(study), "", commented=False)) + "\n"
 
 
 def commented_study() -> str:
-    """Return the built-in study `standard` as a file, each key under its meaning, unit and range."""
+    """Return the built-in study `standard` as a file, each key with a comment on its meaning, unit and range."""
     return "\n".join([*_HEAD, *_lines(StudyFile.of(STANDARD), "", commented=True)]) + "\n"
 
 
@@ -77,7 +77,7 @@ def _entries(name: str, entries: Mapping[int, "DataclassInstance"], like: "Datac
 
 
 def _named_sections(name: str, sections: tuple["DataclassInstance", ...]) -> Iterator[str]:
-    """Yield the line that names sections, and those sections."""
+    """Yield the line that names sections, and then those sections."""
     names = [cast(str, getattr(section, "name")) for section in sections]  # noqa: B009 - any class of them
     yield f"{name}: {quoted(' '.join(names))}"
     for own_name, section in zip(names, sections, strict=True):
@@ -102,7 +102,7 @@ def _differences(section: "DataclassInstance", like: "DataclassInstance") -> Ite
 
 
 def _keys_of_items(hint: object) -> Iterator[str]:
-    """Yield comments about the keys of each item, where a list holds sections."""
+    """Yield comments about the keys of each item of a list of sections."""
     item = get_args(hint)[0] if get_origin(hint) is tuple else None
     if not (isinstance(item, type) and dataclasses.is_dataclass(item)):
         return
@@ -113,7 +113,7 @@ def _keys_of_items(hint: object) -> Iterator[str]:
 
 
 SHOWN_ELSEWHERE = {"world.odometry", *TARGET_PATHS.values()}
-"""Keys that the section `noise` shows."""
+"""Keys that are shown in the section `noise` instead."""
 
 
 def as_yaml(value: object) -> str:

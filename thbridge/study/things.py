@@ -1,4 +1,4 @@
-"""Obstacles that no map shows (`things`) and mishaps of robots, as a study file schedules them."""
+"""Obstacles that no map shows (`things`) and scheduled failures of robots (`mishaps`) of a study file."""
 
 import itertools
 import math
@@ -32,7 +32,7 @@ class Shape(StrEnum):
 
 
 SIZES = {Shape.CRATE: (0.6, 0.6), Shape.DOOR: (1.2, 0.1), Shape.FIRE: (0.8, 0.8), Shape.PERSON: (0.4, 0.5)}
-"""Default size of each shape: meters along the thing's yaw and across it."""
+"""Default size of each shape: meters along the thing's yaw, and across it."""
 ROUND = {Shape.FIRE, Shape.PERSON}
 ROUND_CORNERS = 12
 LONGEST = 86400.0
@@ -45,22 +45,22 @@ FASTEST = 10.0
 
 @dataclass(frozen=True, slots=True)
 class ThingEntry:
-    """A thing that no map shows: robots perceive it by their lasers only."""
+    """An obstacle that no map shows: robots perceive it only with their lasers."""
 
-    name: str = field(metadata={"help": "what people call it"})
-    shape: Shape = field(metadata={"help": "what it looks like; a polygon has its own corners"})
+    name: str = field(metadata={"help": "name that people use"})
+    shape: Shape = field(metadata={"help": "shape; a polygon needs `corners`"})
     at: tuple[float, float, float] | None = param(None, "where it stands: x, y, yaw on the map", "m, m, rad")
     path: tuple[tuple[float, float], ...] = param((), "instead of `at`: points x, y that it walks through", "m")
-    speed: float = param(0.8, "at which it walks", "m/s", 0.01, FASTEST)
-    back_and_forth: bool = param(default=False, help="whether it turns back at the end of its path, rather than stay")
+    speed: float = param(0.8, "speed at which it walks", "m/s", 0.01, FASTEST)
+    back_and_forth: bool = param(default=False, help="turn back at the end of the path instead of staying there")
     size: tuple[float, float] | None = param(
-        None, "length along its yaw and width across; null: as such things are", "m", 0.02, 100
+        None, "length along its yaw, and width across; if null, the usual size of the shape", "m", 0.02, 100
     )
     corners: tuple[tuple[float, float], ...] = param(
-        (), "of a polygon: corners x, y about its own centre, in turn", "m"
+        (), "for a polygon: corners x, y relative to its own center, in order", "m"
     )
     appears: float = param(0.0, "simulated time at which it appears, once no robot is in its place", "s", 0, LONGEST)
-    vanishes: float | None = param(None, "simulated time at which it is taken away; null: never", "s", 0, LONGEST)
+    vanishes: float | None = param(None, "simulated time at which it is removed; if null, it stays", "s", 0, LONGEST)
 
     def thing(self) -> Thing:
         """Return the body in the world."""
@@ -82,7 +82,7 @@ class ThingEntry:
 
 
 class Mishap(StrEnum):
-    """Kind of mishap."""
+    """Kind of a scheduled failure."""
 
     DIES = "dies"
     REVIVES = "revives"
@@ -91,17 +91,19 @@ class Mishap(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class MishapEntry:
-    """A mishap of a robot, of which its software is not informed."""
+    """A scheduled failure of a robot. The robot's software is not informed of it."""
 
-    robot: int = field(metadata={"help": "whom, counted from 1", "minimum": 1, "maximum": 64})
+    robot: int = field(metadata={"help": "number of the robot, from 1", "minimum": 1, "maximum": 64})
     what: Mishap = field(
-        metadata={"help": "dies: it stops, and says and does nothing; revives: it goes on; carried: put elsewhere"}
+        metadata={
+            "help": "`dies`: it stops and falls silent; `revives`: it works again; `carried`: it is moved by hand"
+        }
     )
     time: float = field(metadata={"help": "simulated time", "unit": "s", "minimum": 0, "maximum": LONGEST})
-    to: tuple[float, float, float] | None = param(None, "where it is carried: x, y, yaw on the map", "m, m, rad")
+    to: tuple[float, float, float] | None = param(None, "place to move it to: x, y, yaw on the map", "m, m, rad")
 
     def input(self) -> TeamInput:
-        """Return it as an input of the team."""
+        """Return the failure as an input of the team."""
         robot = index_of(self.robot)
         if self.to is not None:
             return KidnapRobot(robot, Pose2(*self.to))
@@ -109,7 +111,7 @@ class MishapEntry:
 
 
 def schedule_of(things: Sequence[ThingEntry], mishaps: Sequence[MishapEntry]) -> tuple[ScheduledInput, ...]:
-    """Return the timed inputs of all things and mishaps."""
+    """Return the timed inputs of all things and failures."""
     return (*_comings_and_goings(things), *(ScheduledInput(_tick(mishap.time), mishap.input()) for mishap in mishaps))
 
 
@@ -125,7 +127,7 @@ def _tick(seconds: float) -> int:
 
 
 def faults_of_things(loaded: Loaded[S], things: Sequence[ThingEntry]) -> Iterator[BadFile]:
-    """Yield faults of the section `things` whose values are valid one by one."""
+    """Yield faults of the section `things` where each value is valid alone."""
     first: dict[str, int] = {}
     for index, entry in enumerate(things):
         key = f"things[{index}]"
@@ -144,32 +146,33 @@ def faults_of_things(loaded: Loaded[S], things: Sequence[ThingEntry]) -> Iterato
 def _faults_of_place(loaded: Loaded[S], key: str, entry: ThingEntry) -> Iterator[BadFile]:
     if (entry.at is None) == (not entry.path):
         problem = "neither `at` nor `path`" if entry.at is None else "both `at` and `path`"
-        yield loaded.fault(key, problem, "Write at: [x, y, yaw] for what stands, path: [[x, y], [x, y]] for what walks")
+        remedy = "Write at: [x, y, yaw] for a standing thing, or path: [[x, y], [x, y]] for a walking one"
+        yield loaded.fault(key, problem, remedy)
     elif entry.at is None and len(entry.path) < 2:
-        yield loaded.fault(f"{key}.path", "one point is no path", "Write two points or more, or at: [x, y, yaw]")
+        yield loaded.fault(f"{key}.path", "a path needs two points", "Write two points or more, or at: [x, y, yaw]")
     elif any(one == other for one, other in itertools.pairwise(entry.path)):
-        yield loaded.fault(f"{key}.path", "a point stands twice in a row", "Delete one of the two")
+        yield loaded.fault(f"{key}.path", "the same point twice in a row", "Delete one of the two")
     for name in ("speed", "back_and_forth"):
         if entry.at is not None and f"{key}.{name}" in loaded.lines:
-            yield loaded.fault(f"{key}.{name}", "it stands where it is", "Delete the line, or give it a path")
+            yield loaded.fault(f"{key}.{name}", "a standing thing does not walk", "Delete the line, or give it a path")
 
 
 def _faults_of_body(loaded: Loaded[S], key: str, entry: ThingEntry) -> Iterator[BadFile]:
     if entry.shape is not Shape.POLYGON:
         if entry.corners:
-            problem = f"a {entry.shape} has no corners of its own"
+            problem = f"a {entry.shape} cannot have corners"
             yield loaded.fault(f"{key}.corners", problem, "Write shape: polygon, or delete the line")
         return
     if entry.size is not None:
-        yield loaded.fault(f"{key}.size", "a polygon has the size of its corners", "Delete the line")
+        yield loaded.fault(f"{key}.size", "the corners give the size of a polygon", "Delete the line")
     if len(entry.corners) < 3 or area(entry.corners) < LEAST_AREA:
-        yield loaded.fault(f"{key}.corners", "these corners enclose nothing", "Write three or more corners in turn")
+        yield loaded.fault(f"{key}.corners", "these corners enclose no area", "Write three or more corners in order")
     elif crosses_itself(entry.corners):
-        yield loaded.fault(f"{key}.corners", "its sides cross each other", "Write the corners in turn around it")
+        yield loaded.fault(f"{key}.corners", "the sides cross each other", "Write the corners in order around it")
 
 
 def fault_of_thing(thing: Thing, farthest: float, longest: int) -> str | None:
-    """Return the fault of a thing that a client describes, for people, or None if it is valid.
+    """Return the fault of a thing that a client describes, as a sentence for people, or None if it is valid.
 
     Args:
         thing: as described.
@@ -189,13 +192,13 @@ def fault_of_thing(thing: Thing, farthest: float, longest: int) -> str | None:
 
 
 def faults_of_mishaps(loaded: Loaded[S], mishaps: Sequence[MishapEntry], robots: int) -> Iterator[BadFile]:
-    """Yield faults of the section `mishaps` whose values are valid one by one."""
+    """Yield faults of the section `mishaps` where each value is valid alone."""
     for index, entry in enumerate(mishaps):
         key = f"mishaps[{index}]"
         if entry.robot > robots:
             problem = f"there is no robot {entry.robot}: the study has {robots}"
             yield loaded.fault(f"{key}.robot", problem, f"Write a number from 1 to {robots}, or raise robots")
         if entry.what is Mishap.CARRIED and entry.to is None:
-            yield loaded.fault(key, "it is not said where it is carried", "Add to: [x, y, yaw]")
+            yield loaded.fault(key, "the place to move the robot to is missing", "Add to: [x, y, yaw]")
         if entry.what is not Mishap.CARRIED and entry.to is not None:
             yield loaded.fault(f"{key}.to", f"a robot that {entry.what} stays where it is", "Delete it")

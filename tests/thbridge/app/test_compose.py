@@ -241,7 +241,7 @@ def test_words_of_a_study_are_checked_before_anything_starts(tmp_path: Path) -> 
         read_setting(written.value, tmp_path, written=written)
     language.write_text("lines: []\n")
     language.rename(language.parent.parent / "ours.yaml")
-    with pytest.raises(BadFile, match=r"dialogue\.words: .*there is no language in this folder"):
+    with pytest.raises(BadFile, match=r"dialogue\.words: .*this folder has no language"):
         read_setting(written.value, tmp_path, written=written)
 
 

@@ -87,7 +87,7 @@ def test_what_programs_of_others_print_stays_out_of_results(capsys: pytest.Captu
     [
         ("polit", r"no author of wordings polit is installed. The nearest is polite"),
         ("x", r"Installed are: lost, number, polite"),
-        ("number", r"lab_of_tests:SEVEN is no function"),
+        ("number", r"lab_of_tests:SEVEN is not a function"),
         ("lost", r"lab_of_tests:lost cannot be imported: AttributeError"),
     ],
 )

@@ -128,7 +128,7 @@ def test_a_fault_is_among_what_the_participant_says() -> None:
 @pytest.mark.parametrize(
     ("strategy", "told"),
     [
-        ("secnod", "line 2, participant.strategy: .secnod. is no choice here. Write suggestion, .*, second,"),
+        ("secnod", "line 2, participant.strategy: .secnod. is not a valid choice. Write suggestion, .*, second,"),
         (
             "wrong-arguments",
             r"line 2, participant.strategy: .* package lab-of-people 1.0: it cannot be made: Type",

@@ -88,11 +88,11 @@ def test_the_study_in_docs_is_a_design(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "told"),
     [
-        ("factor: {robots: [1]}\n", "design.yaml, line 1, factor: unknown key. The nearest right name is factors."),
-        ("factors:\n  robotz: [1]\n", "design.yaml, line 2, robotz: unknown key. The nearest right name is robot."),
+        ("factor: {robots: [1]}\n", "design.yaml, line 1, factor: unknown key. The nearest name is factors."),
+        ("factors:\n  robotz: [1]\n", "design.yaml, line 2, robotz: unknown key. The nearest name is robot."),
         (
             "factors:\n  participant.strategy:\n    - nearest\n    - nearst\n",
-            "design.yaml, line 4, participant.strategy: 'nearst' is no choice here. Write suggestion, nearest or ",
+            "design.yaml, line 4, participant.strategy: 'nearst' is not a valid choice. Write suggestion, nearest or ",
         ),
         (
             "base: {map: office}\nfactors:\n  robots: [2, 60]\n",
@@ -114,11 +114,14 @@ def test_the_study_in_docs_is_a_design(tmp_path: Path) -> None:
         ),
         ("factors: {seed: [1, 2]}\n", "design.yaml, line 1, factors.seed: "),
         ("base: {seed: 4}\nconditions:\n  - {seed: 3}\n", "design.yaml, line 3, seed: seeds are the same in all"),
-        ("factors: {score: [1, 2]}\n", "factors.score: results have a column of this name. Name the factor otherwise."),
-        ("measures: [scor]\n", "design.yaml, line 1, measures[0]: 'scor' is no choice here. Write score, over, "),
-        ("bags: 1 of 5\n", "design.yaml, line 1, bags: '1 of 5' is no choice here. Write no, yes, or such as "),
-        ("seeds: [1, 2, 1]\n", "design.yaml, line 1, seeds: a seed stands twice. "),
-        ("seeds: [1]\nreplicates: 4\n", "design.yaml, line 2, replicates: there are seeds already. "),
+        (
+            "factors: {score: [1, 2]}\n",
+            "factors.score: results already have a column of this name. Give the factor another name.",
+        ),
+        ("measures: [scor]\n", "design.yaml, line 1, measures[0]: 'scor' is not a valid choice. Write score, over, "),
+        ("bags: 1 of 5\n", "design.yaml, line 1, bags: '1 of 5' is not a valid choice. Write no, yes, or such as "),
+        ("seeds: [1, 2, 1]\n", "design.yaml, line 1, seeds: a seed is listed twice. "),
+        ("seeds: [1]\nreplicates: 4\n", "design.yaml, line 2, replicates: `seeds` already gives the seeds. "),
         ("base: {robots_from: ros}\n", "robots_from: a sweep simulates its robots. Write sim."),
         (
             "base: {game.energy: 20, game: {energy: 30}}\n",

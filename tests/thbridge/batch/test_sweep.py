@@ -197,7 +197,7 @@ def test_another_design_is_refused_with_the_difference(whole: Path, before: str,
     with pytest.raises(BadFile) as raised:
         run(whole, InlineEngine(), DESIGN.replace(before, after))
     assert told in str(raised.value)
-    assert "Name another folder by --out, or take the change back." in str(raised.value)
+    assert "Name another folder with --out, or undo the change." in str(raised.value)
 
 
 def test_a_map_that_changed_is_refused(tmp_path: Path) -> None:
@@ -252,7 +252,7 @@ def test_a_game_that_is_not_the_same_again_is_told(tmp_path: Path, monkeypatch: 
     status = status_of(tmp_path / "sweep")
     assert (status.drawn, status.verified) == (2, 2)
     (differing,) = status.differing
-    assert differing.startswith("condition 1, seed 5: not the same again (first by ")
+    assert differing.startswith("condition 1, seed 5: the result differs when repeated (first played by ")
     assert [row["verified"] for row in games(tmp_path / "sweep").to_pylist()] == [True, False]
 
 

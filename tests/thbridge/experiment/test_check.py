@@ -135,7 +135,7 @@ def test_forms_of_the_program_are_in_the_language_of_the_study_or_it_is_told(tmp
     (tmp_path / "words" / "nl" / "ours.yaml").write_text("language: {title: Nederlands, falls_back_on: en}\n")
     text = replaced("base: {", "base: {dialogue.language: nl, dialogue.words: words, ", text)
     assert any(
-        advice.startswith("preference: there is no translation of this form into nl, so it is shown in English.")
+        advice.startswith("preference: this form has no translation into nl, so it is shown in English.")
         for advice in advice_on(accepted(folder_of(tmp_path, text)))
     )
 
@@ -146,7 +146,7 @@ def test_forms_of_the_program_are_in_the_language_of_the_study_or_it_is_told(tmp
 def test_nobody_is_recorded_without_consent(tmp_path: Path) -> None:
     folder = folder_of(tmp_path, replaced(CONSENT, ""))
     for read in (read_for_people, partial(check_experiment, versions=VERSIONS)):
-        with pytest.raises(BadFile, match=r"line 9, steps: nobody is asked for consent. Write {step: consent"):
+        with pytest.raises(BadFile, match=r"line 9, steps: no step asks for consent. Write {step: consent"):
             read(folder)
 
 
@@ -171,7 +171,7 @@ def test_consent_may_be_given_elsewhere_in_so_many_words(tmp_path: Path) -> None
     text = replaced("quota: 4\n", "quota: 4\nconsent_elsewhere: Participants signed a form.\n", replaced(CONSENT, ""))
     design = accepted(folder_of(tmp_path, text))
     assert design.file.consent_elsewhere == "Participants signed a form."
-    assert "nobody is asked for consent" in refused(
+    assert "no step asks for consent" in refused(
         folder_of(tmp_path, text.replace("Participants signed a form.", "' '"))
     )
 
@@ -180,7 +180,7 @@ def test_each_group_is_asked_for_consent(tmp_path: Path) -> None:
     text = replaced("within:", "between:").replace("{step: consent,", "{step: consent, only_at: {GROUP},")
     one, other = "dialogue.condition: supervisor", "dialogue.condition: collaborator"
     said = refused(folder_of(tmp_path, text.replace("GROUP", one)))
-    assert "nobody is asked for consent at dialogue.condition=collaborator" in said
+    assert "no step asks for consent at dialogue.condition=collaborator" in said
     line = replaced("{step: consent,", "{step: consent, name: consent2, only_at: {GROUP},", CONSENT)
     both = text.replace("GROUP", one).replace(
         "  - {step: practice", line.replace("GROUP", other) + "  - {step: practice"
@@ -191,7 +191,7 @@ def test_each_group_is_asked_for_consent(tmp_path: Path) -> None:
 def test_an_empty_text_is_no_consent(tmp_path: Path) -> None:
     folder = folder_of(tmp_path)
     (tmp_path / "consent.txt").write_text(" \n")
-    assert "consent.txt: there is nothing to agree to in it" in refused(folder)
+    assert "consent.txt: the text for consent is empty" in refused(folder)
 
 
 def test_a_study_under_way_goes_on_with_faults_that_an_earlier_release_let_pass(tmp_path: Path) -> None:
@@ -199,7 +199,7 @@ def test_a_study_under_way_goes_on_with_faults_that_an_earlier_release_let_pass(
     rehearse(folder, folder.read(), SimulatedPeople(plays=False), 1)
     assert read_for_people(folder).file.title == "x"
     _, kept = check_experiment(folder, VERSIONS)
-    assert [fault.problem for fault in kept] == ["nobody is asked for consent"]
+    assert [fault.problem for fault in kept] == ["no step asks for consent"]
 
 
 # What later commands refuse, and what spoils data
@@ -239,7 +239,7 @@ def test_a_study_under_way_goes_on_with_faults_that_an_earlier_release_let_pass(
         (
             "form: feelings.yaml,",
             "form: feelings.yaml, when: {understood.who: me},",
-            "steps[4].when: 'me' is no answer to understood.who. Write one of you, they, both",
+            "steps[4].when: 'me' is not an answer to understood.who. Write one of you, they, both",
         ),
         (
             "{step: debrief,",
@@ -275,14 +275,14 @@ def test_what_would_spoil_data_is_refused_at_its_key(tmp_path: Path, old: str, n
         (
             "correct: you",
             "correct: me",
-            "line 4, items[0].correct: 'me' is none of its answers. Write one of you, they",
+            "line 4, items[0].correct: 'me' is not one of its answers. Write one of you, they",
         ),
         ("correct: you", "correct: you, several: true", "items[0].correct: an item with several answers"),
         ("options: [energy, points]", "options: [energy, points, points]", "items[1].options: 'points' stands twice"),
         (
             "options: [energy, points], correct: energy",
             "scale: number, maximum: 5, shuffle: false, correct: '7'",
-            "items[1].correct: '7' is none of its answers. Write a number from 0 to 5",
+            "items[1].correct: '7' is not one of its answers. Write a number from 0 to 5",
         ),
         ("correct: you", "correct_by_condition: {robots=2: you}", "correct_by_condition: robots is no factor"),
         (
@@ -298,7 +298,7 @@ def test_what_would_spoil_data_is_refused_at_its_key(tmp_path: Path, old: str, n
         (
             "correct: you",
             "correct_by_condition: {dialogue.condition=supervisor: you, dialogue.condition=collaborator: both}",
-            "each participant meets all levels of dialogue.condition, and is asked once, outside of all conditions",
+            "each participant meets all levels of dialogue.condition, but is asked once, outside of all conditions",
         ),
     ],
 )
@@ -323,7 +323,7 @@ def test_an_answer_key_by_a_factor_that_was_removed_is_refused(tmp_path: Path) -
     understood = replaced("correct: you", by, FORMS["understood.yaml"])
     removed = replaced("within: {dialogue.condition: [supervisor, collaborator]}\n", "")
     said = refused(folder_of(tmp_path, removed, understood=understood))
-    assert "dialogue.condition is no factor. Write one `correct`: there is no factor." in said
+    assert "dialogue.condition is no factor. Write one `correct`: there are no factors." in said
 
 
 def test_what_rehearsals_read_is_checked_as_well(tmp_path: Path) -> None:
@@ -333,7 +333,7 @@ def test_what_rehearsals_read_is_checked_as_well(tmp_path: Path) -> None:
         check_experiment(folder, VERSIONS)
     said = str(told.value)
     assert "rehearsal.yaml, line 2, effects[0].score: no form has a score workload. Write one of calm" in said
-    assert "nobody is asked for consent" in said
+    assert "no step asks for consent" in said
 
 
 def test_no_table_has_a_column_that_a_factor_may_be_called(tmp_path: Path) -> None:

@@ -60,7 +60,7 @@ def test_all_faults_of_an_experiment_are_told_with_their_lines(tmp_path: Path) -
         "line 5, steps: no trial comes once for each condition",
         "line 6, steps[0]: consent without a text",
         "line 7, steps[1].form: there is no form wrkload. Name a file, or one of preference, trust",
-        "line 9, steps[3].when: no step before is called nobody",
+        "line 9, steps[3].when: no earlier step has the name nobody",
         "a check needs right answers",
     ):
         assert fault in said

@@ -143,7 +143,7 @@ def test_an_export_under_way_may_hold_somebody(
 
 
 def test_an_export_goes_into_an_empty_folder_only(experiment: ExperimentFolder, export: Path) -> None:
-    with pytest.raises(BadFile, match="there is something in this folder"):
+    with pytest.raises(BadFile, match="this folder is not empty"):
         export_experiment(experiment, experiment.read(), read_log(experiment.log), export, VERSIONS, None)
 
 

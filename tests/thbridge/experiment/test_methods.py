@@ -165,7 +165,7 @@ def course(tmp_path_factory: pytest.TempPathFactory) -> Course:
 def test_everybody_who_began_is_in_the_flow_with_a_reason(course: Course) -> None:
     text = text_of(records_of(course.folder.read(), read_log(course.folder.log)))
     assert (
-        "The plan asked for 8 participants with complete data. Of 10 participants who began, 1 declined to take part, "
+        "The plan required 8 participants with complete data. Of 10 participants who began, 1 declined to take part, "
         "1 left before the end, 1 had their run ended by the researcher, 2 were excluded, 1 withdrew and had all of "
         "their data deleted, 1 was still taking part at the time of this export, and 3 completed the study and were "
         "analyzed. Data collection was not complete at the time of this export. They took part on 2026-01-02."
@@ -190,7 +190,7 @@ def test_everybody_who_began_is_in_the_flow_with_a_reason(course: Course) -> Non
 def test_checks_have_their_attempts_and_failures(course: Course) -> None:
     text = text_of(records_of(course.folder.read(), read_log(course.folder.log)))
     assert "The check *Before we begin* had 1 question with a right answer; it was passed with 1 right." in text
-    assert "It could be tried up to 2 times, after a failure from the step practice on." in text
+    assert "It could be tried up to 2 times, repeating from the step practice on." in text
     assert "Participants who failed the last attempt were excluded." in text
     # Of ten who began, one declined, one is still reading, and one withdrew.
     assert (
@@ -201,7 +201,7 @@ def test_checks_have_their_attempts_and_failures(course: Course) -> None:
     assert "| Who decides where robots go? | one of: you; they | you |" in text
     durations = text[text.index("*Durations of those analyzed*") : text.index("### Data collection")]
     assert "The step of a game includes its start and the page with its result." in durations
-    assert "After a failed check, steps that were repeated count each time." in durations
+    assert "If steps were repeated after a failed check, each repetition counts." in durations
     # Data collection goes on: nothing says that it has ended.
     assert "was set to admit people until this number of complete runs that count was reached, and to give" in text
 
@@ -342,7 +342,7 @@ def test_practice_debriefing_and_consent_elsewhere_are_in_the_procedure(tmp_path
     section = text[text.index("### Procedure") : text.index("### Data collection")]
     assert (
         "1. Practice game of at most 300 s, in the settings of the participant's first condition, but for game.energy: "
-        "20.0, with another random seed; participants could go on after at least 2 moves and 1 named treasure.\n"
+        "20.0, with another random seed; participants could continue after at least 2 moves and 1 named treasure.\n"
         "2. For each condition, in the participant's order:\n"
         "    * Instructions on screen (welcome.md); only at dialogue.condition=supervisor.\n"
         "    * Game of at most 60 s.\n"
@@ -377,7 +377,9 @@ def test_a_study_between_participants_names_no_first_condition_and_what_might_be
     assert "in the settings of the participant's condition, with another random seed; participants could go" in text
     assert "One participant and one simulated mobile robot searched the rooms" in text
     assert "one of: one; other; none, in random order except for “none” |" in text
-    assert "Of 6 answers to questionnaires, 2 were empty (2 of them to items that participants could leave out)" in text
+    assert (
+        "Of 6 answers to questionnaires, 2 were empty (2 of them for items that participants could leave out)" in text
+    )
 
 
 def test_what_a_study_leaves_out_is_not_made_up(tmp_path: Path) -> None:

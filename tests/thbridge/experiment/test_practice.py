@@ -106,7 +106,7 @@ def test_what_nobody_can_do_is_refused_with_its_line(tmp_path: Path, keys: str, 
 
 def test_only_practice_takes_the_keys_of_practice(tmp_path: Path) -> None:
     text = (STUDY % "").replace("each_condition: true", "each_condition: true, at_least: {moves: 1}")
-    with pytest.raises(BadFile, match="a trial is no practice game"):
+    with pytest.raises(BadFile, match="a trial is not a practice game"):
         read_experiment(write_experiment(tmp_path, text))
 
 

@@ -42,9 +42,9 @@ def test_facts_may_share_a_line_and_have_comments(tmp_path: Path) -> None:
         (
             "a.apx",
             "arg(a).\narg(\x1b[31mred).\n",
-            [r"line 2: the name '\x1b[31mred' has signs that cannot be printed. Write it with others."],
+            [r"line 2: the name '\x1b[31mred' has characters that cannot be printed. Write it with others."],
         ),
-        ("a.apx", "arg(a).\narg(a).\n", ["line 2: the argument a is there twice, first in line 1."]),
+        ("a.apx", "arg(a).\narg(a).\n", ["line 2: the argument a is defined twice, first in line 1."]),
         (
             "a.apx",
             "arg(a).\natt(a,b).\natt(c,a).\n",
@@ -55,12 +55,12 @@ def test_facts_may_share_a_line_and_have_comments(tmp_path: Path) -> None:
         (
             "a.tgf",
             "a\na b\n",
-            ["line 2: the argument a is there twice, first in line 1. Take one of them away; attacks"],
+            ["line 2: the argument a is defined twice, first in line 1. Delete one of them; attacks"],
         ),
-        ("a.tgf", "arg(a).\n", ["line 1: 'arg(a).' is no name of an argument."]),
-        ("a.af", "1 2\n", ["line 1: '1 2' does not say how many arguments there are. Begin with p af"]),
-        ("a.af", "p af 10000001\n", ["line 1: 'p af 10000001' does not say how many arguments there are."]),
-        ("a.af", "# nothing\n", ["a.af: it does not say how many arguments there are."]),
+        ("a.tgf", "arg(a).\n", ["line 1: 'arg(a).' is not a name of an argument."]),
+        ("a.af", "1 2\n", ["line 1: '1 2' does not give the number of arguments. Begin with p af"]),
+        ("a.af", "p af 10000001\n", ["line 1: 'p af 10000001' does not give the number of arguments."]),
+        ("a.af", "# nothing\n", ["a.af: the number of arguments is missing."]),
         (
             "a.af",
             "p af 2\n1 3\n0 1\n1 2 3\np af 2\n1 \uff12\n",
@@ -69,7 +69,7 @@ def test_facts_may_share_a_line_and_have_comments(tmp_path: Path) -> None:
                 for number, text in enumerate(["1 3", "0 1", "1 2 3", "p af 2", "1 \uff12"], 2)
             ],
         ),
-        ("a.txt", "arg(a).", ["its name does not say what it is."]),
+        ("a.txt", "arg(a).", ["its name does not show its format."]),
     ],
 )
 def test_every_fault_has_its_line(tmp_path: Path, name: str, text: str, told: list[str]) -> None:

@@ -91,7 +91,7 @@ def test_a_heading_of_a_saver_that_knew_none(folder: Path, heading: str) -> None
 def test_a_misspelt_key_is_named_with_the_right_one(folder: Path) -> None:
     path = written(folder)
     path.write_text(path.read_text().replace("resolution", "resolutoin"))
-    with pytest.raises(BadFile, match=r"line 2, resolutoin: unknown key\. The nearest right name is resolution"):
+    with pytest.raises(BadFile, match=r"line 2, resolutoin: unknown key\. The nearest name is resolution"):
         read_grid(path)
 
 
@@ -130,7 +130,7 @@ def test_an_alpha_channel_that_changes_cells_is_told(folder: Path, form: str, mo
     assert len(alpha) == told
     if told:
         assert (file.grid.cells == FREE).all()
-        assert "average with its colors; so 100 % of the cells are not what the colors say. Save" in str(alpha[0])
+        assert "average with its colors; so 100 % of the cells differ from what the colors show. Save" in str(alpha[0])
 
 
 def test_an_alpha_channel_that_changes_nothing_is_not_told(folder: Path) -> None:
@@ -148,7 +148,7 @@ def test_walls_that_are_neither_occupied_nor_savers_unknown_are_told(folder: Pat
     shades[10:20, 10:20] = 230
     Image.fromarray(shades).save(folder / "map.png")
     (doubt,) = read_grid_file(written(folder, image="map.png")).doubts
-    assert "0% of what is around the floor is occupied, the rest is unknown, mostly gray 127." in str(doubt)
+    assert "0% of the cells around the floor are occupied; the rest is unknown, mostly gray 127." in str(doubt)
     assert "write occupied_thresh: 0.452, free_thresh: 0.049" in str(doubt)
     seen = read_grid_file(written(folder, image="map.png", occupied_thresh="0.452", free_thresh="0.049"))
     assert seen.doubts == ()

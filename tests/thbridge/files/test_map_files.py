@@ -164,7 +164,7 @@ class TestImages:
 
     def test_a_picture_that_is_a_program_for_another_program_is_none(self, tmp_path: Path) -> None:
         Image.new("L", (3, 2)).save(tmp_path / "a.png", "EPS")
-        with pytest.raises(BadFile, match="not a picture that can be read"):
+        with pytest.raises(BadFile, match="it is not a readable image"):
             grid_of_image(tmp_path, "a.png")
 
 
@@ -195,13 +195,13 @@ def remove(folder: Path) -> None:
 
 
 BROKEN: dict[str, tuple[Callable[[Path], object], str]] = {
-    "no folder": (remove, "two: there is no such folder. Name a folder that holds map.yaml and rooms.yaml."),
+    "no folder": (remove, "two: there is no such folder. Name a folder that contains map.yaml and rooms.yaml."),
     "no map.yaml": (lambda folder: (folder / "map.yaml").unlink(), "map.yaml: there is no such file."),
     "no rooms.yaml": (lambda folder: (folder / "rooms.yaml").unlink(), "rooms.yaml: there is no such file."),
     "no image": (lambda folder: (folder / "map.pgm").unlink(), "map.yaml, line 1, image: there is no file "),
     "a misspelt key": (
         edit("map.yaml", "occupied_thresh", "occupied_tresh"),
-        "map.yaml, line 5, occupied_tresh: unknown key. The nearest right name is occupied_thresh.",
+        "map.yaml, line 5, occupied_tresh: unknown key. The nearest name is occupied_thresh.",
     ),
     "a missing key": (
         edit("map.yaml", "negate: 0\n", ""),
@@ -213,7 +213,7 @@ BROKEN: dict[str, tuple[Callable[[Path], object], str]] = {
     ),
     "no such mode": (
         edit("map.yaml", "negate: 0", "negate: 0\nmode: trinery"),
-        "map.yaml, line 5, mode: 'trinery' is no choice here. Write trinary, scale or raw.",
+        "map.yaml, line 5, mode: 'trinery' is not a valid choice. Write trinary, scale or raw.",
     ),
     "a resolution of nothing": (edit("map.yaml", "0.1", "0"), "line 2, resolution: 0 is out of range."),
     "an image cut off": (
@@ -226,10 +226,10 @@ BROKEN: dict[str, tuple[Callable[[Path], object], str]] = {
     "an image of no size": (image(b"P5 0 40 255\n"), "map.pgm: the picture is 0 x 40 pixels."),
     "a large image in words": (image(b"P2 3000 3000 255\n"), "map.pgm: 3000 x 3000 pixels as words are more than"),
     "a gigantic image": (image(b"P5 999999 999999 255\n"), "map.pgm: 999999 x 999999 pixels are more than 32000000."),
-    "a strange depth": (image(b"P5 1 1 70000\n"), "map.pgm: the header's greatest value is 70000."),
-    "too bright a pixel": (image(b"P5 1 1 100\n\xff"), "a grey value of 255 above the header's greatest, 100."),
-    "words among the pixels": (image(b"P2 1 2 255 0 x"), "b'x' stands among the grey values."),
-    "no picture at all": (image(b"hello"), "map.pgm: not a picture that can be read. Save it as PGM or PNG."),
+    "a strange depth": (image(b"P5 1 1 70000\n"), "map.pgm: the largest value in the header is 70000."),
+    "too bright a pixel": (image(b"P5 1 1 100\n\xff"), "a gray value of 255 is above the header's largest value, 100."),
+    "words among the pixels": (image(b"P2 1 2 255 0 x"), "b'x' is among the gray values."),
+    "no picture at all": (image(b"hello"), "map.pgm: it is not a readable image. Save it as PGM or PNG."),
     "a goal outside its room": (
         edit("rooms.yaml", "[1.5, 2, 0]", "[3.5, 2, 0]"),
         "rooms.yaml, line 5, rooms[0].goal: (3.5, 2) is not in the room's region.",
@@ -257,7 +257,7 @@ BROKEN: dict[str, tuple[Callable[[Path], object], str]] = {
     ),
     "regions that overlap": (
         edit("rooms.yaml", "[3, 4]]", "[6, 4]]"),
-        "rooms.yaml, line 8, rooms[1].region: it overlaps the region of room 1 by 4.00 m^2. Draw the regions apart.",
+        "rooms.yaml, line 8, rooms[1].region: it overlaps the region of room 1 by 4.00 m^2. Move the regions apart.",
     ),
     "a region that is a line": (
         edit("rooms.yaml", "[3, 4]]", "[3, 0]]"),
@@ -265,11 +265,11 @@ BROKEN: dict[str, tuple[Callable[[Path], object], str]] = {
     ),
     "a region like an hourglass": (
         edit("rooms.yaml", "[8, 0], [8, 4], [5, 4]", "[8, 4], [8, 0], [5, 3]"),
-        "rooms.yaml, line 8, rooms[1].region: its sides cross each other.",
+        "rooms.yaml, line 8, rooms[1].region: the sides cross each other.",
     ),
     "a number twice": (
         edit("rooms.yaml", "number: 2", "number: 1"),
-        "rooms.yaml, line 6, rooms[1].number: room 1 stands twice, first in line 2.",
+        "rooms.yaml, line 6, rooms[1].number: room 1 written twice, first in line 2.",
     ),
     "a gap in the numbers": (
         edit("rooms.yaml", "number: 2", "number: 3"),
@@ -282,7 +282,7 @@ BROKEN: dict[str, tuple[Callable[[Path], object], str]] = {
     ),
     "a misspelt key of a room": (
         edit("rooms.yaml", "    goal: [1.5", "    gaol: [1.5"),
-        "rooms.yaml, line 5, rooms[0].gaol: unknown key. The nearest right name is goal.",
+        "rooms.yaml, line 5, rooms[0].gaol: unknown key. The nearest name is goal.",
     ),
     "no room": (
         edit("rooms.yaml", ROOMS, "rooms: []\nstarts: {poses: [[4, 1, 0]]}\n"),
@@ -290,7 +290,7 @@ BROKEN: dict[str, tuple[Callable[[Path], object], str]] = {
     ),
     "no start": (
         edit("rooms.yaml", "  poses: [[4, 1, 0]]\n  rows: [[[4, 2.2], [4, 3.3]]]\n", "  poses: []\n"),
-        "rooms.yaml, line 10, starts: there is no start pose.",
+        "rooms.yaml, line 10, starts: the map has no start poses.",
     ),
     "a start in a wall": (
         edit("rooms.yaml", "[[4, 1, 0]]", "[[4, 0.1, 0]]"),
@@ -339,7 +339,7 @@ class TestNamesInFurtherLanguages:
         assert drawn.room_names_in("en") == drawn.room_names
         (missing,) = missing_room_names(drawn, folder, "de")
         assert str(missing) == (
-            f"{folder}/de/words.yaml, rooms: the map is in en, and these rooms have no name in de: West. "
+            f"{folder}/de/words.yaml, rooms: the map is in en, but these rooms have no name in de: West. "
             "Write them under rooms."
         )
         assert list(missing_room_names(drawn, folder, "en")) == []
@@ -349,7 +349,7 @@ class TestNamesInFurtherLanguages:
         (folder / "de" / "words.yaml").write_text("rooms:\n  Eastt: Osten\n")
         (finding,) = check_map(folder).findings
         assert finding.severity == "warning"
-        assert "line 2, rooms.Eastt: no room is called 'Eastt'. The nearest is East." in str(finding.fault)
+        assert "line 2, rooms.Eastt: no room has the name 'Eastt'. The nearest is East." in str(finding.fault)
 
 
 class TestBroken:
@@ -408,5 +408,5 @@ class TestBroken:
     def test_starts_that_block_the_way_are_told(self, folder: Path) -> None:
         edit("rooms.yaml", "[[4, 1, 0]]", "[[4, 1, 0], [3.3, 0.5, 0]]")(folder)
         told = [str(finding.fault) for finding in check_map(folder).findings]
-        assert all("with 4 robots at their starts no way leads from" in fault for fault in told)
+        assert all("with 4 robots at their starts no path leads from" in fault for fault in told)
         assert any("the start of robot 1 to room 1. Leave a lane free" in fault for fault in told)

@@ -78,14 +78,17 @@ def test_answers_that_a_language_lacks_are_those_of_the_language_and_not_of_the_
 @pytest.mark.parametrize(
     ("written", "told"),
     [
-        ("treasures: {barel: Fass}", "line 1, treasures.barel: no treasure is called 'barel'. The nearest is barrel"),
+        (
+            "treasures: {barel: Fass}",
+            "line 1, treasures.barel: no treasure has the name 'barel'. The nearest is barrel",
+        ),
         ("treasures: {barrel: ' '}", "line 1, treasures.barrel: nothing is written there"),
-        ("properties: [{name: color}]", "properties[0].name: no property is called 'color'. The nearest is colour"),
+        ("properties: [{name: color}]", "properties[0].name: no property has the name 'color'. The nearest is colour"),
         ("properties: [{name: size}, {name: size}]", "properties[1].name: 'size' is there twice"),
         ("properties:\n- {name: size, values: {smal: klein}}", "line 2, properties[0].values.smal: 'smal' is no value"),
-        ("properties: [{name: size, said: groß}]", "properties[0].said: it does not hold the value. Write £size£"),
+        ("properties: [{name: size, said: groß}]", "properties[0].said: it does not contain the value. Write £size£"),
         ("answers: {room: [Ja, ja]}", "answers.room: people cannot distinguish these answers"),
-        ("treasure: {barrel: Fass}", "treasure: unknown key. The nearest right name is treasures"),
+        ("treasure: {barrel: Fass}", "treasure: unknown key. The nearest name is treasures"),
     ],
 )
 def test_a_fault_is_told_with_its_place_and_remedy(folder: Path, written: str, told: str) -> None:

@@ -346,14 +346,14 @@ def test_a_folder_without_a_list_of_treasures_is_told_both_names(tmp_path):
     folder = tmp_path / "set"
     shutil.copytree(ORIGINAL, folder)
     (folder / "treasures").unlink()
-    assert "there is neither a treasures.yaml nor a treasures" in refusal(read_template_set, folder)
+    assert "it has neither a treasures.yaml nor a treasures" in refusal(read_template_set, folder)
 
 
 def test_a_question_is_not_taken_for_the_name(tmp_path):
     text = tmp_path / "DialogueText"
     text.write_text("\nShall I go to room £room£?\nSpecificRoom:\nSure?\n", encoding="utf-8")
     assert "line 2, Shall I go" in refusal(read_dialogue_text, text)
-    assert "the first line is the template's name, not a question" in refusal(read_dialogue_text, text)
+    assert "the first line must be the template's name, not a question" in refusal(read_dialogue_text, text)
 
 
 def test_a_picture_that_no_window_can_show_is_found_before_anybody_pays_for_it(tmp_path):
@@ -361,6 +361,6 @@ def test_a_picture_that_no_window_can_show_is_found_before_anybody_pays_for_it(t
     shutil.copytree(ORIGINAL, folder)
     picture = folder / "pictures" / "rsz_t3.jpg"
     picture.write_bytes(b"\x00\x00\x00\x18ftypheic" + bytes(100))
-    assert refusal(read_template_set, folder).startswith(f"{picture}: this is no picture that windows can show.")
+    assert refusal(read_template_set, folder).startswith(f"{picture}: windows cannot show this picture.")
     Image.new("RGB", (4, 4)).save(picture, "webp")
     assert read_template_set(folder).pictures["rsz_t3.jpg"] == picture.read_bytes()

@@ -58,7 +58,7 @@ FAULTS = [
     ("cost: 2", "cost: -2", ["properties[1].cost", "out of range"]),
     ("weight: light", "weight: lihgt", ["treasures[0].values.weight", "light, heavy"]),
     ("colour: red, weight: light", "weight: light", ["treasures[0].values", "block has no colour"]),
-    ("weight: light", "weigth: light", ["no property is called 'weigth'", "line 7"]),
+    ("weight: light", "weigth: light", ["no property has the name 'weigth'", "line 7"]),
     ("colour: red, weight: heavy", "colour: 'red (dark)', weight: heavy", ["treasures[1].values.colour", "brackets"]),
     ("name: tin", "name: Block", ["treasures[1].name", "twice"]),
     ("image: tin.jpg", "image: ../tin.jpg", ["treasures[1].image", "plain file name"]),

@@ -169,7 +169,7 @@ def test_a_door_is_passed_by_files_as_labs_write_them(tmp_path: Path, style: str
             "plugins without a static layer",
             ("static_map has no effect, as in ROS", "rolling_window", "holonomic_robot"),
         ),
-        ("everything under move_base", ("recovery behaviour reset is taken as conservative_reset", "front.topic")),
+        ("everything under move_base", ("recovery behavior reset is used as conservative_reset", "front.topic")),
         ("before plugins", ("map_type", "local_costmap.resolution", "robot_base_frame")),
         ("rolling window and dynamic window", ("TebLocalPlannerROS", "max_trans_vel", "max_vel_rot")),
         ("flat files in namespaces", ("virtual_walls_map", "gui_publish_rate", "static_layer.map_topic")),

@@ -52,12 +52,12 @@ mavlink:
     [
         ("{udp: [14550]}", "mavlink.udp[0]", "'14550' is no address"),
         ("{udp: ['127.0.0.1:0']}", "mavlink.udp[0]", "is no address"),
-        ("{udp: ['a:1', 'b:2', 'a:1/1']}", "mavlink.udp[2]", "a:1 stands in this list twice"),
+        ("{udp: ['a:1', 'b:2', 'a:1/1']}", "mavlink.udp[2]", "a:1 is in this list twice"),
         ("{udp: ['a:1/2', 'b:2/3']}", "mavlink.udp[1]", "there is no robot 3: the study has 2"),
         ("{tcp: '::1:5760'}", "mavlink.tcp", "is no address"),
         ("{origin: [90, 0, 0]}", "mavlink.origin", "90 degrees north is not within -85 to 85"),
         ("{origin: [0, 181, 0]}", "mavlink.origin", "181 degrees east is not within -180 to 180"),
-        ("{origin: [0, 0, 1e5]}", "mavlink.origin", "100000 m above the sea is not within -500 to 9000"),
+        ("{origin: [0, 0, 1e5]}", "mavlink.origin", "100000 m above sea level is not within -500 to 9000"),
     ],
 )
 def test_what_is_wrong_is_told_with_its_key(mavlink: str, key: str, problem: str):

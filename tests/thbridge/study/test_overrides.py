@@ -50,8 +50,8 @@ def test_one_robot_alone() -> None:
 def test_a_number_of_noise_is_changed_once_and_named_where_it_was_written(tmp_path: Path) -> None:
     changes = tmp_path / "changes.yaml"
     for text, fault in (
-        ("noise: {gyro_noise: 0.1}\nnoise: {gyro_noise: 0.2}\n", "line 2, noise: stands twice, first in line 1"),
-        ("noise:\n  gyro_noise: 0.1\n  gyro_noise: 0.2\n", "line 3, noise.gyro_noise: stands twice, first in line 2"),
+        ("noise: {gyro_noise: 0.1}\nnoise: {gyro_noise: 0.2}\n", "line 2, noise: written twice, first in line 1"),
+        ("noise:\n  gyro_noise: 0.1\n  gyro_noise: 0.2\n", "line 3, noise.gyro_noise: written twice, first in line 2"),
         ("noise: {odometry: {alpha1: -1}}\n", "line 1, noise.odometry.alpha1: -1 is out of range"),
         ("noise: {gyro_noise: 0.1}\nworld:\n  gyro_noise: 0.2\n", "line 1, noise.gyro_noise: 0.1 here, but 0.2 as"),
     ):
@@ -83,7 +83,7 @@ def test_files_come_first_in_their_order(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("change", "told"),
     [
-        (StudyChange("seeds", "1"), "--with, line 1, seeds: unknown key. The nearest right name is seed."),
+        (StudyChange("seeds", "1"), "--with, line 1, seeds: unknown key. The nearest name is seed."),
         (StudyChange("seed", "many"), "--with, line 1, seed: 'many' is not a number."),
         (StudyChange("seed", ""), "--with, line 1, seed: no value."),
         (StudyChange("robot.amcl.min_particles", "2000"), "2000 is above robot.amcl.max_particles"),

@@ -50,10 +50,10 @@ def test_a_robot_may_be_alone_on_its_graph():
 @pytest.mark.parametrize(
     ("fleet", "key", "problem"),
     [
-        ("{robot: {scan: 'la ser'}}", "fleet.robot.scan", "cannot be the name of a topic"),
-        ("{robot: {scan: '{number}/scan'}}", "fleet.robot.scan", "cannot be the name of a topic"),
-        ("{robot: {map_frame: ''}}", "fleet.robot.map_frame", "cannot be the name of a frame"),
-        ("{each: {2: {move_base: '4move'}}}", "fleet.each.2.move_base", "cannot be the name of a topic"),
+        ("{robot: {scan: 'la ser'}}", "fleet.robot.scan", "is not a valid name of a topic"),
+        ("{robot: {scan: '{number}/scan'}}", "fleet.robot.scan", "is not a valid name of a topic"),
+        ("{robot: {map_frame: ''}}", "fleet.robot.map_frame", "is not a valid name of a frame"),
+        ("{each: {2: {move_base: '4move'}}}", "fleet.each.2.move_base", "is not a valid name of a topic"),
         (
             "{robot: {namespace: /robot}}",
             "fleet.robot.odom",

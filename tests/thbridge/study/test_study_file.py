@@ -125,7 +125,7 @@ class TestValues:
 BROKEN = {
     "a misspelt key": (
         "game:\n  energie: 50\n",
-        "study.yaml, line 2, game.energie: unknown key. The nearest right name is energy.",
+        "study.yaml, line 2, game.energie: unknown key. The nearest name is energy.",
     ),
     "a key of another section": (
         "robots: 2\nmax_vel_theta: 1\n",
@@ -139,7 +139,7 @@ BROKEN = {
     ),
     "a key twice": (
         "seed: 1\nrobots: 2\nseed: 2\n",
-        "study.yaml, line 3, seed: stands twice, first in line 1. Keep one of the two.",
+        "study.yaml, line 3, seed: written twice, first in line 1. Keep one of the two.",
     ),
     "too large": (
         "robot:\n  TrajectoryPlannerROS:\n    max_vel_x: 25\n",
@@ -173,11 +173,11 @@ BROKEN = {
     ),
     "a comma for thousands": ("seed: 1,000", "seed: '1,000' is not a number. Write it without a comma."),
     "truth for a number": ("robots: true", "study.yaml, line 1, robots: 'true' is not a number."),
-    "quotes": ("robots: '2'", "robots: '2' in quotes is text, not a number. Take the quotes away."),
+    "quotes": ("robots: '2'", "robots: '2' in quotes is text, not a number. Delete the quotes."),
     "infinite": ("game: {energy: .inf}", "game.energy: .inf is not a finite number."),
     "not a number": ("game: {energy: NaN}", "game.energy: NaN is not a finite number."),
     "overflow": ("game: {energy: 1e999}", "game.energy: 1e999 is out of range."),
-    "octal": ("server: {port: 010}", "server.port: 010 begins with 0 and reads as octal to some."),
+    "octal": ("server: {port: 010}", "server.port: 010 begins with 0, which can mean octal."),
     "hexadecimal": ("server: {port: 0x10}", "server.port: '0x10' is not a number."),
     "yes for true": (
         "robot: {NavfnROS: {allow_unknown: yes}}",
@@ -185,11 +185,11 @@ BROKEN = {
     ),
     "no such choice": (
         "participant: {strategy: nearset}",
-        "participant.strategy: 'nearset' is no choice here. Write suggestion, nearest or random.",
+        "participant.strategy: 'nearset' is not a valid choice. Write suggestion, nearest or random.",
     ),
     "no value": ("robots:\nseed: 1\n", "line 1, robots: no value. Write a whole number, 1 to 250, or delete the line."),
     "a value for a section": ("game: 5", "game: a section of 'key: value' lines is needed. Its keys are energy,"),
-    "a list for a value": ("seed: [1]", "seed: a list stands where one value is needed. Write a whole number,"),
+    "a list for a value": ("seed: [1]", "seed: a list is written where one value is needed. Write a whole number,"),
     "a value for a list": ("world: {footprint: 3}", "world.footprint: a list is needed."),
     "half a point": (
         "world:\n  footprint:\n  - [1, 2]\n  - [1]\n",
@@ -203,7 +203,7 @@ BROKEN = {
     "brackets without end": ("[" * 10000, "study.yaml, line 1: nested deeper than 32."),
     "a control character": ("seed: 1\nmap: \x07\n", "study.yaml, line 2: an invisible control character. Delete it."),
     "no section at all": ("- 1\n- 2\n", "study.yaml, line 1: a section of 'key: value' lines is needed."),
-    "a section as a key": ("? {a: 1}\n: 2\n", "study.yaml, line 1: a list or section stands as a key."),
+    "a section as a key": ("? {a: 1}\n: 2\n", "study.yaml, line 1: a list or section is used as a key."),
     "sweeps between the ticks": (
         "world:\n  laser:\n    rate: 15\n",
         "study.yaml, line 3, world.laser.rate: 15 does not divide the 50 steps of a second. "
@@ -211,12 +211,12 @@ BROKEN = {
     ),
     "probabilities of error below 0": (
         "dialogue:\n  adviser_error_rate: 0.2\n  confidence_spread: 0.3\n",
-        "study.yaml, line 3, dialogue.confidence_spread: suggestions would err with probabilities from -0.1 to 0.5. "
+        "study.yaml, line 3, dialogue.confidence_spread: suggestions would be wrong with probabilities from -0.1 to 0.5. "
         "Write at most 0.2, or change adviser_error_rate.",
     ),
     "probabilities of error above 1": (
         "dialogue: {adviser_error_rate: 0.9, confidence_spread: 0.2}",
-        "study.yaml, line 1, dialogue.confidence_spread: suggestions would err with probabilities from 0.7 to 1.1. "
+        "study.yaml, line 1, dialogue.confidence_spread: suggestions would be wrong with probabilities from 0.7 to 1.1. "
         "Write at most 0.1, or change adviser_error_rate.",
     ),
     "a minimum above the default maximum": (
@@ -225,7 +225,7 @@ BROKEN = {
     ),
     "a footprint beside the robot": (
         "world: {footprint: [[1, 0], [2, 0], [1, 1]]}",
-        "study.yaml, line 1, world.footprint: these corners do not surround the robot's centre (0, 0).",
+        "study.yaml, line 1, world.footprint: these corners do not surround the robot's center (0, 0).",
     ),
 }
 
@@ -335,10 +335,10 @@ class TestEach:
         ("text", "told"),
         [
             ("each: {3: {}}", "each.3: there is no robot 3: the study has 2. Write a number from 1 to 2, or raise"),
-            ("each: {0: {}}", "each.0: '0' is no number here. Write a whole number, at least 1."),
-            ("each: {1: {}, 1: {}}", "each.1: stands twice, first in line 1. Keep one of the two."),
+            ("each: {0: {}}", "each.0: '0' is not a valid number. Write a whole number, at least 1."),
+            ("each: {1: {}, 1: {}}", "each.1: written twice, first in line 1. Keep one of the two."),
             ("each: [1]", "each: a section is needed. Write 'NUMBER: {...}' lines."),
-            ("each: {1: {localisation: ekf}}", "each.1.localisation: unknown key. The nearest right name is local"),
+            ("each: {1: {localisation: ekf}}", "each.1.localisation: unknown key. The nearest name is local"),
             ("each: {1: {amcl: {min_particles: 9000}}}", "each.1.amcl.min_particles: 9000 is above each.1.amcl.max_p"),
         ],
     )  # fmt: skip

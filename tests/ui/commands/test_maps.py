@@ -314,7 +314,7 @@ class TestPlans:
         image.point(lambda shade: max(shade, 127)).save("plan.png")
         done = invoke("maps", "new", "plan.png", "--width", "32.5", "--no-times")
         assert done.exit_code == 2
-        told = "mostly gray 127. Lasers see occupied cells alone, so robots would be lost. Write a map.yaml next to it"
+        told = "mostly gray 127. Lasers see only occupied cells, so robots would be lost. Write a map.yaml next to it"
         assert told in done.stderr
         assert "`resolution: 0.05`" in done.stderr and "`occupied_thresh: 0.452`" in done.stderr
 

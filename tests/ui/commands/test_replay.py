@@ -115,7 +115,7 @@ def test_the_recorded_study_names_who_played() -> None:
     ("arguments", "message"),
     [
         (["--with", "seed"], "'seed' is neither KEY=VALUE nor a study file"),
-        (["--with", "sed=3"], "sed: unknown key. The nearest right name is seed"),
+        (["--with", "sed=3"], "sed: unknown key. The nearest name is seed"),
         (["--with", "robots=50"], "there are start poses for"),
         (["--with", "map=./nowhere"], "nowhere"),
         (["--with", "none.yaml"], "none.yaml"),

@@ -187,7 +187,7 @@ def test_faults_of_all_folders_are_told_with_their_lines(tmp_path: Path) -> None
         file = folder / "inquiry.yaml"
         file.write_text(file.read_text().replace("turn: initiator", f"turn: {word}"))
     told = talk("check", tmp_path / "a", tmp_path / "b", code=2)
-    assert f"{tmp_path}/a/inquiry.yaml, line 7, stages[0].turn: 'iniator' is no choice here." in told
+    assert f"{tmp_path}/a/inquiry.yaml, line 7, stages[0].turn: 'iniator' is not a valid choice." in told
     assert f"{tmp_path}/b/inquiry.yaml, line 7, stages[0].turn: the initiator opens a game." in told
     (fault,) = json.loads(talk("check", tmp_path / "b", "--json", code=2))["folders"][0]["faults"]
     assert (fault["line"], fault["remedy"]) == (7, "Write initiator")

@@ -1,1 +1,1 @@
-"""Engines: what carries out the tasks of a sweep, on this machine or on many."""
+"""Engines: they carry out the tasks of a sweep, on this machine or on many machines."""

@@ -1,4 +1,4 @@
-"""Tasks of a batch: work that any process can do which sees the batch's folder."""
+"""Tasks of a batch: work for any process that can access the batch's folder."""
 
 import os
 import socket
@@ -12,10 +12,10 @@ class TaskOutcome:
 
     Attributes:
         games: number of games.
-        failed: number of those that have no result.
-        faults: sentences about these, and about games that were not the same again.
-        cpu_seconds: processor time of all of it.
-        left: games that are left for a further call, whose outcome then counts all games.
+        failed: number of games without a result.
+        faults: sentences about failed games, and about games that gave another result when repeated.
+        cpu_seconds: total processor time.
+        left: number of games left for a further call. The outcome of that call then counts all games.
     """
 
     games: int
@@ -26,17 +26,17 @@ class TaskOutcome:
 
 
 class BatchTask(Protocol):
-    """Work for a worker, which leaves its result in a file. It is sent to other processes, so it can be pickled."""
+    """Work that leaves its result in a file. Tasks are sent to other processes, so they can be pickled."""
 
     @property
     def urgent(self) -> bool:
         """True for a task that comes before others."""
 
     def carry_out(self, most: int | None = None) -> TaskOutcome:
-        """Do it, unless its result is there; the result is on the disk when this returns.
+        """Carry out the task, unless its result exists; the result is on disk when this returns.
 
         Args:
-            most: games after which it may return with others left; None: all.
+            most: number of games after which it may return with others left. If None, it plays all games.
 
         Raises:
             BadFile: the folder cannot be written.
@@ -44,5 +44,5 @@ class BatchTask(Protocol):
 
 
 def worker_name() -> str:
-    """Return the name of this process among all that write into a folder."""
+    """Return the name of this process, unique among all that write into a folder."""
     return f"{socket.gethostname()}:{os.getpid()}"

@@ -1,4 +1,4 @@
-"""The seam between a batch and whatever carries out its tasks."""
+"""Interface between a batch and the workers that carry out its tasks."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -11,13 +11,13 @@ TaskT = TypeVar("TaskT", bound=BatchTask)
 
 @dataclass(frozen=True, slots=True)
 class FinishedTask(Generic[TaskT]):
-    """A task that was carried out, or whose worker died.
+    """A task that was carried out, or that lost its worker.
 
     Attributes:
         task: the task.
-        outcome: None when its worker died.
-        worker: name of the worker, as `Engine.submit` takes it.
-        cause: sentence on why workers were lost meanwhile; None where none was, or nobody knows.
+        outcome: outcome of the task, or None if its worker died.
+        worker: name of the worker, for `Engine.submit`.
+        cause: sentence on why workers were lost in the meantime, or None if none was lost or the reason is unknown.
     """
 
     task: TaskT
@@ -26,19 +26,19 @@ class FinishedTask(Generic[TaskT]):
     cause: str | None = None
 
 
-class EngineFailed(Exception):  # noqa: N818 - it is told to people as a sentence
-    """The engine cannot go on; `str` of it is the reason as a sentence."""
+class EngineFailed(Exception):  # noqa: N818 - people read it as a sentence
+    """Failure of an engine, which cannot continue; `str()` gives the reason as a sentence."""
 
 
 class Engine(Protocol[TaskT]):
-    """Carries out tasks on its workers; a context manager, which ends them."""
+    """Engine that carries out tasks on its workers. As a context manager, it ends the workers on exit."""
 
     def submit(self, task: TaskT, avoid: str | None = None) -> None:
-        """Take a task; it may also be called while `finished` runs.
+        """Accept a task. This may also be called while `finished` runs.
 
         Args:
             task: the task.
-            avoid: name of a worker that shall not do it if there is another.
+            avoid: name of a worker that should not carry it out if there is another.
         """
 
     def finished(self) -> Iterator[FinishedTask[TaskT]]:
@@ -46,7 +46,7 @@ class Engine(Protocol[TaskT]):
 
         Raises:
             BadFile: a worker cannot write the batch's folder.
-            EngineFailed: there are no workers, or none that can work.
+            EngineFailed: there are no workers that can work.
         """
 
     def __enter__(self) -> "Engine[TaskT]": ...

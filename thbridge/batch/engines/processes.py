@@ -1,4 +1,4 @@
-"""Worker processes of this machine: they start warm, stay, and are replaced when they die."""
+"""Worker processes of this machine: they start quickly, stay, and are replaced when they die."""
 
 import signal
 from collections import deque
@@ -15,7 +15,7 @@ from thbridge.batch.engines.engine import EngineFailed, FinishedTask, TaskT
 
 @dataclass(slots=True)
 class _WorkerProcess(Generic[TaskT]):
-    """A worker: its process, this end of its pipe, and the task that it has."""
+    """A worker: its process, our end of its pipe, and its current task."""
 
     process: BaseProcess
     pipe: "Connection[TaskT, TaskOutcome | Exception]"
@@ -27,12 +27,12 @@ class _WorkerProcess(Generic[TaskT]):
 
 
 class ProcessEngine(Generic[TaskT]):
-    """Carries out tasks by processes of this machine.
+    """Engine that uses processes of this machine.
 
     Args:
-        processes: how many.
-        warm: modules that are imported once, in a process of which all workers are forks. Forking this program itself
-            would copy its threads, one of which draws the progress, in the middle of what they do.
+        processes: number of processes.
+        warm: modules that are imported once, in a process from which all workers are forked. Forking this program
+            itself would copy its threads in the middle of their work; one of them draws the progress.
     """
 
     def __init__(self, processes: int, warm: Sequence[str]) -> None:
@@ -43,7 +43,7 @@ class ProcessEngine(Generic[TaskT]):
         self._workers: list[_WorkerProcess[TaskT]] = []
 
     def submit(self, task: TaskT, avoid: str | None = None) -> None:
-        """See `Engine`; what is played again comes first, so that a difference shows early."""
+        """See `Engine`. Games to play again come first, so that differences show early."""
         if avoid is not None and self._processes > 1:
             self._waiting.appendleft((task, avoid))
         else:
@@ -63,14 +63,14 @@ class ProcessEngine(Generic[TaskT]):
     def __exit__(self, *ended: object) -> None:
         for worker in self._workers:
             worker.pipe.close()
-            # Whoever is in the middle of a chunk leaves nothing behind: its games are played again.
+            # A worker that is stopped in the middle of a chunk leaves no result, so its games are played again.
             worker.process.terminate()
         for worker in self._workers:
             worker.process.join()
         self._workers = []
 
     def _assign(self) -> None:
-        """Give waiting tasks to idle workers, of which there are enough."""
+        """Give waiting tasks to idle workers, as long as there are any."""
         held: list[tuple[TaskT, str | None]] = []
         while self._waiting and self._has_room():
             task, avoid = self._waiting.popleft()
@@ -80,7 +80,7 @@ class ProcessEngine(Generic[TaskT]):
                 continue
             try:
                 worker.pipe.send(task)
-            except OSError:  # It died while it had nothing to do.
+            except OSError:  # It died while it was idle.
                 self._bury(worker)
                 self._waiting.appendleft((task, avoid))
                 continue
@@ -88,11 +88,11 @@ class ProcessEngine(Generic[TaskT]):
         self._waiting.extendleft(reversed(held))
 
     def _has_room(self) -> bool:
-        """Return True when a worker is idle, or another one may be hired."""
+        """Return True if a worker is idle, or another one may be started."""
         return len(self._workers) < self._processes or any(worker.task is None for worker in self._workers)
 
     def _idle(self, avoid: str | None) -> _WorkerProcess[TaskT] | None:
-        """Return a worker for a task, perhaps a new one; None when all those are busy."""
+        """Return a worker for a task, possibly a new one, or None if all suitable workers are busy."""
         idle = [worker for worker in self._workers if worker.task is None]
         for worker in idle:
             if worker.name != avoid:
@@ -100,7 +100,7 @@ class ProcessEngine(Generic[TaskT]):
         if len(self._workers) < self._processes:
             return self._hire()
         if idle and self._processes == 1:
-            # The only worker there is has played it already: another takes its place.
+            # The only worker has already played it, so a new worker takes its place.
             self._bury(idle[0])
             return self._hire()
         return None
@@ -121,10 +121,10 @@ class ProcessEngine(Generic[TaskT]):
         self._workers.remove(worker)
 
     def _ended(self, worker: _WorkerProcess[TaskT]) -> FinishedTask[TaskT]:
-        """Return the task that a worker has ended, in one way or the other. Raises what the worker raised."""
+        """Return the task that a worker has ended, or that its death has ended. Raise what the worker raised."""
         task = worker.task
         if task is None:
-            raise EngineFailed("A worker told of a task that it did not have.")
+            raise EngineFailed("A worker returned a result without having a task.")
         try:
             told = worker.pipe.recv()
         except (EOFError, OSError):
@@ -138,7 +138,7 @@ class ProcessEngine(Generic[TaskT]):
 
 def _serve(pipe: "Connection[TaskOutcome | Exception, BatchTask]") -> None:
     """Carry out tasks until the other end of the pipe is closed."""
-    # Ctrl-C at a terminal reaches all its processes; the one that gives the tasks ends the others.
+    # Ctrl-C at a terminal reaches all its processes; the process that gives the tasks ends the workers.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     while True:
         try:

@@ -1,4 +1,4 @@
-"""Jobs of Slurm, by submitit (extra `cluster`)."""
+"""Jobs of Slurm, through submitit (extra `cluster`)."""
 
 import time
 from collections.abc import Iterator, Mapping, Sequence
@@ -11,19 +11,19 @@ from thbridge.batch.engines.batch_task import BatchTask, TaskOutcome, worker_nam
 from thbridge.batch.engines.engine import FinishedTask, TaskT
 
 POLL_SECONDS = 1.0
-"""Time between two looks at the jobs."""
+"""Seconds between two checks of the jobs."""
 _Job: TypeAlias = "submitit.Job[tuple[str, list[TaskOutcome]]]"
 STANDARD_OPTIONS = {"cpus_per_task": "1"}
 
 
 class SlurmEngine(Generic[TaskT]):
-    """Carries out tasks by jobs of Slurm; what waits is shared out among the jobs of an array.
+    """Engine that uses Slurm jobs; waiting tasks are divided among the jobs of an array.
 
     Args:
-        jobs: number of jobs at most.
-        log: folder of submitit's files.
-        options: of `sbatch`, by their long names.
-        cluster: "slurm"; or "local" or "debug", for which no Slurm is needed.
+        jobs: largest number of jobs.
+        log: folder for submitit's files.
+        options: options of `sbatch`, by their long names.
+        cluster: "slurm"; or "local" or "debug", which need no Slurm.
     """
 
     def __init__(self, jobs: int, log: Path, options: Mapping[str, str], cluster: str = "slurm") -> None:
@@ -35,13 +35,13 @@ class SlurmEngine(Generic[TaskT]):
         self._running: list[tuple[_Job, Sequence[TaskT]]] = []
 
     def submit(self, task: TaskT, avoid: str | None = None) -> None:
-        """See `Engine`; every job is another worker."""
+        """See `Engine`; every job counts as another worker."""
         self._waiting.append(task)
 
     def finished(self) -> Iterator[FinishedTask[TaskT]]:
         """See `Engine`."""
         while self._waiting or self._running:
-            # What comes in while jobs run, such as games to be played again, waits for all of them.
+            # Tasks that are added while jobs run, such as games to play again, wait until all jobs have ended.
             if not self._running:
                 self._start()
             for job, tasks in [each for each in self._running if each[0].done()]:
@@ -65,12 +65,12 @@ class SlurmEngine(Generic[TaskT]):
 
 
 def _carried_out(tasks: Sequence[BatchTask]) -> tuple[str, list[TaskOutcome]]:
-    """Carry out the tasks of a job, and return its name."""
+    """Carry out the tasks of a job; return the name of its worker and the outcomes."""
     return worker_name(), [task.carry_out() for task in tasks]
 
 
 def _ended(job: _Job, tasks: Sequence[TaskT]) -> Iterator[FinishedTask[TaskT]]:
-    """Yield the tasks of a job that has ended. Raises what they raised."""
+    """Yield the tasks of a job that has ended. Raise what they raised."""
     fault = job.exception()
     if fault is None:
         worker, outcomes = job.result()
@@ -78,6 +78,6 @@ def _ended(job: _Job, tasks: Sequence[TaskT]) -> Iterator[FinishedTask[TaskT]]:
         return
     if not isinstance(fault, submitit.core.utils.UncompletedJobError):
         raise fault
-    # It was killed, or ran out of time: what it has not done is done by another.
+    # The job was killed or ran out of time, so another job does the rest.
     for task in tasks:
         yield FinishedTask(task, None, job.job_id)

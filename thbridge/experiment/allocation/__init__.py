@@ -1,1 +1,1 @@
-"""Allocation of people to conditions and orders: Latin squares, blocks dealt by a seed, quotas of valid runs."""
+"""Allocation of people to conditions and orders: Latin squares, seeded random blocks, quotas of valid runs."""

@@ -1,4 +1,4 @@
-"""Orders of conditions in which each comes at every place, and behind every other, equally often.
+"""Orders of conditions in which each condition comes equally often at every place and after every other condition.
 
 Source: Williams, Experimental designs balanced for the estimation of residual effects of treatments (1949).
 """
@@ -11,14 +11,14 @@ Order = tuple[int, ...]
 
 
 def balanced_latin_square(conditions: int) -> tuple[Order, ...]:
-    """Return the orders of a balanced Latin square: as many as there are conditions, twice as many if those are odd.
+    """Return the orders of a balanced Latin square: as many as conditions, or twice as many for an odd number.
 
     Raises:
         ValueError: there are no conditions.
     """
     if conditions < 1:
         raise ValueError("an order needs at least one condition")
-    # 0, 1, n - 1, 2, n - 2, ...: from each to the next the difference is another one.
+    # 0, 1, n - 1, 2, n - 2, ...: the difference between neighbors is different each time.
     first, low, high = [0], 1, conditions - 1
     while low <= high:
         first.append(low)
@@ -27,7 +27,7 @@ def balanced_latin_square(conditions: int) -> tuple[Order, ...]:
         low, high = low + 1, high - 1
     orders = [tuple((index + shift) % conditions for index in first) for shift in range(conditions)]
     if conditions % 2 == 1 and conditions > 1:
-        # Of an odd number differences repeat; read backwards as well, each pair comes equally often.
+        # For an odd number the differences repeat; with all orders reversed as well, each pair comes equally often.
         orders += [order[::-1] for order in orders]
     return tuple(orders)
 
@@ -44,7 +44,7 @@ def cyclic_latin_square(conditions: int) -> tuple[Order, ...]:
 
 
 def is_balanced(orders: Sequence[Order]) -> bool:
-    """Return True when each condition comes at every place, and directly behind every other, equally often."""
+    """Return True if each condition comes equally often at every place, and directly after every other condition."""
     at = {(place, one): 0 for one in orders[0] for place in range(len(orders[0]))}
     behind = {(one, other): 0 for one in orders[0] for other in orders[0] if one != other}
     for order in orders:

@@ -1,9 +1,9 @@
-"""Places in an experiment: each is one cell of the design with one order of conditions, and is taken by one person.
+"""Places in an experiment. Each place is one cell of the design with one order of conditions, for one person.
 
-Places are numbered, and a number says all: which cell it is comes from a block in which every cell stands equally
-often, dealt by the experiment's seed, and which order from blocks of orders inside the cell. A place of somebody whose
-run does not count opens again, and the next person takes the lowest one that is open. So cells and orders stay as
-balanced as they can be, whoever drops out and when, and anybody can deal the same places again.
+The number of a place determines its cell and its order. Cells are shuffled, from the experiment's seed, in blocks that
+contain every cell equally often; orders are shuffled in blocks within each cell. If a run does not count, its place is
+free again, and the next person takes the lowest free place. So cells and orders stay as balanced as possible, whichever
+people drop out and when, and the same places can be computed again.
 """
 
 from collections.abc import Collection
@@ -18,7 +18,7 @@ class Place:
     """A place in an experiment.
 
     Attributes:
-        number: from 0, in the order in which places are given.
+        number: number from 0, in the order in which places are given.
         cell: index of the combination of levels of all between factors.
         order: index of the order of conditions.
     """
@@ -29,24 +29,24 @@ class Place:
 
 
 class NoPlace(StrEnum):
-    """Reason for having no place for a person."""
+    """Reason for not giving a place to a person."""
 
     FULL = "full"
-    """As many valid runs as are wanted are there."""
+    """The quota of valid runs is reached."""
     TAKEN = "taken"
-    """All places are taken; some may open again while runs are under way."""
+    """All places are taken; some may become free while runs are in progress."""
 
 
 @dataclass(frozen=True, slots=True)
 class Allocation:
-    """Dealing of places.
+    """Rule for giving places.
 
     Attributes:
         cells: number of combinations of levels of the between factors.
         orders: number of orders of conditions.
-        quota: valid runs wanted in each cell.
-        seed: the experiment's.
-        in_block: times that each cell stands in a block.
+        quota: number of valid runs wanted in each cell.
+        seed: the experiment's random seed.
+        in_block: number of times that each cell is in a block.
     """
 
     cells: int
@@ -61,11 +61,11 @@ class Allocation:
         return self.cells * self.quota
 
     def place(self, number: int) -> Place:
-        """Return the place of a number; those of `size` and more are nobody's."""
+        """Return the place with a number; numbers from `size` on are not given to people."""
         block, index = divmod(number, self.cells * self.in_block)
         dealt = _shuffled([i % self.cells for i in range(self.cells * self.in_block)], self.seed, "cells", block)
         cell = dealt[index]
-        # How often this cell was dealt before.
+        # Number of earlier places in this cell.
         times = block * self.in_block + dealt[:index].count(cell)
         of_orders, turn = divmod(times, self.orders)
         order = _shuffled(list(range(self.orders)), self.seed, f"orders of cell {cell}", of_orders)[turn]
@@ -76,7 +76,7 @@ class Allocation:
 
         Args:
             valid: numbers of the places of runs that count.
-            under_way: numbers of the places of runs that may yet.
+            under_way: numbers of the places of runs that may still count.
         """
         for number in range(self.size):
             if number not in valid and number not in under_way:

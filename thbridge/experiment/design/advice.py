@@ -1,4 +1,4 @@
-"""Advice on an experiment: what is no fault, and yet spoils a measure or would be objected to by a reviewer."""
+"""Advice on an experiment: valid choices that spoil a measure, or that a reviewer would object to."""
 
 import re
 from collections import Counter
@@ -15,11 +15,11 @@ from thbridge.files.disk.text_files import read_text
 from thbridge.files.language_texts import ENGLISH
 
 _GAP = re.compile(r"\[(Replace|Write|Insert|TODO)\b[^\]]*\](?!\()")
-"""A place in a text that its author has yet to fill in, as in the example's consent."""
+"""A gap in a text that its author still has to fill in, as in the example's consent."""
 
 
 def advice_on(design: ExperimentDesign) -> tuple[str, ...]:
-    """Return in sentences what is right and yet may not be meant, most serious first."""
+    """Return sentences about choices that are valid but may not be intended, most serious first."""
     return (
         *_on_texts(design),
         *_on_languages(design),
@@ -34,7 +34,7 @@ def advice_on(design: ExperimentDesign) -> tuple[str, ...]:
 
 
 def people_in_words(design: ExperimentDesign) -> str:
-    """Return how many participants there are, and how many conditions each of them meets."""
+    """Return the number of participants, and the number of conditions each of them meets, in words."""
     people, groups, within = design.allocation.size, len(design.cells), len(design.conditions)
     if groups == 1:
         return f"{people} people, " + ("one condition" if within == 1 else f"{within} conditions for each")
@@ -52,13 +52,13 @@ def _on_texts(design: ExperimentDesign) -> Iterator[str]:
 
 
 def _on_languages(design: ExperimentDesign) -> Iterator[str]:
-    """Yield what is not in the study's language: games, texts that a language lacks, and words of maps and sets."""
+    """Yield what is not in the study's language: games, missing translations, and words of maps and template sets."""
     games = tuple(chain(*(cell.studies for cell in design.cells), *chain(*design.practices.values())))
     studies = {(study.dialogue.language, study.dialogue.words): study for study in (design.study, *games)}
     own, *others = dict.fromkeys(language for language, _ in studies)
     if others:
         yield (
-            f"The pages of the study are in {own} and games in {_listed(others)}: participants would read two "
+            f"The pages of the study are in {own}, but games are in {_listed(others)}: participants would read two "
             "languages. Write one `dialogue.language`, under `base`."
         )
     for study in studies.values():
@@ -67,8 +67,8 @@ def _on_languages(design: ExperimentDesign) -> Iterator[str]:
     if own != ENGLISH:
         for path in {form.path: None for form in design.form_files.values() if form.path.parent == SHIPPED}:
             yield (
-                f"{path.stem}: there is no translation of this form into {own}, so it is shown in English. Translate a "
-                f"copy of {path}, and name it in the step: `form: {path.name}`."
+                f"{path.stem}: this form has no translation into {own}, so it is shown in English. Translate a copy of "
+                f"{path}, and name the copy in the step: `form: {path.name}`."
             )
     of_files = {(study.dialogue.language, study.map, study.templates): study for study in games}
     missing = chain.from_iterable(missing_in(study, design.beside) for study in of_files.values())
@@ -78,17 +78,18 @@ def _on_languages(design: ExperimentDesign) -> Iterator[str]:
 def _on_orders(design: ExperimentDesign) -> Iterator[str]:
     orders, file = len(design.orders), design.file
     if file.quota % orders:
-        yield f"Of {orders} orders some come more often: the quota, {file.quota}, is no multiple of them."
+        yield f"The quota, {file.quota}, is not a multiple of the {orders} orders, so some orders come more often."
     if len(design.conditions) == 1:
         return
     if file.order is OrderKind.FIXED:
         yield (
-            "All people meet the conditions in the same order, so effects of condition and of practice or fatigue "
-            "cannot be told apart. Write `order: balanced`."
+            "All people meet the conditions in the same order, so effects of the condition cannot be separated from "
+            "effects of practice or fatigue. Write `order: balanced`."
         )
     elif file.order is OrderKind.CYCLIC and len(design.conditions) > 2:
         yield (
-            "With `order: cyclic` a condition mostly follows the same other one, so after-effects are not balanced. "
+            "With `order: cyclic` a condition mostly follows the same other condition, so after-effects are not "
+            "balanced. "
             "Write `order: balanced`."
         )
     if len(set(file.seeds)) < len(file.seeds):
@@ -96,7 +97,7 @@ def _on_orders(design: ExperimentDesign) -> Iterator[str]:
 
 
 def _on_results_shown(design: ExperimentDesign) -> Iterator[str]:
-    """Yield where a game compares its result with the best possible one before a form asks about it."""
+    """Yield advice where a game shows the best possible score before a form asks about the game."""
     if not any(study.participant.shows.answers for cell in design.cells for study in cell.studies):
         return
     plan = plan_of(design, Place(0, 0, 0))
@@ -104,9 +105,9 @@ def _on_results_shown(design: ExperimentDesign) -> Iterator[str]:
     form = next((step for step in plan[trial:] if step.entry.step is StepKind.FORM), None)
     if form is not None:
         yield (
-            "A game ends with what was in the rooms and the best possible score, which may bias the answers to "
-            f"{form.name} after it. Write `participant.shows.answers: false` under `base`; `results: true` at the "
-            "debrief shows it there."
+            "At the end of a game, participants see what was in the rooms and the best possible score. This may bias "
+            f"their answers to {form.name} after it. Write `participant.shows.answers: false` under `base`; with "
+            "`results: true` the debrief shows it instead."
         )
 
 
@@ -114,7 +115,7 @@ def _on_steps(design: ExperimentDesign) -> Iterator[str]:
     steps = design.file.steps
     kinds = [entry.step for entry in steps]
     if StepKind.DEBRIEF not in kinds:
-        yield "Nobody reads what the study was about. Add {step: debrief, text: FILE} as the last step."
+        yield "Participants do not read what the study was about. Add {step: debrief, text: FILE} as the last step."
     if StepKind.TRIAL in kinds and StepKind.PRACTICE not in kinds[: kinds.index(StepKind.TRIAL)]:
         yield "No practice comes before the first trial, so it measures how people learn the window. Add a practice."
     if StepKind.TRIAL in kinds and StepKind.CHECK not in kinds:
@@ -153,7 +154,7 @@ def _on_form(form: Form) -> Iterator[str]:
     for words, times in texts.items():
         if times > 1:
             ids = [item.id for item in form.items if " ".join(item.text.casefold().split()) == words]
-            yield f"{_listed(ids)}: ask the same in the same words."
+            yield f"{_listed(ids)}: these items ask the same in the same words."
     for name, items in form.subscales.items():
         if len(items) == 1:
             yield f"the score {name} has one item, so it has no reliability. Ask several items about it."
@@ -162,7 +163,7 @@ def _on_form(form: Form) -> Iterator[str]:
         ):
             yield (
                 f"no item of the score {name} is reversed, so agreement with everything looks like a high score. "
-                "Word some items the other way, with `reverse: true`."
+                "Word some items the other way round, with `reverse: true`."
             )
 
 

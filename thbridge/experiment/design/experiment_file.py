@@ -1,4 +1,4 @@
-"""The file of an experiment: what differs between conditions, how many people, and the steps of each."""
+"""The file of an experiment: differences between conditions, number of people, and the steps of each person."""
 
 import itertools
 from collections.abc import Iterator, Mapping, Sequence
@@ -26,83 +26,83 @@ from thbridge.study.overrides import merged, resolved_tree
 from thbridge.study.study_file import Study, load_study
 
 MOST_CONDITIONS = 16
-"""Conditions that one person can go through, at most."""
+"""Largest number of conditions that one person goes through."""
 MOST_PEOPLE = 100_000
 MOST_TRIALS = 64
-"""Trials of a person whose seeds practice keeps away from."""
+"""Number of a person's trials with seeds that practice games avoid."""
 LONGEST_TITLE = 200
-"""Letters of a title."""
+"""Largest number of letters of a title."""
 LARGEST_SEED = 2**31 - 1
 _OWN_READING = ("base", "within", "between")
-"""Keys whose contents are keys of studies."""
+"""Keys with contents that are keys of studies."""
 
 
 class OrderKind(StrEnum):
-    """Way in which conditions are ordered for each person."""
+    """Rule by which conditions are ordered for each person."""
 
     BALANCED = "balanced"
-    """By a balanced Latin square: each condition comes at every place, and behind every other, equally often."""
+    """Balanced Latin square: each condition comes equally often at every place, and equally often after every other."""
     CYCLIC = "cyclic"
-    """By a plain Latin square: each comes at every place equally often; half as many orders of odd numbers."""
+    """Plain Latin square: each condition comes equally often at every place. Odd numbers need half as many orders."""
     FIXED = "fixed"
-    """As the file has them."""
+    """The order of the file."""
 
 
 class WhoBegins(StrEnum):
     """Person who begins the next run on the laboratory's computer."""
 
     PARTICIPANT = "participant"
-    """Whoever sits down there, by a button."""
+    """The participant, who sits down and presses a button."""
     RESEARCHER = "researcher"
-    """The researcher, in their own window or by a key combination."""
+    """The researcher, in their own window or with a key combination."""
 
 
 @dataclass(frozen=True, slots=True)
 class RecruitingSection:
     """Questions to people whom a recruiting service has sent."""
 
-    ask: str = param("", "question for the code that the service gave them, before the first step; empty: not asked")
+    ask: str = param("", "question for the code from the service, before the first step; if empty, it is not asked")
 
 
 @dataclass(frozen=True, slots=True)
 class ExperimentFile:
     """An experiment as people write it."""
 
-    title: str = field(metadata={"help": "what it is called"})
-    seed: int = param(1, "all that is drawn follows from it", "", 0, LARGEST_SEED)
-    study: Path | None = param(None, "path of the study file that trials begin from, from here; null: defaults")
-    base: Mapping[str, str] = field(default_factory=dict, metadata={"help": "keys of the study, over its file's"})
+    title: str = field(metadata={"help": "title of the study"})
+    seed: int = param(1, "random seed", "", 0, LARGEST_SEED)
+    study: Path | None = param(None, "path of the study file of all games, from this file's folder; if null, defaults")
+    base: Mapping[str, str] = field(default_factory=dict, metadata={"help": "keys of the study, overriding its file"})
     within: Mapping[str, str] = field(
-        default_factory=dict, metadata={"help": "factors with all levels for each participant"}
+        default_factory=dict, metadata={"help": "factors with all of their levels for each participant"}
     )
     between: Mapping[str, str] = field(
-        default_factory=dict, metadata={"help": "factors with one level for each participant"}
+        default_factory=dict, metadata={"help": "factors with one of their levels for each participant"}
     )
-    quota: int = param(12, "runs that count, of each combination of levels between people", "", 1, MOST_PEOPLE)
+    quota: int = param(12, "number of counted runs for each combination of levels between people", "", 1, MOST_PEOPLE)
     order: OrderKind = param(OrderKind.BALANCED, "how conditions are ordered for each person")
-    in_block: int = param(1, "how often each combination of levels between people stands in a block", "", 1, 100)
+    in_block: int = param(1, "number of places per block for each combination of levels between people", "", 1, 100)
     seeds: tuple[int, ...] = param(
-        (), "seeds of the games, the first for everybody's first trial and so on; none: drawn", "", 0, LARGEST_SEED
+        (), "seeds of the games; the first one is for every person's first trial; if empty, drawn", "", 0, LARGEST_SEED
     )
     begins: WhoBegins = param(WhoBegins.PARTICIPANT, "who begins the run of the next person")
-    recruiting: RecruitingSection = param(RecruitingSection(), "what people from a recruiting service are asked")
+    recruiting: RecruitingSection = param(RecruitingSection(), "questions to people from a recruiting service")
     recruitment: str = param("", "sentence on how people were found and paid, for the methods text")
     ethics: str = param(
         "", "sentence on the approval by an ethics committee, with its name and number, for the methods text"
     )
-    sample_size_reason: str = param("", "sentence on why the quota is what it is, for the methods text")
+    sample_size_reason: str = param("", "sentence on the reason for the quota, for the methods text")
     exclusions: tuple[str, ...] = param(
-        (), "rules by which researchers exclude runs or answers, a sentence each, for the methods text"
+        (), "rules by which researchers exclude runs or answers, one sentence each, for the methods text"
     )
     preregistration: str = param("", "sentence on where the study is registered, for the methods text")
     deviations: tuple[str, ...] = param(
-        (), "deviations from the preregistration with their reasons, a sentence each, for the methods text"
+        (), "deviations from the preregistration with their reasons, one sentence each, for the methods text"
     )
     data_availability: str = param("", "sentence on where data and materials are, for the methods text")
     most_lag: float | None = param(
         None,
-        "largest lag of a game behind real time, on a machine too slow for its rate; a run with a larger one does not "
-        "count, and its place opens again; null: any lag counts",
+        "largest lag of a game behind real time (a slow machine lags); a run with a larger lag does not count, and its "
+        "place is free again; if null, every run counts",
         "s",
         0,
         3600,
@@ -110,12 +110,10 @@ class ExperimentFile:
     consent_elsewhere: str = param(
         "",
         "sentence on how participants gave consent outside of the program, such as on paper, for the methods text; "
-        "empty: a step asks for it",
+        "if empty, a step asks for it",
     )
-    markers: bool = param(
-        default=False, help="whether each event of the log goes to other recorders (Lab Streaming Layer)"
-    )
-    steps: tuple[StepEntry, ...] = param((), "what a person goes through, in this order")
+    markers: bool = param(default=False, help="send each event of the log to other recorders (Lab Streaming Layer)")
+    steps: tuple[StepEntry, ...] = param((), "steps of a person, in this order")
 
 
 @dataclass(frozen=True, slots=True)
@@ -123,7 +121,7 @@ class ExperimentCondition:
     """A condition that people meet.
 
     Attributes:
-        name: its levels in words; empty where nothing differs within people.
+        name: its levels in words; empty if nothing differs within people.
         levels: the level of each factor within people.
     """
 
@@ -136,7 +134,7 @@ class Cell:
     """A combination of levels of the factors between people.
 
     Attributes:
-        name: its levels in words; empty where nothing differs between people.
+        name: its levels in words; empty if nothing differs between people.
         levels: the level of each factor between people.
         studies: the study of each condition in this cell.
     """
@@ -152,18 +150,18 @@ class ExperimentDesign:
 
     Attributes:
         path: its file.
-        beside: the folder that paths in its studies are relative to.
-        file: what it says.
-        study: that all games begin from, before conditions change it.
-        conditions: those within people, in the file's order.
+        `beside`: the folder that paths in its studies are relative to.
+        file: contents of the file.
+        study: the study of all games, before conditions change it.
+        conditions: the conditions within people, in the file's order.
         cells: combinations between people.
-        orders: orders of conditions that are dealt.
+        orders: orders of conditions that people are assigned to.
         forms: the form of each step that has one, by the step's index.
-        practices: the studies of each practice game, by the step's index: for each combination between people, one for
-            each condition in which the person may play it.
+        practices: the studies of each practice game, by the step's index. For each combination between people, one
+            study for each condition in which the person may play it.
         lines: line of each key and item of the file, by its path.
         form_files: each form with the lines of its file, by the step's index.
-        doubts: possible slips in the files that studies name, where these were read, too.
+        doubts: possible slips in the files that studies name, if these were read, too.
     """
 
     path: Path
@@ -185,7 +183,7 @@ class ExperimentDesign:
 
     @property
     def allocation(self) -> Allocation:
-        """Dealing of places."""
+        """Assignment of places."""
         file = self.file
         return Allocation(len(self.cells), len(self.orders), file.quota, file.seed, file.in_block)
 
@@ -199,14 +197,15 @@ class ExperimentDesign:
 
 
 def read_experiment(path: Path, *, with_files: bool = False) -> ExperimentDesign:
-    """Read an experiment; every condition's study is read, and every form.
+    """Read an experiment, with the study of every condition, and every form.
 
     Args:
         path: its file.
-        with_files: True to read what its games need as well (maps, templates, words), and find out that they can begin.
+        with_files: True to also read the files that its games need (maps, templates, words), and check that they can
+            start.
 
     Raises:
-        BadFile: it cannot be read, or something in it is faulty; as BadFiles, all faults at once.
+        BadFile: it cannot be read, or it has faults; as BadFiles, all faults at once.
     """
     return experiment_of(path, parse(path, read_text(path)), with_files=with_files)
 
@@ -235,7 +234,7 @@ def experiment_of(path: Path, whole: Node, *, with_files: bool = False) -> Exper
     if len(conditions) > MOST_CONDITIONS:
         raise loaded.fault("within", f"{len(conditions)} conditions for each person", "Write fewer factors or levels")
     cells = []
-    # What does not fit together is told with a line that people wrote.
+    # Faults of combined values are reported with a line that people wrote.
     start, files = at_line(resolved_tree(study), line), SettingCache(beside)
     for cell in factorial(between):
         studies = []
@@ -313,7 +312,7 @@ def _check_factors(
     if both := next((factor for factor in within if factor in between), None):
         raise loaded.fault("between", f"{both} is a factor within people, too", "Keep one of the two")
     if "seed" in {*within, *between}:
-        raise loaded.fault("within", "seed is no factor: all conditions share their chance", "Write `seeds`")
+        raise loaded.fault("within", "seed cannot be a factor: all conditions share one seed", "Write `seeds`")
 
 
 def _labels(levels: Mapping[str, Level]) -> dict[str, str]:
@@ -338,10 +337,10 @@ def _form(loaded: Loaded[ExperimentFile], index: int, entry: StepEntry, language
         path = shipped if is_regular(shipped) else path
     if not is_regular(path):
         names = ", ".join(sorted(form.stem for form in SHIPPED.glob("*.yaml")))
-        raise loaded.fault(f"steps[{index}].form", f"there is no form {entry.form}", f"Name a file, or one of {names}")
+        raise loaded.fault(f"steps[{index}].form", f"no form {entry.form} exists", f"Name a file, or one of {names}")
     form = read_form(path)
     if entry.step is StepKind.CHECK and not any(item.is_checked for item in form.value.items):
-        remedy = "Write `correct` at one of its items at least"
+        remedy = "Write `correct` for at least one of its items"
         raise BadFile(path, "a check needs right answers", remedy, key="items")
     return form
 
@@ -351,18 +350,18 @@ _FORMS = {StepKind.CHECK, StepKind.FORM}
 
 
 def name_of(index: int, entry: StepEntry) -> str:
-    """Return the name of a step: its own, that of its form, or its kind with its number in the file."""
+    """Return the name of a step: its own name, or its form's, or its kind with its number in the file."""
     return entry.name or (Path(entry.form).stem if entry.form else f"{entry.step}_{index + 1}")
 
 
 def _problems(loaded: Loaded[ExperimentFile], conditions: int) -> Iterator[BadFile]:
-    """Yield what is valid alone but not together."""
+    """Yield faults of values that are valid alone, but not together."""
     file = loaded.value
     if len(file.title) > LONGEST_TITLE or visible(file.title) != file.title:
         problem = f"a title has at most {LONGEST_TITLE} letters, on one line"
         yield loaded.fault("title", problem, "Shorten it: exports name files and headings after it")
     if not file.steps:
-        yield loaded.fault("steps", "nobody has anything to do", "Write a line '- {step: trial}' at least")
+        yield loaded.fault("steps", "participants have nothing to do", "Write at least one line '- {step: trial}'")
     trials = [entry.each_condition for entry in file.steps if entry.step is StepKind.TRIAL]
     played = sum(conditions if each else 1 for each in trials)
     if file.seeds and len(file.seeds) < played:
@@ -377,27 +376,27 @@ def _problems(loaded: Loaded[ExperimentFile], conditions: int) -> Iterator[BadFi
         if entry.step in _TEXTS and entry.text is None:
             yield loaded.fault(key, f"{entry.step} without a text", "Write text: FILE")
         if entry.text is not None and not is_regular(loaded.path.parent / entry.text):
-            yield loaded.fault(f"{key}.text", f"there is no file {entry.text}", "Write the path of a text")
+            yield loaded.fault(f"{key}.text", f"file {entry.text} does not exist", "Write the path of a text")
         if entry.step in _FORMS and not entry.form:
             yield loaded.fault(key, f"a {entry.step} without a form", "Write form: NAME")
         if name in names:
             remedy = "Give each a name of its own: `name: ...`"
-            yield loaded.fault(key, f"{name} is the name of step {names[name] + 1}, too", remedy)
+            yield loaded.fault(key, f"{name} is also the name of step {names[name] + 1}", remedy)
         if entry.repeat and entry.repeat not in names and entry.repeat != name:
-            yield loaded.fault(f"{key}.repeat", f"no step before is called {entry.repeat}", _one_of(names))
+            yield loaded.fault(f"{key}.repeat", f"no earlier step has the name {entry.repeat}", _one_of(names))
         for answer in entry.when:
             step, _, item = answer.rpartition(".")
             if step not in names:
-                yield loaded.fault(f"{key}.when", f"no step before is called {step or item}", _one_of(names))
+                yield loaded.fault(f"{key}.when", f"no earlier step has the name {step or item}", _one_of(names))
         names.setdefault(name, index)
 
 
 def _one_of(names: Mapping[str, int]) -> str:
-    return f"Write one of {', '.join(names)}" if names else "Take it away: it is the first"
+    return f"Write one of {', '.join(names)}" if names else "Delete it: this is the first step"
 
 
 def drawn_seed(design: ExperimentDesign, trial: int) -> int:
-    """Return the seed of everybody's game of this number, counted from 0."""
+    """Return the seed of the game with this number, from 0. It is the same for all people."""
     file = design.file
     if file.seeds:
         return file.seeds[trial]
@@ -405,7 +404,7 @@ def drawn_seed(design: ExperimentDesign, trial: int) -> int:
 
 
 def practice_seed(design: ExperimentDesign, attempt: int) -> int:
-    """Return the seed of everybody's practice game: none of a trial, and another one at each attempt, from 1."""
+    """Return the seed of a practice attempt, from 1: the same for all people, and different from every trial's."""
     trials = {*design.file.seeds} or {drawn_seed(design, trial) for trial in range(MOST_TRIALS)}
     drawn = int(noise.key(design.file.seed, "experiment", "practice", str(attempt))) % LARGEST_SEED
     return next(seed for seed in itertools.count(drawn) if seed not in trials) % LARGEST_SEED

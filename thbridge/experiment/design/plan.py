@@ -1,4 +1,4 @@
-"""The steps of one person: those of the file, with trials in the person's order of conditions."""
+"""The steps of one person: the steps of the file, with trials in the person's order of conditions."""
 
 import itertools
 from collections.abc import Sequence
@@ -17,9 +17,9 @@ class PlannedStep:
         number: from 1, in the person's order.
         index: index of the step in the file.
         entry: the step in the file.
-        name: its name there.
-        condition: index of the condition that it belongs to; None: to none.
-        trial: how many trials come before it; None: it is no trial.
+        name: name of the step in the file.
+        condition: index of its condition. If None, it belongs to no condition.
+        trial: number of trials before it. If None, it is not a trial.
     """
 
     number: int
@@ -49,7 +49,8 @@ def plan_of(design: ExperimentDesign, place: Place) -> tuple[PlannedStep, ...]:
 
 
 def _only(design: ExperimentDesign, entry: StepEntry) -> int | None:
-    """A trial outside of all conditions is played in the only one."""
+    """Return the condition of a step outside of all conditions: a trial belongs to the only condition, if there is
+    one."""
     return 0 if entry.step is StepKind.TRIAL and len(design.conditions) == 1 else None
 
 

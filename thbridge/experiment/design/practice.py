@@ -1,4 +1,4 @@
-"""Practice games: the studies that they are played in, and what must be done in them."""
+"""Practice games: the studies in which they are played, and what participants must do in them."""
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
@@ -19,7 +19,7 @@ BASE = "base"
 
 
 def without_bases(node: Node) -> Node:
-    """Return a list of steps with an empty section in the place of each `base`; any other node as it is."""
+    """Return a list of steps with an empty section in place of each `base`; return any other node unchanged."""
     return replace(node, items=list(map(_without_base, node.items))) if isinstance(node, Listing) else node
 
 
@@ -33,16 +33,16 @@ def _without_base(step: Node) -> Node:
 def practice_studies(
     path: Path, step: Node, cells: Sequence[Sequence[Study]], files: SettingCache | None
 ) -> tuple[tuple[Study, ...], ...]:
-    """Return the studies of a practice game: those of the conditions with the keys of the step's `base`.
+    """Return the studies of a practice game: those of the conditions, changed by the keys of the step's `base`.
 
     Args:
         path: the experiment's file, for faults.
         step: the step in the file.
         cells: for each combination between people, the study of each condition.
-        files: reads what the games need as well; None: it is not read.
+        files: reads the files that the games need. If None, they are not read.
 
     Raises:
-        BadFile: the keys are wrong, or what they name is.
+        BadFile: the keys are wrong, or a file that they name is wrong.
     """
     base = next((node for key, node in entries_of(step) if key.text == BASE), None)
     if base is None:
@@ -58,7 +58,7 @@ def practice_studies(
 
 
 def demands_of(entry: StepEntry, study: Study) -> Mapping[PracticeTerm, float]:
-    """Return what must be done in a practice game that is played in a study; where robots never talk, no dialogue."""
+    """Return what participants must do in a practice game of a study: no dialogues if robots never talk."""
     demands = {PracticeTerm(term): float(number) for term, number in entry.at_least.items()}
     if study.dialogue.condition is DialogueCondition.SUPERVISOR:
         demands.pop(PracticeTerm.DIALOGUES, None)
@@ -68,20 +68,20 @@ def demands_of(entry: StepEntry, study: Study) -> Mapping[PracticeTerm, float]:
 def practice_problems(
     lines: Mapping[str, int], index: int, entry: StepEntry, studies: Sequence[Study], files: SettingCache | None
 ) -> Iterator[tuple[str, str, str]]:
-    """Yield key, problem and remedy of what nobody can do in a practice game.
+    """Yield key, problem and remedy of what no participant can do in a practice game.
 
     Args:
-        lines: of the experiment's keys, by their paths.
+        lines: line of each key of the experiment's file, by its path.
         index: index of the step.
         entry: the step.
-        studies: all that it may be played in.
+        studies: all studies in which it may be played.
         files: as for `practice_studies`.
     """
     key = f"steps[{index}].at_least"
     if entry.step is not StepKind.PRACTICE:
         for name in (BASE, "at_least"):
             if f"steps[{index}].{name}" in lines:
-                yield f"steps[{index}].{name}", f"a {entry.step} is no practice game", "Take the line away"
+                yield f"steps[{index}].{name}", f"a {entry.step} is not a practice game", "Delete the line"
         return
     most = math.inf if files is None else min((_most_moves(files.of(study)) for study in studies), default=math.inf)
     for term, text in entry.at_least.items():
@@ -89,7 +89,7 @@ def practice_problems(
         if term not in list(PracticeTerm):
             yield f"{key}.{term}", f"{term} is not counted in practice", f"Write one of {', '.join(PracticeTerm)}"
         elif number is None or not 0 <= number <= LARGEST_COUNT:
-            yield f"{key}.{term}", f"{text!r} is no number from 0 to {LARGEST_COUNT}", "Write for example 1"
+            yield f"{key}.{term}", f"{text!r} is not a number from 0 to {LARGEST_COUNT}", "Write for example 1"
         elif term == PracticeTerm.SECONDS:
             if number >= entry.max_seconds:
                 remedy = f"Write less than {entry.max_seconds:g}, or a larger max_seconds"
@@ -97,7 +97,7 @@ def practice_problems(
         elif number != math.floor(number):
             yield f"{key}.{term}", f"{text} is not a whole number", "Write for example 1"
         elif term == PracticeTerm.DIALOGUES and number > 0 and all(map(_is_silent, studies)):
-            remedy = "Take it away, or set base: {dialogue.condition: ...}"
+            remedy = "Delete it, or set base: {dialogue.condition: ...}"
             yield f"{key}.{term}", "robots never talk in the condition supervisor", remedy
         elif term != PracticeTerm.DIALOGUES and number > most:
             remedy = f"Write at most {most:g}, or set base: {{game.energy: ...}}"
@@ -105,7 +105,7 @@ def practice_problems(
 
 
 def _most_moves(setting: StudySetting) -> float:
-    """Return the number of moves that a game allows at most: each room once, and none without energy."""
+    """Return the largest number of moves that a game allows: each room once, as long as energy lasts."""
     cheapest = min(chain.from_iterable(setting.costs.rows))
     energy, rooms = setting.study.game.energy, len(setting.map.rooms)
     return min(rooms, setting.study.robots * (energy // cheapest)) if cheapest > 0.0 else rooms

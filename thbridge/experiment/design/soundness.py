@@ -1,7 +1,7 @@
 """Faults of an experiment that would spoil or lose data once people take part.
 
-An experiment with such faults can be read, because a study that is under way must open, go on and export. The check,
-freezing and the run of a new study refuse it.
+An experiment with such faults can be read, because a study that is already running must open, continue and export. The
+check, freezing and the run of a new study refuse it.
 """
 
 from collections.abc import Iterator
@@ -62,16 +62,16 @@ def faults_of(design: ExperimentDesign) -> Iterator[BadFile]:
 
 
 def _of_consent(design: ExperimentDesign) -> Iterator[BadFile]:
-    """Yield faults of a study that records people who did not give consent, or not yet."""
+    """Yield faults of a study that would record people who did not give consent, or not yet."""
     for entry in design.file.steps:
         if entry.step is StepKind.CONSENT and entry.text is not None:
             path = design.path.parent / entry.text
             if not read_text(path).strip():
-                yield BadFile(path, "there is nothing to agree to in it", "Write the text for consent")
+                yield BadFile(path, "the text for consent is empty", "Write the text that participants agree to")
     if design.file.consent_elsewhere.strip():
         return
     for cell in design.cells:
-        # In each group, the consents that nothing passes over.
+        # In each group, the consents that no branch skips.
         asked = [
             index
             for index, entry in enumerate(design.file.steps)
@@ -80,10 +80,11 @@ def _of_consent(design: ExperimentDesign) -> Iterator[BadFile]:
         where = f" at {cell.name}" if asked != _consents(design) and cell.name else ""
         if not asked:
             remedy = (
-                "Write {step: consent, text: FILE} before all that is recorded; if participants consent elsewhere, "
+                "Write {step: consent, text: FILE} before every step that is recorded; if participants consent "
+                "elsewhere, "
                 "such as on paper, write how: `consent_elsewhere: SENTENCE`"
             )
-            yield design.fault("steps", f"nobody is asked for consent{where}", remedy)
+            yield design.fault("steps", f"no step asks for consent{where}", remedy)
             return
         for index, entry in enumerate(design.file.steps[: asked[0]]):
             if entry.step in GATHERING:
@@ -121,7 +122,7 @@ def _of_games(design: ExperimentDesign) -> Iterator[BadFile]:
 
 
 def _of_branch(design: ExperimentDesign, index: int, entry: StepEntry) -> Iterator[BadFile]:
-    """Yield faults of a step that no answer, or no answer that can be given, leads to."""
+    """Yield faults of a step that no possible answer leads to."""
     names = {name_of(number, step): number for number, step in enumerate(design.file.steps[:index])}
     for branch, answer in entry.when.items():
         key = f"steps[{index}].when"
@@ -137,21 +138,21 @@ def _of_branch(design: ExperimentDesign, index: int, entry: StepEntry) -> Iterat
         elif item.scale is not Scale.CHOICE or item.several:
             yield design.fault(key, f"{branch} is not a choice of one answer", "Name an item of the scale choice")
         elif answer not in (offered := [*item.options, *([NOT_APPLICABLE] if item.not_applicable else [])]):
-            yield design.fault(key, f"{answer!r} is no answer to {branch}", f"Write one of {', '.join(offered)}")
+            yield design.fault(key, f"{answer!r} is not an answer to {branch}", f"Write one of {', '.join(offered)}")
 
 
 def _of_levels(design: ExperimentDesign, index: int, entry: StepEntry) -> Iterator[BadFile]:
-    """Yield faults of a step that comes at levels which are not there, or which no participant meets in it."""
+    """Yield faults of a step at levels that do not exist, or that no participant meets in this step."""
     key, factors = f"steps[{index}].only_at", _levels_of(design)
     for factor, level in entry.only_at.items():
         if factor not in factors:
-            remedy = f"Write one of {', '.join(factors)}" if factors else "Take the line away: there is no factor"
-            yield design.fault(key, f"{factor} is no factor", remedy)
+            remedy = f"Write one of {', '.join(factors)}" if factors else "Delete the line: the study has no factors"
+            yield design.fault(key, f"{factor} is not a factor", remedy)
         elif level not in factors[factor]:
             yield design.fault(key, f"{factor} has no level {level}", f"Write one of {', '.join(factors[factor])}")
         elif factor in design.conditions[0].levels and not entry.each_condition:
-            problem = f"each participant meets all levels of {factor}, and the step comes outside of all conditions"
-            yield design.fault(key, problem, "Write each_condition: true, or take the line away")
+            problem = f"each participant meets all levels of {factor}, but the step is outside of all conditions"
+            yield design.fault(key, problem, "Write each_condition: true, or delete the line")
 
 
 def _levels_of(design: ExperimentDesign) -> dict[str, tuple[str, ...]]:
@@ -164,15 +165,15 @@ def _levels_of(design: ExperimentDesign) -> dict[str, tuple[str, ...]]:
 
 
 def _of_check(design: ExperimentDesign, index: int, entry: StepEntry) -> Iterator[BadFile]:
-    """Yield faults of a check that nobody can pass."""
+    """Yield faults of a check that no participant can pass."""
     asked = [item for item in design.forms[index].items if item.is_checked]
     if entry.right is not None and entry.right > len(asked):
-        problem = f"{entry.right} right answers are asked for, and {len(asked)} items have one"
+        problem = f"the check asks for {entry.right} right answers, but only {len(asked)} items have one"
         yield design.fault(f"steps[{index}].right", problem, f"Write at most {len(asked)}")
 
 
 def _of_right_answers(design: ExperimentDesign, index: int, entry: StepEntry) -> Iterator[BadFile]:
-    """Yield faults of items of a check, and of attention checks, that are judged by an answer that is not right."""
+    """Yield faults of right answers that cannot be given, in checks and in attention checks."""
     form, is_check = design.form_files[index], entry.step is StepKind.CHECK
     for number, item in enumerate(form.value.items):
         if not item.is_checked or not (item.attention or is_check):
@@ -188,33 +189,34 @@ def _of_right_answers(design: ExperimentDesign, index: int, entry: StepEntry) ->
 
 
 def _why_never_given(item: Item, answer: str) -> tuple[str, str] | None:
-    """Return problem and remedy of a right answer that nobody can give."""
+    """Return problem and remedy of a right answer that no participant can give, or None."""
     if item.scale is Scale.CHOICE:
         if item.several:
-            return "an item with several answers has no single right one", "Take `several` away"
+            return "an item with several answers has no single right answer", "Delete `several`"
         if answer not in item.options:
-            return f"{answer!r} is none of its answers", f"Write one of {', '.join(item.options)}"
+            return f"{answer!r} is not one of its answers", f"Write one of {', '.join(item.options)}"
     elif item.scale in {*MEASURED, Scale.NUMBER}:
         try:
             within = item.least <= float(answer) <= item.greatest
         except ValueError:
             within = False
         if not within:
-            return f"{answer!r} is none of its answers", f"Write a number from {item.least:g} to {item.greatest:g}"
+            return f"{answer!r} is not one of its answers", f"Write a number from {item.least:g} to {item.greatest:g}"
     return None
 
 
 def _of_answer_key(design: ExperimentDesign, entry: StepEntry, item: Item) -> Iterator[tuple[str, str]]:
-    """Yield problem and remedy of right answers by condition, where some participants meet no or several conditions."""
+    """Yield problem and remedy of right answers by condition if a participant meets none or several of the
+    conditions."""
     factors = _levels_of(design)
     named = dict.fromkeys(key.partition("=")[0] for key in item.correct_by_condition)
     unknown = [factor for factor in named if factor not in factors]
     if unknown:
-        known = f"FACTOR=LEVEL with one of {', '.join(factors)}" if factors else "one `correct`: there is no factor"
-        yield f"{unknown[0]} is no factor", f"Write {known}"
+        known = f"FACTOR=LEVEL with one of {', '.join(factors)}" if factors else "one `correct`: there are no factors"
+        yield f"{unknown[0]} is not a factor", f"Write {known}"
         return
     if len(named) > 1:
-        yield f"answers by several factors ({', '.join(named)})", "Write those of one factor"
+        yield f"the answers depend on several factors ({', '.join(named)})", "Write those of one factor"
         return
     (factor,) = named
     levels = factors[factor]
@@ -224,16 +226,16 @@ def _of_answer_key(design: ExperimentDesign, entry: StepEntry, item: Item) -> It
     missing = [level for level in levels if level not in written]
     if missing and item.correct is None:
         yield (
-            f"there is no right answer at {factor}={missing[0]}",
+            f"the right answer at {factor}={missing[0]} is missing",
             "Write one for each level, or also `correct`",
         )
     if factor in design.conditions[0].levels and not entry.each_condition:
-        problem = f"each participant meets all levels of {factor}, and is asked once, outside of all conditions"
+        problem = f"each participant meets all levels of {factor}, but is asked once, outside of all conditions"
         yield problem, "Write each_condition: true at the check and place it before its trial, or one `correct` for all"
 
 
 def _of_repetitions(design: ExperimentDesign) -> Iterator[BadFile]:
-    """Yield faults of checks whose repetition would have a participant do again what counts as data."""
+    """Yield faults of checks that, if repeated, make a participant repeat steps that count as data."""
     # The kinds of steps are the same at each place.
     plan, found = plan_of(design, Place(0, 0, 0)), dict[int, BadFile]()
     for check in plan:
@@ -242,20 +244,20 @@ def _of_repetitions(design: ExperimentDesign) -> Iterator[BadFile]:
         again = plan[repeated_from(plan, check) - 1 : check.number - 1]
         data = next((step for step in again if step.entry.step in {StepKind.TRIAL, StepKind.FORM}), None)
         if data is not None:
-            problem = f"a participant who fails the check would do {data.name} again, which counts as data"
-            remedy = "Name a step after it, in each condition if the check is, or take `repeat` away"
+            problem = f"a participant who fails the check would repeat {data.name}, which counts as data"
+            remedy = "Name a later step (inside each condition if the check is there), or delete `repeat`"
             found.setdefault(check.index, design.fault(f"steps[{check.index}].repeat", problem, remedy))
     yield from found.values()
 
 
 def _of_answers(form: Loaded[Form]) -> Iterator[BadFile]:
-    """Yield faults of items whose answers could not be told apart, or not be given."""
+    """Yield faults of items with answers that look the same, or that cannot be given."""
     for number, item in enumerate(form.value.items):
         key = f"items[{number}]"
         for name, words in (("options", item.options), ("labels", item.labels if item.options else ())):
             if twice := next((word for word in words if words.count(word) > 1), None):
-                yield form.fault(f"{key}.{name}", f"{twice!r} stands twice", "Keep one of the two")
+                yield form.fault(f"{key}.{name}", f"{twice!r} is listed twice", "Keep one of the two")
         if item.not_applicable and NOT_APPLICABLE in item.options:
-            yield form.fault(f"{key}.options", f"{NOT_APPLICABLE!r} is an answer already", "Take it out of the options")
+            yield form.fault(f"{key}.options", f"{NOT_APPLICABLE!r} is already an answer", "Delete it from the options")
         if item.labels and item.scale not in {Scale.LIKERT, Scale.CHOICE}:
-            yield form.fault(f"{key}.labels", f"a {item.scale} has words at its ends", "Write low and high instead")
+            yield form.fault(f"{key}.labels", f"a {item.scale} only has words at its ends", "Write low and high")

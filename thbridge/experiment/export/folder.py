@@ -1,4 +1,4 @@
-"""The export of an experiment: a folder that Psych-DS accepts, with tables for pandas and R beside it."""
+"""The export of an experiment: a folder that Psych-DS accepts, with additional tables for pandas and R."""
 
 import csv
 import dataclasses
@@ -31,11 +31,11 @@ SCRIPTS = Path(__file__).parent / "scripts"
 
 @dataclass(slots=True)
 class WrittenExport:
-    """Export that was written.
+    """A written export.
 
     Attributes:
         rows: number of rows of each table, by its name.
-        notes: sentences on recordings that are missing, changed, or cannot be read, and on those left by crashes.
+        notes: sentences on recordings that are missing, changed or unreadable, and on those left by crashes.
     """
 
     rows: dict[str, int] = field(default_factory=dict)
@@ -50,24 +50,24 @@ def export_experiment(
     versions: Mapping[str, str],
     changed: Sequence[str] | None,
 ) -> WrittenExport:
-    """Write an export; the study's folder keeps where it is. Exports of the same log are the same to the byte.
+    """Write an export; the study remembers its folder. Exports of the same log are identical byte for byte.
 
     Args:
         study: the experiment's folder, with its recordings.
         design: the experiment.
-        entries: its log.
-        folder: where to; made if it is missing.
-        versions: of the programs.
-        changed: what differs from the registered experiment; None: it was not registered.
+        entries: entries of its log.
+        folder: target folder; it is created if it does not exist.
+        versions: versions of the programs.
+        changed: differences from the registered experiment. If None, it was not registered.
 
     Raises:
-        BadFile: there is something in the folder, or it cannot be written.
+        BadFile: the folder is not empty, or cannot be written.
     """
     records = records_of(design, entries, study.root)
     with _writing(folder):
         make_folder(folder)
-    # Within it: should this be killed, whoever withdraws is looked for there.
-    with new_folder(folder, "choose another folder by --to", empty=True) as new:
+    # The hidden folder is inside the target: if this is killed, withdrawals still find its data.
+    with new_folder(folder, "choose another folder with --to", empty=True) as new:
         register_export(study, folder)
         return _write_export(study, records, new, versions, changed)
 
@@ -80,20 +80,20 @@ def remake_export(
     versions: Mapping[str, str],
     changed: Sequence[str] | None,
 ) -> tuple[Path, ...]:
-    """Write an export anew where it is, of the same events of the log without those that were deleted since.
+    """Write an export again in its place, with the same events of the log except those deleted since.
 
-    Its tables and texts, and what its scripts wrote, are replaced or deleted; scripts that were changed stay. When this
-    is interrupted, the old manifest is still there.
+    Its tables and texts, and the results of its scripts, are replaced or deleted; changed scripts are kept. If this is
+    interrupted, the old manifest still exists.
 
     Returns:
-        Files and folders in it that no export has: they are as they were.
+        Files and folders in it that do not belong to an export; they are unchanged.
 
     Raises:
-        BadFile: it has no manifest, or cannot be written.
+        BadFile: the export has no manifest, or cannot be written.
     """
     last = last_event_of(folder)
     if last is None:
-        raise BadFile(folder, f"its {MANIFEST} is missing or damaged", "Delete what is in it of this study yourself")
+        raise BadFile(folder, f"its {MANIFEST} is missing or damaged", "Delete this study's data in it yourself")
     records = records_of(design, entries, study.root, last)
     new = _remade(folder)
     with _writing(folder), ExitStack() as written:
@@ -107,7 +107,7 @@ def remake_export(
         for name in ("results", "data", "tables"):
             if (folder / name).is_dir():
                 shutil.rmtree(folder / name)
-        # The manifest last: as long as it is the old one, this can be done once more.
+        # The manifest comes last: as long as it is the old one, this can be repeated.
         for path in sorted(new.iterdir(), key=lambda path: path.name == MANIFEST):
             if path.name == MANIFEST:
                 sync_folder(folder)
@@ -117,7 +117,7 @@ def remake_export(
 
 
 def clear_remains(folder: Path) -> None:
-    """Delete what programs that were killed while they wrote an export have left in its folder and beside it."""
+    """Delete what killed programs have left of an unfinished export, in its folder and next to it."""
     for path in (_remade(folder), *folder.glob(f".all.*{PART}")):
         shutil.rmtree(path, ignore_errors=True)
 
@@ -132,7 +132,7 @@ def _writing(folder: Path) -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        raise BadFile(folder, f"it cannot be written ({reason_of(error)})", "Choose another folder by --to") from None
+        raise BadFile(folder, f"it cannot be written ({reason_of(error)})", "Choose another folder with --to") from None
 
 
 def _write_export(
@@ -143,7 +143,7 @@ def _write_export(
     changed: Sequence[str] | None,
     scripts: Path | None = None,
 ) -> WrittenExport:
-    """Write the files of an export; those of its scripts that lie in `scripts` are taken from there."""
+    """Write the files of an export; scripts that exist in the folder `scripts` are copied from there."""
     for name in ("data", "tables"):
         (folder / name).mkdir(exist_ok=True)
     title, entries = records.design.file.title, records.progress.sequence
@@ -171,8 +171,8 @@ def _write_export(
 
 def _medium(records: ExperimentRecords) -> str:
     if records.is_rehearsal:
-        return "Rehearsed by programs, without people: a treasure hunt with simulated robots."
-    return "People on a treasure hunt with simulated robots, which they see in a window."
+        return "Programs took part in this rehearsal instead of people: a treasure hunt with simulated robots."
+    return "People took part in a treasure hunt with simulated robots, which they saw in a window."
 
 
 def _registered(study: ExperimentFolder, changed: Sequence[str] | None) -> str:
@@ -181,12 +181,12 @@ def _registered(study: ExperimentFolder, changed: Sequence[str] | None) -> str:
     digest = json.loads(study.freeze.read_text(encoding="utf-8"))["digest"] if study.freeze.exists() else "unknown"
     if not changed:
         return f"The experiment is the one that was frozen for its preregistration (SHA-256 {digest})."
-    frozen = f"Since the experiment was frozen for its preregistration (SHA-256 {digest}), this changed"
+    frozen = f"Changes since the experiment was frozen for its preregistration (SHA-256 {digest})"
     return f"{frozen}: {'; '.join(changed)}."
 
 
 def _write_tables(records: ExperimentRecords, folder: Path) -> tuple[WrittenExport, list[ExperimentTable]]:
-    """Write all tables; return them without rows. Tables without rows are left out."""
+    """Write all tables that have rows; return them without their rows."""
     title, written = records.design.file.title, WrittenExport()
     parquet = TableFiles(folder / "tables", [TableFormat.PARQUET])
     texts = TableFiles(folder / "data", [TableFormat.CSV])
@@ -246,13 +246,16 @@ def _readme(records: ExperimentRecords, tables: Sequence[ExperimentTable], writt
         "|---|---|---|",
         *(f"| {table.name} | {table.meaning} | {written.rows[table.name]} |" for table in tables),
         "",
-        "`tables/` has them as Parquet, with units; `data/` as CSV, named as Psych-DS asks, each described beside it.",
+        "`tables/` has the tables as Parquet, with units; `data/` has them as CSV with Psych-DS names and "
+        "descriptions.",
         SENTENCE,
-        "`dictionary.csv` explains each column: its type, unit, meaning, range, and of factors the levels. `counts` is",
-        "true of rows that are data: those of complete runs that were not excluded, and of no practice or check.",
-        "`python analysis.py` (pandas, pyarrow, scipy, matplotlib) and `Rscript analysis.R` (base R) compare",
-        "conditions and draw them into `results/`. `methods.md` is for the paper. `manifest.json` says of whom",
-        "this folder has data. `sha256sum -c checksums.sha256` tells whether all files are as they were exported.",
+        "`dictionary.csv` explains each column: its type, unit, meaning, range, and the levels of factors. `counts` is",
+        "true in rows that are data: from complete runs that were not excluded, and not from practice or checks.",
+        "`python analysis.py` (pandas, pyarrow, scipy, matplotlib) and `Rscript analysis.R` (base R) compare "
+        "conditions",
+        "and write figures to `results/`. `methods.md` is for the paper. `manifest.json` lists the people in this "
+        "export.",
+        "`sha256sum -c checksums.sha256` checks whether all files are as they were exported.",
         "",
     ]
     return "\n".join(lines)

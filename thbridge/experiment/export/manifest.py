@@ -1,4 +1,4 @@
-"""Exports that a study knows of, and of whom they have data, so that nothing of who withdraws stays in one."""
+"""Exports that a study knows, and the people in each, so that withdrawals can delete their data there."""
 
 import hashlib
 import json
@@ -13,13 +13,13 @@ from thbridge.files.errors import BadFile
 from thbridge.json_text import json_of
 
 MANIFEST = "manifest.json"
-"""File of an export that says of which people it has data."""
+"""File of an export that lists the people in it."""
 _LARGEST = 1 << 24
 """Largest manifest in bytes: a million people."""
 
 
 def register_export(folder: ExperimentFolder, export: Path) -> None:
-    """Note in a study's folder where an export is about to be written.
+    """Record in a study's folder where an export is about to be written.
 
     Raises:
         BadFile: the list of exports cannot be read or written.
@@ -28,7 +28,7 @@ def register_export(folder: ExperimentFolder, export: Path) -> None:
 
 
 def known_exports(folder: ExperimentFolder) -> tuple[Path, ...]:
-    """Return where exports of a study were written, and where manifests lie in its folder.
+    """Return the folders where exports of a study were written, and those in its folder that have a manifest.
 
     Raises:
         BadFile: the list of exports cannot be read.
@@ -38,9 +38,9 @@ def known_exports(folder: ExperimentFolder) -> tuple[Path, ...]:
 
 
 def exports_with(folder: ExperimentFolder, participant: str) -> tuple[Path, ...]:
-    """Return the folders of exports that are there and have data of a person, or may have.
+    """Return the existing folders of exports that have data of a person, or may have.
 
-    One whose manifest is missing or cannot be read may have data of anybody.
+    An export without a readable manifest may have data of any person.
 
     Raises:
         BadFile: the list of exports cannot be read.
@@ -49,7 +49,7 @@ def exports_with(folder: ExperimentFolder, participant: str) -> tuple[Path, ...]
 
 
 def missing_exports(folder: ExperimentFolder) -> tuple[Path, ...]:
-    """Return where exports were written that are not there any more: moved, renamed or deleted.
+    """Return the folders of exports that no longer exist: moved, renamed or deleted.
 
     Raises:
         BadFile: the list of exports cannot be read.
@@ -61,8 +61,8 @@ def manifest_text(title: str, participants: Iterable[str], events: int) -> str:
     """Return the text of a manifest.
 
     Args:
-        title: of the experiment.
-        participants: ids of the people of whom the export has data.
+        title: title of the experiment.
+        participants: ids of the people in the export.
         events: number of the last event in the log.
     """
     told: dict[str, object] = {"title": title, "participants": sorted(participants), "events": events}
@@ -70,22 +70,23 @@ def manifest_text(title: str, participants: Iterable[str], events: int) -> str:
 
 
 def last_event_of(export: Path) -> int | None:
-    """Return the number of the last event of the log that is in an export; None where no manifest says it."""
+    """Return the number of the last event of the log in an export, or None if no manifest states it."""
     last = _told(export).get("events")
     return last if isinstance(last, int) else None
 
 
 def people_of(export: Path) -> frozenset[str] | None:
-    """Return the ids of those of whom an export has data; None where no manifest says it."""
+    """Return the ids of the people in an export, or None if no manifest states them."""
     people = _told(export).get("participants")
     return frozenset(map(str, people)) if isinstance(people, list) else None
 
 
 def _told(export: Path) -> Mapping[str, object]:
-    """Return what a manifest says; nothing where there is none, or where it is damaged."""
+    """Return the contents of a manifest; empty if it does not exist or is damaged."""
     try:
         told = json_of(text_of(export / MANIFEST, content_of(export / MANIFEST, _LARGEST)))
-        # An id with another letter would be of nobody, and data of who withdraws would stay. Older ones have no sum.
+        # With one wrong letter, an id would match no one, and a withdrawn person's data would stay. Older files have no
+        # sum.
         if "sum" in told and told.pop("sum") != _sum(told):
             return {}
     except (OSError, BadFile, ValueError, TypeError, AttributeError):
@@ -94,11 +95,11 @@ def _told(export: Path) -> Mapping[str, object]:
 
 
 def _sum(told: Mapping[str, object]) -> str:
-    """Return a checksum of what a manifest says."""
+    """Return a checksum of a manifest's contents."""
     return hashlib.sha256(json.dumps(told, sort_keys=True).encode()).hexdigest()
 
 
 def _may_hold(export: Path, participant: str) -> bool:
     people = people_of(export)
-    # Somebody may have emptied the folder, or begun anew with it.
+    # The folder may have been emptied, or used again for something else.
     return any(export.iterdir()) if people is None else participant in people

@@ -1,4 +1,4 @@
-"""The description of an export as Psych-DS asks for it: JSON-LD by schema.org beside the tables.
+"""The description of an export for Psych-DS: JSON-LD with schema.org terms, next to the tables.
 
 Source: Psych-DS 1.0, https://psych-ds.github.io.
 """
@@ -12,11 +12,11 @@ from thbridge.experiment.export.families.described import ColumnDescription, Exp
 JsonLd = dict[str, object]
 
 LONGEST_WORD = 100
-"""Letters of a title in names of files, which end at 255 bytes."""
+"""Largest number of letters of a title in names of files, which end at 255 bytes."""
 
 
 def file_name(title: str, table: str) -> str:
-    """Return the name of a table's file: keywords and values, as Psych-DS spells them; a long title is cut off."""
+    """Return the name of a table's file: keywords and values in the spelling of Psych-DS; a long title is cut off."""
     return f"study-{_word(title)[:LONGEST_WORD]}_description-{_word(table.replace('_', ' '))}_data.csv"
 
 
@@ -24,9 +24,9 @@ def dataset_description(title: str, tables: Iterable[ExperimentTable], notes: Se
     """Return the text of dataset_description.json.
 
     Args:
-        title: of the experiment.
-        tables: all that are exported; each of their columns is described. Where tables have columns of one name, this
-            tells of the first, and the sidecar of each file of its own.
+        title: title of the experiment.
+        tables: all exported tables; each of their columns is described. If several tables have a column with the same
+            name, this describes the first one; the sidecar of each file describes its own.
         notes: sentences on the data, for its description.
     """
     columns = {column.name: column for table in reversed([*tables]) for column in reversed(table.columns)}
@@ -43,7 +43,7 @@ def dataset_description(title: str, tables: Iterable[ExperimentTable], notes: Se
 
 
 def sidecar(table: ExperimentTable) -> str:
-    """Return the text of the file beside a table's, which describes its columns alone."""
+    """Return the text of the file next to a table's, which describes only that table's columns."""
     told: JsonLd = {
         "@context": "https://schema.org",
         "@type": "Dataset",

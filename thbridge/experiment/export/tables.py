@@ -1,4 +1,4 @@
-"""The tables of an experiment: those of its log, and those of its games' recordings, trial by trial."""
+"""The tables of an experiment: those made from its log, and those made from recordings of games, trial by trial."""
 
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
@@ -24,17 +24,17 @@ from thbridge.files.errors import BadFile
 
 @dataclass(frozen=True, slots=True)
 class ExperimentRecords:
-    """Records of an experiment, of which its tables are made.
+    """Records of an experiment, from which its tables are made.
 
     Attributes:
         design: the experiment.
-        root: its folder, which paths of recordings are relative to.
-        progress: where everybody is.
-        events: those of its log that nobody withdrew.
+        root: folder of the experiment, which paths of recordings are relative to.
+        progress: progress of all people.
+        events: events of its log, without withdrawn ones.
         subjects: all attempts at steps.
         scores: all scores.
         trials: all games.
-        withdrawn: number of participants who withdrew, and whose events are deleted.
+        withdrawn: number of participants who withdrew; their events are deleted.
     """
 
     design: ExperimentDesign
@@ -48,12 +48,12 @@ class ExperimentRecords:
 
     @property
     def runs(self) -> Collection[Run]:
-        """The runs of all who began and did not withdraw."""
+        """The runs of all people who began and did not withdraw."""
         return self.progress.runs.values()
 
     @property
     def is_rehearsal(self) -> bool:
-        """True when programs took part in the place of people."""
+        """True if programs took part instead of people."""
         return any(entry.event.kind == EventKind.REHEARSED for entry in self.events)
 
 
@@ -64,12 +64,12 @@ def records_of(
 
     Args:
         design: the experiment.
-        entries: its log.
-        root: its folder; None: the one of its file.
-        last: number of the last event that counts; None: of the log. Who withdrew later is no longer among the people.
+        entries: entries of its log.
+        root: folder of the experiment. If None, the folder of its file.
+        last: number of the last event that counts. If None, the last event of the log. Later withdrawals still apply.
 
     Raises:
-        BadHistory: the log is not of this experiment.
+        BadHistory: the log does not belong to this experiment.
     """
     root = design.path.parent if root is None else root
     last = len(entries) if last is None else last
@@ -86,18 +86,19 @@ def records_of(
 
 
 def _withdraws_before(entry: LogEntry, last: int) -> bool:
-    """Return True for the withdrawal of somebody who began up to an event."""
+    """Return True for the withdrawal of a person who had begun by an event."""
     if not isinstance(entry, LoggedEvent) or entry.event.kind != WITHDRAWN:
         return False
     sequences = (entry.event.data or {}).get("sequences")
     if not isinstance(sequences, list) or len(sequences) < 2:
-        # A run has two events at least, its beginning and that of a step. One is a later note that named somebody.
+        # A run has at least two events, its beginning and that of a step. A single one is a later note that named a
+        # person.
         return False
     return any(isinstance(each, int) and each <= last for each in sequences)
 
 
 def log_tables(records: ExperimentRecords) -> tuple[ExperimentTable, ...]:
-    """Return the tables that follow from the log."""
+    """Return the tables that are made from the log."""
     design = records.design
     attempts: dict[str, list[Attempt]] = {}
     for subject in records.subjects:
@@ -113,18 +114,18 @@ def log_tables(records: ExperimentRecords) -> tuple[ExperimentTable, ...]:
 
 
 def tables_of(design: ExperimentDesign, entries: Sequence[LogEntry]) -> tuple[ExperimentTable, ...]:
-    """Return the tables that follow from a log.
+    """Return the tables that are made from a log.
 
     Raises:
-        BadHistory: the log is not of this experiment.
+        BadHistory: the log does not belong to this experiment.
     """
     return log_tables(records_of(design, entries))
 
 
 def game_tables(records: ExperimentRecords) -> Iterator[ExperimentTable | str]:
-    """Yield the tables of games in pieces, those of a trial after each other; or a sentence on what is missing.
+    """Yield the tables of games in pieces, trial by trial, or a sentence on a missing recording.
 
-    One recording is open at a time, and of it memory holds what was said and what happened.
+    Only one recording is open at a time; its utterances and events are kept in memory.
     """
     scores_by: dict[str, list[GivenScore]] = {}
     for score in records.scores:
@@ -135,12 +136,12 @@ def game_tables(records: ExperimentRecords) -> Iterator[ExperimentTable | str]:
         where = f"The recording of {trial.run.participant}, step {trial.attempt.step.number} ({trial.bag})"
         if trial.recording is not RecordingState.AS_RECORDED:
             is_so = "is missing" if trial.recording is RecordingState.MISSING else "is not what was recorded"
-            yield f"{where} {is_so}; tables of games have no rows of it."
+            yield f"{where} {is_so}; tables of games have no rows for it."
             continue
         try:
             recorded = RecordedTrial(trial, read_game(ExperimentFolder(records.root).bag_named(trial.bag)))
         except BadFile as error:
-            yield f"{where} cannot be read ({error.problem}); tables of games have no rows of it."
+            yield f"{where} cannot be read ({error.problem}); tables of games have no rows for it."
             continue
         yield from _of_game(records.design, recorded, scores_by.get(trial.run.participant, []))
 

@@ -1,1 +1,1 @@
-"""Rehearsals: simulated people go through a whole experiment, and many rehearsals tell how many people it needs."""
+"""Rehearsals: simulated people go through a whole experiment. Many rehearsals show how many people it needs."""

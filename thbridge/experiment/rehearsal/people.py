@@ -1,4 +1,4 @@
-"""Simulated people of rehearsals: what they are like, as a file says."""
+"""Simulated people of rehearsals, and the file with their properties."""
 
 import math
 from collections.abc import Callable, Mapping
@@ -21,40 +21,40 @@ from thbridge.files.yaml.load import Loaded, load
 
 @dataclass(frozen=True, slots=True)
 class PutInEffect:
-    """An effect on a score that people answer with."""
+    """An effect on a score of people's answers."""
 
     score: str = field(metadata={"help": "name of the subscale"})
-    shift: float = param(0.1, "how much higher people answer, as a share of the scale", "", -1, 1)
+    shift: float = param(0.1, "increase of answers, as a share of the scale", "", -1, 1)
     where: Mapping[str, str] = field(
-        default_factory=dict, metadata={"help": "levels of factors at which they do: {FACTOR: LEVEL}; none: everywhere"}
+        default_factory=dict, metadata={"help": "levels with the effect: {FACTOR: LEVEL}; if empty, all levels"}
     )
 
     def holds(self, levels: Mapping[str, str]) -> bool:
-        """Return True where people meet these levels."""
+        """Return True if the effect applies to people at these levels."""
         return all(levels.get(factor) == level for factor, level in self.where.items())
 
 
 @dataclass(frozen=True, slots=True)
 class SimulatedPeople:
-    """Simulated people as the file `rehearsal.yaml` has them."""
+    """Simulated people as the file `rehearsal.yaml` describes them."""
 
     drop_out: float = param(0.02, "probability that a person leaves in a step", "", 0, 0.9)
     wrong: float = param(0.15, "probability of a wrong answer in a check", "", 0, 1)
-    not_applicable: float = param(0.02, "probability of answering so, where an item allows it", "", 0, 1)
+    not_applicable: float = param(0.02, "probability of that answer, if an item allows it", "", 0, 1)
     spread: float = param(0.15, "standard deviation of answers between people, as a share of the scale", "", 0, 1)
     within: float = param(0.15, "standard deviation of a person's answers between items and conditions", "", 0, 1)
-    effects: tuple[PutInEffect, ...] = param((), "effects that are put in")
+    effects: tuple[PutInEffect, ...] = param((), "effects on scores")
     attitudes: tuple[Attitude, ...] = param(
         (), "attitudes towards what robots say; each participant has one of them. If empty, the attitude of the study"
     )
-    words_per_minute: float = param(220.0, "how fast people read", "1/min", 10, 2000)
-    answering: float = param(4.0, "median time of answering an item", "s", 0.1, 600)
+    words_per_minute: float = param(220.0, "reading speed of people", "1/min", 10, 2000)
+    answering: float = param(4.0, "median time for answering an item", "s", 0.1, 600)
     hesitation: float = param(0.6, "spread of that time: standard deviation of its logarithm", "", 0, 3)
-    crashes: float = param(0.0, "probability that the program dies after an event, and is started again", "", 0, 0.5)
-    plays: bool = param(default=True, help="whether games are played and recorded; else trials end at once")
+    crashes: float = param(0.0, "probability that the program crashes after an event and is restarted", "", 0, 0.5)
+    plays: bool = param(default=True, help="play and record games; if false, trials end at once")
 
     def without_games(self) -> "SimulatedPeople":
-        """Return people like these whose trials end at once: no answer of theirs depends on games."""
+        """Return the same people with trials that end at once, because their answers do not depend on games."""
         return replace(self, plays=False)
 
     def answer(
@@ -65,14 +65,14 @@ class SimulatedPeople:
         draw: Callable[[], float],
         normal: Callable[[], float],
     ) -> JsonValue:
-        """Return what one of them answers to an item.
+        """Return the answer of one person to an item.
 
         Args:
-            item: of a form.
+            item: item of a form.
             levels: the levels of all factors that the person meets.
-            manner: how much higher than others the person answers in this form; mean 0, variance 1 over people.
-            draw: chance, from 0 up to and without 1.
-            normal: chance, mean 0, variance 1.
+            manner: tendency of the person to answer higher than others in this form; mean 0, variance 1 over people.
+            draw: source of random numbers from 0 to less than 1.
+            normal: source of random numbers with mean 0 and variance 1.
         """
         right = right_answer(item, levels)
         if right is not None and draw() >= self.wrong:
@@ -96,12 +96,12 @@ class SimulatedPeople:
 
 
 def normal(stream: np.uint64, tick: int = 0) -> float:
-    """Return a number whose mean is 0 and variance 1: the sum of twelve draws, less six (Irwin and Hall)."""
+    """Return a random number with mean 0 and variance 1: the sum of twelve draws, minus six (Irwin and Hall)."""
     return sum(chain.from_iterable(noise.uniform_pair(stream, tick, block) for block in range(6))) - 6.0
 
 
 def read_people(path: Path, design: ExperimentDesign) -> SimulatedPeople:
-    """Read what simulated people are like; where there is no file, they are as usual.
+    """Read the properties of simulated people, or return the default ones if the file does not exist.
 
     Raises:
         BadFile: it cannot be read, or names a score, factor or level that the experiment does not have.
@@ -114,7 +114,7 @@ def read_people(path: Path, design: ExperimentDesign) -> SimulatedPeople:
 
 
 def check_effects(loaded: Loaded[SimulatedPeople], design: ExperimentDesign) -> None:
-    """Raise BadFile for effects on what the experiment does not have."""
+    """Raise BadFile for effects on scores, factors or levels that the experiment does not have."""
     scores = {name for form in design.forms.values() for name in form.subscales}
     levels: dict[str, set[str]] = {}
     for combination in (*(each.levels for each in design.conditions), *(each.levels for each in design.cells)):
@@ -129,7 +129,7 @@ def check_effects(loaded: Loaded[SimulatedPeople], design: ExperimentDesign) -> 
         for factor, level in effect.where.items():
             if factor not in levels:
                 remedy = f"Write one of {_listed({*levels})}"
-                faults.found.append(loaded.fault(f"{key}.where", f"{factor} is no factor", remedy))
+                faults.found.append(loaded.fault(f"{key}.where", f"{factor} is not a factor", remedy))
             elif level not in levels[factor]:
                 remedy = f"Write one of {_listed(levels[factor])}"
                 faults.found.append(loaded.fault(f"{key}.where", f"{factor} has no level {level}", remedy))

@@ -1,7 +1,7 @@
 """Power of an experiment: the share of rehearsals in which its main test finds an effect, by the number of people.
 
-Each rehearsal is run twice over, with the effects that its people's file puts in and without those on the score in
-question: the share of the latter that finds something anyway shows whether the test keeps its level.
+Each rehearsal is run twice: with all effects of its people's file, and without the effects on the tested score. The
+share of significant results without these effects shows whether the test keeps its level.
 """
 
 import functools
@@ -32,20 +32,20 @@ from thbridge.files.disk.json_files import read_json
 from thbridge.files.disk.whole import whole_file
 
 LEVEL = 0.05
-"""Probability of an error of the first kind that tests are held to."""
+"""Level of significance of the tests."""
 WARM = ("thbridge.experiment.rehearsal.power",)
 """Modules that workers import before their first task."""
 MOST_DEATHS = 3
-"""Workers that may die at one rehearsal; then something is wrong with all of them."""
+"""Number of workers that may die at one rehearsal. More deaths mean that something is wrong with all workers."""
 
 
 @dataclass(frozen=True, slots=True)
 class PowerQuestion:
-    """The question that rehearsals are to answer.
+    """The question that rehearsals answer.
 
     Attributes:
         score: name of a subscale.
-        factor: the factor whose levels are compared.
+        factor: the factor with the levels that are compared.
         people: numbers of people, ascending.
     """
 
@@ -59,12 +59,12 @@ class PowerTask:
     """One rehearsal, without a recording; see `BatchTask`.
 
     Attributes:
-        folder: of the experiment.
+        folder: folder of the experiment.
         results: folder of the results of this question about this experiment.
-        question: what is asked.
-        simulated: what people are like.
-        seed: of the rehearsal.
-        effects: False to leave out effects on the score in question.
+        question: question to answer.
+        simulated: properties of the simulated people.
+        seed: random seed of the rehearsal.
+        effects: False to leave out effects on the tested score.
     """
 
     folder: Path
@@ -76,7 +76,7 @@ class PowerTask:
 
     @property
     def result(self) -> Path:
-        """The file that is there once it is done."""
+        """The file that exists once the task is done."""
         return self.results / ("with" if self.effects else "without") / f"{self.seed}.json"
 
     @property
@@ -91,19 +91,19 @@ class PowerTask:
             if not self.effects:
                 kept = tuple(effect for effect in kept if effect.score != self.question.score)
             found = _rehearsed(replace(self.simulated, effects=kept), self)
-            with whole_file(self.result, "make room, then go on", folders=True) as file:
+            with whole_file(self.result, "free some space, then continue", folders=True) as file:
                 file.write(json.dumps(found).encode())
         return TaskOutcome(1, 0, (), 0.0)
 
 
 @dataclass(frozen=True, slots=True)
 class PowerEstimate:
-    """Share of rehearsals in which something was found.
+    """Share of rehearsals with a significant result.
 
     Attributes:
         people: number of people.
         rehearsals: number of rehearsals.
-        found: of these, those in which the test found a difference at `LEVEL`.
+        found: number of rehearsals in which the test found a difference at `LEVEL`.
     """
 
     people: int
@@ -125,16 +125,16 @@ class PowerEstimate:
 def estimate_power(
     tasks: Sequence[PowerTask], engine: Engine[PowerTask], progress: Callable[[int], None] = lambda _done: None
 ) -> dict[bool, tuple[PowerEstimate, ...]]:
-    """Rehearse on an engine, which is open; return the estimates with the effects (True), and without.
+    """Rehearse on an open engine; return the estimates with the effects (True) and without (False).
 
     Args:
-        tasks: of one question.
-        engine: what carries them out.
-        progress: takes the number of rehearsals that are done.
+        tasks: tasks of one question.
+        engine: engine that carries them out.
+        progress: receives the number of finished rehearsals.
 
     Raises:
         BadFile: a folder cannot be read or written.
-        EngineFailed: the engine cannot go on.
+        EngineFailed: the engine cannot continue.
     """
     deaths: defaultdict[Path, int] = defaultdict(int)
     for task in tasks:
@@ -147,12 +147,12 @@ def estimate_power(
             continue
         deaths[ended.task.result] += 1
         if deaths[ended.task.result] >= MOST_DEATHS:
-            raise EngineFailed(f"{MOST_DEATHS} workers died at the rehearsal of seed {ended.task.seed}.")
+            raise EngineFailed(f"{MOST_DEATHS} workers died at the rehearsal with seed {ended.task.seed}.")
         engine.submit(ended.task)
     found: dict[bool, dict[int, list[float | None]]] = {True: defaultdict(list), False: defaultdict(list)}
     for task in tasks:
         remedy = "Delete this file: the same command rehearses it again"
-        values = read_json(task.result, dict[int, float | None], "is no result of a rehearsal", remedy)
+        values = read_json(task.result, dict[int, float | None], "not a result of a rehearsal", remedy)
         for people, value in (values or {}).items():
             found[task.effects][people].append(value)
     return {
@@ -166,12 +166,12 @@ def estimate_power(
 
 @functools.cache
 def _design(folder: Path, _results: Path) -> ExperimentDesign:
-    """The experiment that results are of, read once in a worker: it takes as long as a rehearsal."""
+    """Return the experiment of the results. A worker reads it once, because reading takes as long as a rehearsal."""
     return ExperimentFolder(folder).read()
 
 
 def _rehearsed(people: SimulatedPeople, task: PowerTask) -> dict[int, float | None]:
-    """Rehearse with as many people as are asked for at most, and test with the first of them."""
+    """Rehearse with the largest number of people, and compute the test for each smaller number as well."""
     design, question = _design(task.folder, task.results), task.question
     quota = math.ceil(question.people[-1] / len(design.cells))
     design = replace(design, file=replace(design.file, quota=quota))
@@ -186,7 +186,7 @@ def _rehearsed(people: SimulatedPeople, task: PowerTask) -> dict[int, float | No
     )
     found = {}
     for number in question.people:
-        # Places are dealt in their order, so these would have been all people of a smaller experiment.
+        # Places are given in their order, so these would have been all people of a smaller experiment.
         some = [run for run in counted if run.place.number < number]
         value = _p_value(design, some, scores, question.factor)
         found[number] = None if math.isnan(value) else value
@@ -196,7 +196,7 @@ def _rehearsed(people: SimulatedPeople, task: PowerTask) -> dict[int, float | No
 def _scores(
     design: ExperimentDesign, progress: Progress, entries: Sequence[LoggedEvent], score: str
 ) -> Mapping[str, list[tuple[int | None, float]]]:
-    """The scores of each person, each with the index of its condition."""
+    """Return the scores of each person, each with the index of its condition."""
     given: defaultdict[tuple[str, int], dict[str, Answer]] = defaultdict(dict)
     for entry in entries:
         event = entry.event
@@ -235,9 +235,9 @@ def _p_value(
 
 
 def within_p_value(rows: FloatArray) -> float:
-    """Return the p-value of equal means of the columns of (people, levels) by Hotelling's test of their differences.
+    """Return the p-value of equal means of the columns of (people, levels), by Hotelling's test of their differences.
 
-    With two levels it is the paired t-test; with more it does not ask for sphericity.
+    With two levels it is the paired t-test; with more levels it does not require sphericity.
 
     Source: Hotelling, The generalization of Student's ratio (1931).
     """
@@ -250,13 +250,13 @@ def within_p_value(rows: FloatArray) -> float:
     covariance = covariance_of(off) * (people / (people - 1))
     squared = people * float((mean * solution(covariance, mean[:, np.newaxis])[:, 0]).sum())
     if math.isnan(squared):
-        return math.nan  # all people differ in the same way
+        return math.nan  # all people have the same differences
     ratio = squared * (people - contrasts) / (contrasts * (people - 1))
     return float(stats.f.sf(ratio, contrasts, people - contrasts))
 
 
 def between_p_value(groups: Sequence[FloatArray]) -> float:
-    """Return the p-value of equal means of groups of people: Welch's test of two, analysis of variance of more.
+    """Return the p-value of equal means of groups: Welch's test for two groups, analysis of variance for more.
 
     Source: Welch, The generalization of Student's problem (1947).
     """
@@ -264,7 +264,7 @@ def between_p_value(groups: Sequence[FloatArray]) -> float:
         return math.nan
     variances = [float(group.var(ddof=1)) / len(group) for group in groups]
     if min(variances) <= 0.0:
-        return math.nan  # a group whose people are all the same has no spread to judge by
+        return math.nan  # a group without variance allows no test
     if len(groups) > 2:
         return float(stats.f_oneway(*groups).pvalue)
     one, other = variances

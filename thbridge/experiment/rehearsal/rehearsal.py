@@ -1,4 +1,4 @@
-"""Rehearsals: simulated people go through a whole experiment, with answers, errors and drop-outs drawn from a seed."""
+"""Rehearsals: simulated people go through a whole experiment, with answers, errors and drop-outs from a random seed."""
 
 import math
 import random
@@ -31,24 +31,24 @@ BETWEEN_PEOPLE, PRACTICE, PAUSE = 300.0, 120.0, 60.0
 """Seconds from one person to the next, of a practice game, and of a pause."""
 
 
-class ProgramCrashed(Exception):  # noqa: N818 - what happens, in the words of people
-    """The program of a rehearsal dies here, as the file of its people says; whoever started it starts it again."""
+class ProgramCrashed(Exception):  # noqa: N818 - the name says what happens
+    """A simulated crash of the program in a rehearsal, according to the file of its people. The caller restarts it."""
 
 
 def rehearse(
     folder: ExperimentFolder, design: ExperimentDesign, people: SimulatedPeople, seed: int, tell: Tell = untold
 ) -> NoPlace:
-    """Rehearse an experiment in its folder, over as many starts of the program as its crashes take.
+    """Rehearse an experiment in its folder, restarting the program after each simulated crash.
 
     Args:
-        folder: the folder for log and recordings, without a log.
+        folder: the folder for log and recordings; it has no log yet.
         design: the experiment.
-        people: what they are like.
-        seed: all that they do follows from it, and so do ids, codes and salts of the log.
-        tell: takes how many people have taken part whose runs count, and of how many.
+        people: properties of the simulated people.
+        seed: random seed of all their actions, and of ids, codes and salts of the log.
+        `tell`: receives the number of counted runs so far, and the number wanted.
 
     Returns:
-        The reason why nobody is admitted any more.
+        The reason why no more people are admitted.
 
     Raises:
         BadFile: the folder cannot be written.
@@ -66,10 +66,10 @@ class Rehearsal:
 
     Args:
         design: the experiment.
-        people: what they are like.
-        seed: all that they do follows from it.
-        clock: advanced by what they take.
-        bag_of: place for the recording of a person's step.
+        people: properties of the simulated people.
+        seed: random seed of all their actions.
+        clock: clock that is advanced by the time they need.
+        bag_of: returns the path for the recording of a person's step.
         root: the folder that paths of recordings are relative to.
     """
 
@@ -93,15 +93,15 @@ class Rehearsal:
         self._settings = SettingCache(design.beside)
 
     def run(self, conductor: Conductor, tell: Tell = untold) -> NoPlace:
-        """Have people take part until there is no place left; return why there is none. `tell` as for `rehearse`.
+        """Let people take part until no place is left; return the reason. `tell` is as for `rehearse`.
 
         Raises:
-            ProgramCrashed: now and then, as the people's file says; a new conductor of the same log goes on.
+            ProgramCrashed: a simulated crash; a new conductor of the same log continues.
         """
         conductor.rehearse(self._seed)
         conductor.listeners.append(self._may_crash)
         while True:
-            # Whoever was under way when an earlier program died comes first.
+            # People with unfinished runs from before a crash come first.
             for run in list(conductor.progress.runs.values()):
                 self.take_part(conductor, run)
             done = sum(run.state is RunState.COMPLETE for run in conductor.progress.runs.values())
@@ -112,7 +112,7 @@ class Rehearsal:
                 return admitted
 
     def take_part(self, conductor: Conductor, run: Run) -> None:
-        """Go through all steps that a person has left."""
+        """Go through all remaining steps of a person."""
         person = run.participant
         while (step := conductor.begin(person)) is not None:
             if self._draw() < self._people.drop_out:
@@ -141,7 +141,7 @@ class Rehearsal:
 
     def _fill_in(self, conductor: Conductor, person: str, step: PlannedStep) -> None:
         form = conductor.form(step)
-        # People have manners of their own, which they keep from condition to condition.
+        # Each person has a tendency that stays the same in all conditions.
         manner = normal(noise.key(self._seed, "experiment", "manner", person, step.name))
         levels = self._design.levels_at(conductor.progress.runs[person].place.cell, step.condition)
         for item in form.order(self._design.file.seed, person):

@@ -1,11 +1,11 @@
-"""Markers for other recorders: each event of a study's log goes out as a sample of the Lab Streaming Layer.
+"""Markers for other recorders: each event of a study's log is sent as a sample of the Lab Streaming Layer.
 
-One stream of type Markers, one channel of text, at no regular rate. A sample is JSON: sequence, kind, participant,
-step, condition and the clocks of the event; its time is `local_clock()`, which the event has in the log as well.
-Answers do not leave the log.
+The stream has the type Markers and one channel of text, at no regular rate. A sample is JSON: sequence, kind,
+participant, step, condition and the clocks of the event. Its time is `local_clock()`, which is also in the log. Answers
+are not sent.
 
-Nobody who records can hold a study up: a thread of its own hands samples to liblsl, and all that fails there is told as
-a trouble.
+Recorders cannot delay a study: a separate thread passes samples to liblsl, and all its errors are reported as
+troubles.
 """
 
 import json
@@ -19,17 +19,17 @@ from typing import Self
 from thbridge.experiment.store.events import Clocks, LoggedEvent
 
 STREAM, STREAM_TYPE = "thbridge", "Markers"
-"""Name of the stream, and its type."""
+"""Name and type of the stream."""
 MOST_WAITING = 2000
-"""Markers that may wait to be handed over; beyond it the newest are left out."""
+"""Largest number of markers waiting to be sent; the newest beyond it are dropped."""
 INSTALL = "Install it: pip install 'thbridge[markers]'"
-LIBRARY = "Install liblsl 1.16 or newer for this system, and name its file by the environment variable PYLSL_LIB"
+LIBRARY = "Install liblsl 1.16 or newer for this system, and name its file in the environment variable PYLSL_LIB"
 
 
 def why_no_markers() -> str:
-    """Return why no markers can be sent from here, in a sentence; empty: they can."""
+    """Return a sentence on why no markers can be sent from here, or an empty text if they can."""
     try:
-        # Where nobody wants markers, neither package nor library need be there.
+        # Without markers, neither the package nor the library needs to be installed.
         import pylsl  # noqa: F401, PLC0415
     except ImportError:
         return f"Markers: pylsl is not installed. {INSTALL}."
@@ -39,14 +39,14 @@ def why_no_markers() -> str:
 
 
 class MarkerStream:
-    """The markers of one study, from when it is made until it is closed.
+    """Markers of one study, from the object's creation until it is closed.
 
     Args:
         study: title of the study.
-        wanted: False for a study without markers; nothing is sent then, and nothing is loaded.
+        wanted: False for a study without markers; then nothing is loaded and nothing is sent.
 
     Attributes:
-        source: the stream's source id, by which recorders find it again when the program began anew.
+        source: source id of the stream, by which recorders find it again after the program restarts.
     """
 
     def __init__(self, study: str, *, wanted: bool = True) -> None:
@@ -73,12 +73,12 @@ class MarkerStream:
 
     @property
     def troubles(self) -> tuple[str, ...]:
-        """The reason why markers do not go out, in a sentence; none while they do."""
-        lost = f" {self._lost} markers did not go out." if self._lost else ""
+        """The reason why markers are not sent, in a sentence; empty while they are."""
+        lost = f" {self._lost} markers were not sent." if self._lost else ""
         return (self._trouble + lost,) if self._trouble else ()
 
     def stamping(self, clocks: Callable[[], Clocks]) -> Callable[[], Clocks]:
-        """Return clocks that tell LSL's time as well."""
+        """Return clocks that also give LSL's time."""
 
         def stamped() -> Clocks:
             return replace(clocks(), lsl=None if self._clock is None else self._clock())
@@ -86,18 +86,18 @@ class MarkerStream:
         return stamped
 
     def push(self, logged: LoggedEvent) -> None:
-        """Send the marker of an event that is in the log; returns at once, and raises nothing."""
+        """Send the marker of a logged event. Returns at once and raises nothing."""
         if self._clock is None or self._trouble:
             self._lost += self._wanted
         elif self._waiting.qsize() >= MOST_WAITING:
             self._lost += 1
-            self._trouble = "Markers: liblsl takes none any more. Begin the study's program anew."
+            self._trouble = "Markers: LSL no longer accepts markers. Restart the study program."
         else:
             stamp = logged.event.clocks.lsl
             self._waiting.put((_sample(logged), self._clock() if stamp is None else stamp))
 
     def close(self, timeout: float = 2.0) -> None:
-        """Send what waits, and end the stream; what takes longer than some seconds is given up."""
+        """Send the waiting markers and end the stream; give up after `timeout` seconds."""
         self._waiting.put(None)
         if self._clock is not None:
             self._thread.join(timeout)
@@ -114,7 +114,7 @@ class MarkerStream:
                 text, stamp = waiting
                 outlet.push_sample([text], stamp)
         except Exception as error:
-            self._trouble = f"Markers: {_first_line(error)}. Begin the study's program anew."
+            self._trouble = f"Markers: {_first_line(error)}. Restart the study program."
             self._lost = 1
             while not self._waiting.empty():
                 self._lost += self._waiting.get() is not None

@@ -1,1 +1,1 @@
-"""The store of an experiment: a log of all that happened, which notices whatever was changed or is missing in it."""
+"""The store of an experiment: a log of all events that detects changed and missing entries."""

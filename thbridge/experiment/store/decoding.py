@@ -1,7 +1,7 @@
-"""Events of a log from their text: what readers rely on is checked here, once.
+"""Decoding of a log's events from text. The data that readers rely on is checked here, once.
 
-A log may come from a later release, another program or an adversary, with digests that are right. Kinds and keys that
-are not known are kept; what is known has its type and its bounds.
+A log may come from a later release, another program or an adversary, with correct digests. Unknown kinds and keys are
+kept; known ones must have the right type and be within bounds.
 """
 
 from collections.abc import Mapping
@@ -22,9 +22,9 @@ from thbridge.experiment.store.events import (
 )
 
 LARGEST_EVENT = 1 << 20
-"""Largest event in bytes. The longest answer, 20,000 characters, takes 120 kB at most."""
+"""Largest event in bytes. The longest answer, 20,000 characters, needs at most 120 kB."""
 MOST_LEVELS = 16
-"""Deepest nesting of an event's data."""
+"""Largest nesting depth of an event's data."""
 LONGEST_NAME = 1000
 MOST_STEPS = 100_000
 MOST_PLACES = 10_000_000
@@ -39,7 +39,7 @@ _Answer = None | bool | _WholeAnswer | _Number | str | list[str]
 
 
 class BadEvent(ValueError):  # noqa: N818 - it names the fault
-    """Text that is no event, or one whose contents are not as readers of logs rely on; `str()` of it is a clause."""
+    """Text that is not an event, or lacks what readers of logs rely on; `str()` gives the reason as a clause."""
 
 
 class _Event(Struct):
@@ -58,7 +58,7 @@ class _Event(Struct):
     lsl: float | None = None
 
 
-# What readers rely on of the data of each kind
+# Data of each kind that readers rely on
 
 
 class _PlaceTaken(Struct):
@@ -173,7 +173,7 @@ def decoded(content: str) -> NewEvent:
     """Return the event of a text.
 
     Raises:
-        BadEvent: it is none.
+        BadEvent: the text is not a valid event.
     """
     try:
         read = _decoder.decode(content)
@@ -189,14 +189,14 @@ def decoded(content: str) -> NewEvent:
     if read.kind in _OF_A_STEP and read.step == 0:
         raise BadEvent("it belongs to no step")
     if not _is_time(read.wall):
-        raise BadEvent(f"its time, {read.wall!r}, is no date and time in UTC")
+        raise BadEvent(f"its time, {read.wall!r}, is not a date and time in UTC")
     clocks = Clocks(read.wall, read.monotonic_ns, read.simulated, read.lsl)
     data = cast("dict[str, JsonValue]", read.data)
     return NewEvent(read.kind, read.actor, clocks, read.participant, read.step, read.condition, read.cause, data)
 
 
 def _levels(value: object) -> int:
-    """Return how deep containers are nested in a value."""
+    """Return the nesting depth of the containers in a value."""
     inner = value.values() if isinstance(value, dict) else value if isinstance(value, list) else None
     return 0 if inner is None else 1 + max(map(_levels, inner), default=0)
 

@@ -1,16 +1,16 @@
-"""The log of an experiment: events appended to an SQLite database, each chained to all before it.
+"""The log of an experiment: events in an SQLite database, each chained to all events before it.
 
-A row has the event as text, a random salt, the digest of both, and the chain: the digest of the chain before and of
-the row's own. So a changed row is noticed by its digest, a row that is missing, added or moved by the chain. That the
-last rows are missing would leave a shorter log that is right in itself: so after each append the number of rows and the
-chain are written into a second file, the head, and a log that does not reach the head is incomplete. The head also
-names the database and its write-ahead log, so that two that do not belong together are refused.
+A row has the event as text, a random salt, the digest of both, and the chain: the digest of the previous chain and the
+row's own digest. So the digest reveals a changed row, and the chain reveals a row that is missing, added or moved. A
+log without its last rows would be shorter and still consistent. Therefore, after each append, the number of rows and
+the chain are written to a second file, the head; a log that is shorter than its head is incomplete. The head also
+names the database and its write-ahead log, so that two files that do not belong together are refused.
 
-Deleting an event for somebody who withdraws leaves its digest, from which nothing can be guessed without the salt, and
-the chain over it goes on as it was. A later event of kind WITHDRAWN has to name the rows, or their gaps are damage.
+A withdrawal deletes an event but keeps its digest, which reveals nothing without the salt, so the chain stays valid. A
+later event of kind WITHDRAWN must name the deleted rows; otherwise the gaps count as damage.
 
-Each append is on the disk before it returns (SQLite's write-ahead log, synchronous=FULL). The log of a rehearsal, which
-nobody has to answer again, is written by the batch instead.
+Each append is on the disk before it returns (SQLite's write-ahead log, synchronous=FULL). The log of a rehearsal can
+be computed again, so it is written in batches instead.
 """
 
 import contextlib
@@ -57,20 +57,20 @@ from thbridge.files.disk.whole import write_whole
 from thbridge.files.errors import BadFile, reason_of
 
 BATCH = 256
-"""Events of a log that is not synced which are written together."""
+"""Number of events that an unsynced log writes together."""
 
 CHECKPOINT = 4 << 20
-"""Bytes of the write-ahead log at which it is copied into the database."""
+"""Size of the write-ahead log, in bytes, at which it is copied into the database."""
 
 APPLICATION = 0x74686578
-"""SQLite's application_id of such a log."""
+"""SQLite's application_id of an experiment's log."""
 VERSION = 1
 _MOST_STEPS = 1 << 28
-"""Most steps of SQLite's virtual machine that reading a log takes; the largest log needs a third of them."""
+"""Largest number of steps of SQLite's virtual machine for reading a log; the largest log needs a third of them."""
 _STEPS_BETWEEN_CHECKS = 1 << 16
 _MOST_BYTES_OF_LETTER = 4
 _ROOM = 1 << 20
-"""Bytes of the largest log that are left for withdrawals; also more than a transaction takes besides its rows."""
+"""Bytes of the largest log that are reserved for withdrawals; more than a transaction needs in addition to its rows."""
 
 _TABLE = """
 CREATE TABLE events (
@@ -87,22 +87,22 @@ _SALT = 16
 _Row: TypeAlias = tuple[int, bytes, str, bytes, bytes]
 
 Salts = Callable[[int], bytes]
-"""Source of so many random bytes."""
+"""Source of a given number of random bytes."""
 
 
 class ExperimentLog:
     """The log of one experiment, open for appending.
 
-    Only one program can have it open so. Close it, or use it in `with`.
+    Only one program at a time can have it open. Close it, or use it in `with`.
 
     Args:
-        path: the database; made where there is none. The head lies beside it.
+        path: path of the database, which is created if it does not exist. The head is next to it.
         salts: source of the rows' salts.
-        synced: False for a log that need not outlive its program, such as that of a rehearsal: appended events are
-            written `BATCH` at a time, and when it is closed.
+        synced: False for a log that does not have to outlive its program, such as that of a rehearsal: events are
+            written in groups of `BATCH`, and when the log is closed.
 
     Raises:
-        BadFile: it cannot be opened or written, another program has it open, or `read_log` would refuse it.
+        BadFile: it cannot be opened or written, another program has it open, or `read_log` refuses it.
     """
 
     def __init__(self, path: Path, salts: Salts = os.urandom, *, synced: bool = True) -> None:
@@ -114,7 +114,7 @@ class ExperimentLog:
         self._lock = lock_log(path)
         new = not path.exists()
         if new and head_path(path).exists():
-            raise BadFile(path, "is missing, though its head is there", restore_remedy(path))
+            raise BadFile(path, "is missing, but its head exists", restore_remedy(path))
         check_files(path)
         if not new:
             _recover(path)
@@ -124,16 +124,16 @@ class ExperimentLog:
             if new:
                 _make(path)
             self._database = _opened(path, "rw")
-            # Of a copy, too, which was not written so.
+            # A copy has been written in another mode.
             self._database.execute("PRAGMA journal_mode=WAL")
             self._database.execute(f"PRAGMA synchronous={'FULL' if synced else 'OFF'}")
-            # The head has to know of each checkpoint beforehand.
+            # The head must record each checkpoint in advance.
             self._database.execute("PRAGMA wal_autocheckpoint=0")
             self._database.execute("PRAGMA journal_size_limit=0")
             self._length, self._chain = len(entries), _last_chain(self._database)
             self._write_head(database_name(path), ANY)
             if any(isinstance(entry, Tombstone) for entry in entries):
-                # The program that deleted them may have died before it was done.
+                # The program that deleted them may have died before it finished.
                 self._wipe()
         except (sqlite3.Error, OSError) as error:
             raise BadFile(
@@ -147,28 +147,28 @@ class ExperimentLog:
         self.close()
 
     def close(self) -> None:
-        """Write all of it into the one file, and close it.
+        """Write everything into the database file, and close it.
 
         Raises:
-            BadFile: what was not written yet cannot be; never of a log that is synced.
+            BadFile: unwritten events cannot be written; this never happens for a synced log.
         """
         with self._lock:
             try:
                 self.flush()
             finally:
-                # Without room for it, the last head is right, too.
+                # If there is no space for a new head, the last one is still right.
                 with contextlib.suppress(OSError, BadFile):
                     self._write_head(ANY)
                 self._database.close()
                 with contextlib.suppress(OSError, BadFile):
-                    # Where another program is reading, the write-ahead log stays.
+                    # The write-ahead log stays while another program is reading.
                     if wal_name(self.path) is None:
                         if self._synced:
                             sync_folder(self.path.parent)
                         self._write_head(ANY, NONE)
 
     def append(self, events: Sequence[NewEvent]) -> list[LoggedEvent]:
-        """Append events, all or none of them; they are on the disk when this returns, if the log is synced.
+        """Append all events or none. When this returns, a synced log has them on the disk.
 
         Raises:
             BadFile: the disk is full or gone; nothing was appended.
@@ -194,7 +194,7 @@ class ExperimentLog:
         return logged
 
     def flush(self) -> None:
-        """Write what was appended and is not written yet; of a log that is synced there is nothing.
+        """Write the events that are not written yet. A synced log has none.
 
         Raises:
             BadFile: the disk is full or gone.
@@ -222,24 +222,24 @@ class ExperimentLog:
             if pages * page + _MOST_BYTES_OF_LETTER * size + 2 * _ROOM > LARGEST_LOG:
                 problem = f"is full: a log has at most {LARGEST_LOG} bytes"
                 return BadFile(self.path, problem, "End this study, and start another one in a new folder")
-        return BadFile(self.path, f"cannot be written ({_reason(error)})", "make room on the disk")
+        return BadFile(self.path, f"cannot be written ({_reason(error)})", "free some space on the disk")
 
     def read(self) -> list[LogEntry]:
-        """Read all of it, as `read_log` does."""
+        """Read the whole log, as `read_log` does."""
         self.flush()
         return read_log(self.path)
 
     def delete(self, sequences: Sequence[int], clocks: Clocks) -> None:
-        """Delete the content of events for good, from the free pages of the file and from its write-ahead log as well.
+        """Delete the content of events for good, including free pages of the file and its write-ahead log.
 
-        An event of kind WITHDRAWN that names their numbers is appended with it.
+        An event of kind WITHDRAWN with their numbers is appended in the same transaction.
 
         Raises:
             BadFile: it cannot be written; nothing was deleted.
         """
         self.flush()
         try:
-            # A full log still has the room for this.
+            # A full log still has reserved space for this.
             _limit(self._database, LARGEST_LOG)
             self._database.execute("PRAGMA secure_delete=ON")
             with self._transaction():
@@ -254,12 +254,12 @@ class ExperimentLog:
             self._write_head()
             self._wipe()
         except sqlite3.Error as error:
-            raise BadFile(self.path, f"cannot be written ({_reason(error)})", "make room on the disk") from None
+            raise BadFile(self.path, f"cannot be written ({_reason(error)})", "free some space on the disk") from None
         finally:
             _limit(self._database, LARGEST_LOG - _ROOM)
 
     def _wipe(self) -> None:
-        """Write the file anew, without what pages still hold of deleted rows."""
+        """Rewrite the file, without the remains of deleted rows in its pages."""
         self._write_head(ANY, ANY)
         self._database.execute("VACUUM")
         (blocked, *_) = self._database.execute("PRAGMA wal_checkpoint(TRUNCATE)").fetchone()
@@ -267,7 +267,7 @@ class ExperimentLog:
             self._write_head(database_name(self.path), ANY)
         else:
             raise BadFile(
-                self.path, "another program reads it, so it cannot be written anew", "close that, and try again"
+                self.path, "another program reads it, so it cannot be rewritten", "close that program, and try again"
             )
 
     @contextlib.contextmanager
@@ -277,7 +277,7 @@ class ExperimentLog:
             yield
             self._database.execute("COMMIT")
         except BaseException:
-            # Where there is no room, SQLite has rolled back already.
+            # If there is no space, SQLite has already rolled back.
             if self._database.in_transaction:
                 self._database.execute("ROLLBACK")
             raise
@@ -289,7 +289,7 @@ class ExperimentLog:
             return False
 
     def _checkpoint(self) -> None:
-        """Copy the write-ahead log into the database, as far as its readers let it be; nobody has to wait for them."""
+        """Copy the write-ahead log into the database, as far as readers allow, without waiting for them."""
         self._write_head(ANY)
         _, frames, copied = self._database.execute("PRAGMA wal_checkpoint(PASSIVE)").fetchone()
         if frames == copied:
@@ -297,34 +297,34 @@ class ExperimentLog:
             self._write_head(database_name(self.path), ANY)
 
     def _write_head(self, database: str | None = None, wal: str | None = None) -> None:
-        """Write the head; None for the database as before, and for the write-ahead log that is there."""
+        """Write the head. None keeps the name of the database, and takes the name of the present write-ahead log."""
         self._database_name = database or self._database_name
         wal = wal or wal_name(self.path) or ANY
         LogHead(self._length, self._chain, self._database_name, wal).write(self.path, synced=self._synced)
 
 
 def read_log(path: Path) -> list[LogEntry]:
-    """Read a log, also one that is being written.
+    """Read a log, even while it is being written.
 
     Raises:
-        BadFile: it is none, or not what was written: a row was changed, moved, added or is missing.
+        BadFile: it is not a log, or not what was written: a row was changed, moved, added or is missing.
     """
     check_files(path)
     try:
         with contextlib.closing(_opened(path, "ro")) as database:
             return _verified(path, database)
     except (sqlite3.Error, OSError, UnicodeDecodeError) as error:
-        problem = f"is damaged, or no log of an experiment ({_reason(error)})"
+        problem = f"is damaged, or is not the log of an experiment ({_reason(error)})"
         raise BadFile(path, problem, restore_remedy(path)) from None
 
 
 def copy_log(path: Path, to: Path) -> None:
-    """Copy a log as it is now, while a program may be writing it; the copy has a head of its own and is verified.
+    """Copy a log as it is now, even while a program is writing it. The copy has its own head and is verified.
 
-    A copy that is there already is replaced, unless it has events that the log has not.
+    An existing copy is replaced, unless it has events that the log does not have.
 
     Raises:
-        BadFile: one of the two is damaged, the copy is one of another log, or it cannot be written.
+        BadFile: one of the two is damaged, the copy belongs to another log, or it cannot be written.
     """
     read_log(path)
     new = to.with_name(to.name + "-new")
@@ -336,33 +336,34 @@ def copy_log(path: Path, to: Path) -> None:
                 head = read_head(to)
                 if _last_chain(database, head.length) != head.chain or _length(database) < head.length:
                     remedy = "Name another folder: nothing was written to this one"
-                    raise BadFile(to, "is no earlier copy of this study's log, or somebody ran the study there", remedy)
+                    problem = "is not an earlier copy of this study's log, or the study was run there"
+                    raise BadFile(to, problem, remedy)
             database.backup(copy)
             copy.execute("PRAGMA journal_mode=DELETE")
             LogHead(_length(copy), _last_chain(copy)).write(new)
         read_log(new)
-        # In this order: a head may be behind its log, never before it. Of a first copy it comes first, so that a log
-        # without a head is always damaged.
+        # In this order, because a head may be behind its log, but never ahead of it. For a first copy, the head comes
+        # first: a log without a head always counts as damaged.
         order = [(new, to), (head_path(new), head_path(to))]
         for one, other in order if to.exists() else reversed(order):
             one.replace(other)
             sync_folder(to.parent)
     except (sqlite3.Error, OSError) as error:
-        raise BadFile(to, f"cannot be written ({_reason(error)})", "make room on the disk") from None
+        raise BadFile(to, f"cannot be written ({_reason(error)})", "free some space on the disk") from None
     finally:
         with contextlib.suppress(OSError):
             _remove(new)
 
 
 def replace_log(path: Path, new: Path) -> None:
-    """Put another log, which no program has open, in the place of a log; `check_files` refuses it meanwhile.
+    """Replace a log by another one that no program has open. Until this is done, `check_files` refuses the log.
 
-    The caller holds the lock of the log, and has made the file of `restoring_path`.
+    The caller holds the lock of the log, and has created the file of `restoring_path`.
 
     Raises:
         OSError: a file cannot be renamed or deleted.
     """
-    # A log without its head is refused by earlier releases, too.
+    # Earlier releases also refuse a log without its head.
     for old in (
         head_path(path),
         wal_path(path),
@@ -382,19 +383,19 @@ def _remove(path: Path) -> None:
 
 
 def _reason(error: Exception) -> str:
-    """The system's text for what SQLite calls otherwise."""
+    """Return the system's text for errors that SQLite words differently."""
     if isinstance(error, OSError):
         return reason_of(error)
     return os.strerror(errno.ENOSPC) if _is_full(error) else str(error)
 
 
 def _is_full(error: Exception) -> bool:
-    """Return True where SQLite has no room for a row: on the disk, or below its limit of pages."""
+    """Return True if SQLite has no space for a row, on the disk or within its limit of pages."""
     return isinstance(error, sqlite3.Error) and getattr(error, "sqlite_errorcode", None) == sqlite3.SQLITE_FULL
 
 
 def log_digests(path: Path) -> list[bytes]:
-    """Return the digests of all events of a log that `read_log` accepts, deleted ones included.
+    """Return the digests of all events of a log that `read_log` accepts, including deleted ones.
 
     Raises:
         BadFile: it cannot be read.
@@ -409,7 +410,7 @@ def log_digests(path: Path) -> list[bytes]:
 def deleted_digests(path: Path) -> frozenset[bytes]:
     """Return the digests of the events that withdrawals deleted from a log, as far as it can be read."""
     found: set[bytes] = set()
-    # Of a damaged log, rows can be read up to the damage; its write-ahead log may be another one's.
+    # A damaged log can be read up to the damage; its write-ahead log may belong to another log.
     for mode in ("ro", "ro&immutable=1"):
         with contextlib.suppress(sqlite3.Error, OSError, BadFile), contextlib.closing(_opened(path, mode)) as database:
             for (digest,) in database.execute("SELECT digest FROM events WHERE content IS NULL ORDER BY sequence"):
@@ -418,13 +419,13 @@ def deleted_digests(path: Path) -> frozenset[bytes]:
 
 
 class LogFollower:
-    """Reads a log as it grows: all of it at first, then only what has been appended, verified as `read_log` does.
+    """Reader of a growing log: it reads all entries at first, then only new ones, verified as in `read_log`.
 
     Args:
-        path: the log, which need not be there yet. It is open no longer than it takes to read it.
+        path: path of the log, which need not exist yet. It is only opened for each reading.
 
     Attributes:
-        entries: what was read so far.
+        entries: entries read so far.
     """
 
     def __init__(self, path: Path) -> None:
@@ -434,10 +435,10 @@ class LogFollower:
         self._head = b""
 
     def poll(self) -> bool:
-        """Read what is new; return False where nothing has been appended, for which one small file is read.
+        """Read new entries. Return False if there are none; this only reads one small file.
 
         Raises:
-            BadFile: as of `read_log`; the same is not told again before something changes.
+            BadFile: as for `read_log`; the same fault is not raised again until something changes.
         """
         head = head_path(self._path)
         try:
@@ -456,7 +457,7 @@ class LogFollower:
         return True
 
     def _grown(self) -> bool:
-        """Take what was appended to what is known; return False where the whole has to be read."""
+        """Add the appended entries to the known ones; return False if the whole log must be read."""
         known, chain = len(self.entries), self._chain
         entries: list[LoggedEvent] = []
         try:
@@ -490,18 +491,18 @@ def _verified(path: Path, database: sqlite3.Connection) -> list[LogEntry]:
         return BadFile(path, problem, restore_remedy(path))
 
     if database.execute("PRAGMA application_id").fetchone() != (APPLICATION,):
-        raise damaged("is no log of an experiment")
+        raise damaged("is not the log of an experiment")
     (version,) = database.execute("PRAGMA user_version").fetchone()
     if version != VERSION:
-        problem = f"is a log of layout {version}, and this release of thbridge reads layout {VERSION}"
+        problem = f"is a log of layout {version}, but this release of thbridge reads layout {VERSION}"
         raise BadFile(
             path, problem, "Use the release with which the study was run; its freeze.json and methods.md name it"
         )
     if not _has_our_table(database):
-        raise damaged("is no log of an experiment: it has another schema than its one table")
+        raise damaged("is not the log of an experiment: its schema is different")
     if database.execute("PRAGMA integrity_check").fetchone() != ("ok",):
-        raise damaged("is damaged: SQLite finds its pages in disorder")
-    # Read before the rows: another program may append between the two.
+        raise damaged("is damaged: SQLite finds errors in its pages")
+    # The head is read before the rows, because another program may append between the two.
     head = read_head(path)
     entries: list[LogEntry] = []
     chain, chains = _START, [_START]
@@ -523,7 +524,7 @@ def _verified(path: Path, database: sqlite3.Connection) -> list[LogEntry]:
         try:
             event = decoded(content)
         except BadEvent as fault:
-            problem = f"event {sequence} is none that thbridge writes: {fault}"
+            problem = f"thbridge does not write an event such as event {sequence}: {fault}"
             newer = "Use the release with which the study was run, if it is newer"
             raise BadFile(path, problem, f"{newer}. {restore_remedy(path)}") from None
         if event.kind == WITHDRAWN:
@@ -533,27 +534,27 @@ def _verified(path: Path, database: sqlite3.Connection) -> list[LogEntry]:
         raise damaged(f"events {len(entries) + 1} to {head.length} are missing")
     for entry in entries:
         if isinstance(entry, Tombstone) and entry.sequence not in allowed:
-            raise damaged(f"event {entry.sequence} was deleted, and nobody withdrew")
+            raise damaged(f"event {entry.sequence} was deleted without a withdrawal")
     return entries
 
 
 def _has_our_table(database: sqlite3.Connection) -> bool:
-    """Return True for a database with our table alone: no view, trigger, index or computed column does other things."""
+    """Return True if a database has only our table: no view, trigger, index or computed column that could do harm."""
     schema = database.execute("SELECT type, name, sql FROM sqlite_schema LIMIT 2").fetchall()
     return [(kind, name, str(sql).split()) for kind, name, sql in schema] == [("table", "events", _TABLE.split())]
 
 
 def _opened(path: Path, mode: str) -> sqlite3.Connection:
-    """Open a database that others may have made, so that what is in it can neither act nor grow without bounds.
+    """Open an untrusted database, so that its contents can neither act nor grow without bounds.
 
     Args:
-        path: the database.
+        path: path of the database.
         mode: "ro" to read it, "rw" to write it as well.
     """
     for file in (path, path.with_name(path.name + "-wal")):
-        # Never opened and closed here: that would release the locks of this process's own connections.
+        # The files are not opened here: closing them would release the locks of this process's own connections.
         if file.exists() and size_of(file) > LARGEST_LOG:
-            raise BadFile(file, f"is larger than {LARGEST_LOG} bytes, as no log of a study is", restore_remedy(path))
+            raise BadFile(file, f"is larger than {LARGEST_LOG} bytes, which no log of a study is", restore_remedy(path))
     database = sqlite3.connect(f"{path.absolute().as_uri()}?mode={mode}", uri=True, isolation_level=None)
     try:
         database.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, LARGEST_EVENT)
@@ -565,7 +566,7 @@ def _opened(path: Path, mode: str) -> sqlite3.Connection:
                 lambda: next(checks) * _STEPS_BETWEEN_CHECKS > _MOST_STEPS, _STEPS_BETWEEN_CHECKS
             )
         else:
-            # What would be too large to be read again is not written.
+            # Nothing is written that would be too large to read again.
             _limit(database, LARGEST_LOG - _ROOM)
     except BaseException:
         database.close()
@@ -580,7 +581,7 @@ def _limit(database: sqlite3.Connection, size: int) -> None:
 
 
 def _make(path: Path) -> None:
-    """Make an empty log, all of it or nothing."""
+    """Create an empty log, completely or not at all."""
     with contextlib.closing(sqlite3.connect(":memory:")) as database:
         for statement in (f"PRAGMA application_id={APPLICATION}", f"PRAGMA user_version={VERSION}", _TABLE):
             database.execute(statement)
@@ -589,17 +590,17 @@ def _make(path: Path) -> None:
 
 
 def _recover(path: Path) -> None:
-    """Take back what was being written at a power cut, which readers cannot; damage is for them to tell."""
+    """Roll back a write that a power cut interrupted, which readers cannot do. Readers report any damage."""
     with contextlib.suppress(BadFile, OSError):
         if (wal := wal_name(path)) is not None:
-            # The end of the connection below is a checkpoint.
+            # Closing the connection below causes a checkpoint.
             replace(read_head(path), database=ANY, wal=wal).write(path)
     with contextlib.suppress(sqlite3.Error), contextlib.closing(_opened(path, "rw")) as database:
         database.execute("SELECT count(*) FROM sqlite_schema").fetchone()
 
 
 def _is_just_made(path: Path) -> bool:
-    """Return True for a log whose program died before it had a head: no event was ever in it."""
+    """Return True for a log without a head and events: its program died before writing the head."""
     if head_path(path).exists():
         return False
     try:
@@ -610,7 +611,7 @@ def _is_just_made(path: Path) -> bool:
 
 
 def lock_log(path: Path) -> IO[bytes]:
-    """Return the open file that keeps other programs from the log; the system lets go of it when this one dies.
+    """Return an open file that locks the log against other programs; the system unlocks it when this program ends.
 
     Raises:
         BadFile: another program has the log open, or the folder cannot be written.
@@ -623,12 +624,12 @@ def lock_log(path: Path) -> IO[bytes]:
         fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except OSError:
         file.close()
-        raise BadFile(path, "another program runs this study", "End that one first") from None
+        raise BadFile(path, "another program runs this study", "Stop that program first") from None
     return file
 
 
 def _last_chain(database: sqlite3.Connection, sequence: int = 2**62) -> bytes:
-    """The chain of the last row, or of the last up to a number."""
+    """Return the chain of the last row, or of the last row up to a number."""
     row = database.execute(
         "SELECT chain FROM events WHERE sequence <= ? ORDER BY sequence DESC LIMIT 1", (sequence,)
     ).fetchone()

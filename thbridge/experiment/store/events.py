@@ -12,15 +12,15 @@ Actor = Literal["participant", "experimenter", "robot", "program"]
 
 @dataclass(frozen=True, slots=True)
 class Clocks:
-    """The times at which something happened, by all clocks that there are.
+    """Times of an event by all available clocks.
 
-    Wall clocks jump, and simulated time begins anew with each trial: events are ordered by their sequence alone.
+    Wall clocks jump, and simulated time restarts with each trial, so only the sequence orders events.
 
     Attributes:
         wall: date and time of day, ISO 8601 in UTC.
-        monotonic_ns: nanoseconds of the clock of the process that saw it.
-        simulated: seconds of simulated time; None outside of a trial.
-        lsl: seconds of the Lab Streaming Layer's `local_clock()`; None where no markers are sent.
+        monotonic_ns: nanoseconds of the clock of the process that logged the event.
+        simulated: seconds of simulated time, or None outside of a trial.
+        lsl: seconds of the Lab Streaming Layer's `local_clock()`, or None if no markers are sent.
     """
 
     wall: str
@@ -31,17 +31,17 @@ class Clocks:
 
 @dataclass(frozen=True, slots=True)
 class NewEvent:
-    """Something that happened, before it is in the log.
+    """An event, before it is in the log.
 
     Attributes:
-        kind: its name, such as "answer-given".
-        actor: who did it.
-        clocks: the times at which it happened.
-        participant: id of the person whose run it belongs to; empty: nobody's.
-        step: number of the step of that run, from 1; 0: no step's.
-        condition: name of the condition of that step; empty: none.
-        cause: sequence number of the event from which it follows; 0: from none.
-        data: what else there is to say.
+        kind: name of its kind, such as "item-given".
+        actor: who caused it.
+        clocks: times of the event.
+        participant: id of the person of the run; empty if it belongs to no person.
+        step: number of the step of that run, from 1; 0 if it belongs to no step.
+        condition: name of the condition of that step; may be empty.
+        cause: sequence number of the event that caused it; 0 if there is none.
+        data: further data.
     """
 
     kind: str
@@ -59,8 +59,8 @@ class LoggedEvent:
     """An event of the log.
 
     Attributes:
-        sequence: its number, from 1, without gaps.
-        event: what happened.
+        sequence: number in the log, from 1, without gaps.
+        event: the event.
     """
 
     sequence: int
@@ -69,10 +69,10 @@ class LoggedEvent:
 
 @dataclass(frozen=True, slots=True)
 class Tombstone:
-    """An event that was deleted because somebody withdrew.
+    """An event that was deleted by a withdrawal.
 
     Attributes:
-        sequence: the number that it had.
+        sequence: number of the deleted event.
     """
 
     sequence: int
@@ -82,79 +82,79 @@ LogEntry = LoggedEvent | Tombstone
 
 
 class EventKind(StrEnum):
-    """Kinds of events by which a run goes on; there are others."""
+    """Kinds of events that change the progress of a run; a log may have other kinds."""
 
     RUN_BEGUN = "run-begun"
     """Data: place."""
     STEP_BEGUN = "step-begun"
     STEP_RESUMED = "step-resumed"
-    """A program went on with a step that another one had begun."""
+    """A program resumed a step that another one had begun. Data: from, a `ResumeRule`."""
     ITEM_SHOWN = "item-shown"
-    """Data: item, and options, the answers of a choice in the order shown, where it differs between participants."""
+    """Data: item, and options, the answers of a choice in the order shown, if it differs between participants."""
     ITEM_TOUCHED = "item-touched"
     """A person has begun to answer an item. Data: item."""
     ITEM_CHANGED = "item-changed"
     """Data: item, answer."""
     ITEM_GIVEN = "item-given"
-    """An answer is final for now: the person went on from it. Data: item, answer."""
+    """An answer is final for now: the person continued. Data: item, answer."""
     ITEM_TIMED_OUT = "item-timed-out"
-    """The time limit of an item was over: it is closed with the answer so far. Data: item, answer, null without one."""
+    """The time limit of an item has closed it, with the answer so far. Data: item, answer, null without one."""
     WENT_BACK = "went-back"
-    """A person has gone back to an earlier page of the form that they fill in. Data: page, its number from 1."""
+    """A person went back to an earlier page of the current form. Data: page, its number from 1."""
     GAME_PLAYED = "game-played"
     """A trial has its recording. Data: bag, sha256, and measures of the game."""
     PRACTICE_PLAYED = "practice-played"
-    """A practice game has ended. Data: what was done in it, by `PracticeTerm`, and missing, the terms not met."""
+    """A practice game has ended. Data: amounts by `PracticeTerm`, and missing, the unmet requirements."""
     STEP_ENDED = "step-ended"
     """Data: outcome."""
     RECRUITING_CODE = "recruiting-code"
-    """A person has told the code that a recruiting service gave them. Data: code."""
+    """A person has entered the code from a recruiting service. Data: code."""
     CONSENT_ANSWERED = "consent-answered"
     """Data: agrees, and version, the SHA-256 of the text's bytes."""
     TEXT_PASTED = "text-pasted"
-    """Text was pasted into a free answer, which may have been written by somebody or something else. Data: item,
-    characters, their number."""
+    """Text was pasted into a free answer, so the person may not have written it. Data: item, and characters, their
+    number."""
     FOCUS_LOST = "focus-lost"
-    """Keys and clicks went to another window from here on: the person looked at something else."""
+    """Another window took the keyboard focus: the person looked at something else."""
     FOCUS_REGAINED = "focus-regained"
-    """Keys and clicks come to the study's window again."""
+    """The study's window has the keyboard focus again."""
     INSTRUCTIONS_OPENED = "instructions-opened"
-    """A participant opened the instructions to read them again; in a game, with its rules and keys."""
+    """A participant opened the instructions again; in a game, with its rules and keys."""
     INSTRUCTIONS_CLOSED = "instructions-closed"
-    """They closed them."""
+    """A participant closed the instructions."""
     GAME_BROKEN_OFF = "game-broken-off"
-    """A game whose program died was not gone on with; another begins in its place. Data: bag, the file beside the
-    person's others that is left of its recording, or none."""
+    """A game was abandoned after its program died, and another one begins in its place. Data: bag, the rest of its
+    recording next to the person's other files, or none."""
     RECORDING_CUT_OFF = "recording-cut-off"
-    """The recording of a game ended with its program. The game goes on, and is recorded whole in another file. Data:
-    bag, the file beside the person's others."""
+    """The recording of a game was cut off with its program. The game resumes, and another file records all of it. Data:
+    bag, the file next to the person's other files."""
     FAREWELL_READ = "farewell-read"
     """A person has left the last page, with the completion code or the reason why the run ended."""
     RUN_ENDED = "run-ended"
-    """Data: outcome, reason, and of a complete run its completion code; excluded, the reason why a run that came to its
+    """Data: outcome, reason; for a complete run its completion code; excluded, the reason why a run that reached its
     end does not count."""
     RUN_EXCLUDED = "run-excluded"
-    """The experimenter decides that a run does not count. Data: reason."""
+    """The experimenter excluded a run. Data: reason."""
     REHEARSED = "rehearsed"
-    """From here on simulated people take part. Data: seed."""
+    """Simulated people take part from now on. Data: seed."""
     NOTE = "note"
-    """Words of the experimenter. Data: text."""
+    """Text from the experimenter. Data: text."""
 
 
 class StepOutcome(StrEnum):
-    """Ways in which a step ends."""
+    """Outcome of a step."""
 
     DONE = "done"
     FAILED = "failed"
     """A check that was not passed."""
     PASSED_OVER = "passed over"
-    """The answers given do not ask for it."""
+    """A step that the person's condition or answers do not call for."""
     LOST = "lost"
-    """It could not continue after a crash, and was not to restart."""
+    """A step that could not resume after a crash, and was not to restart."""
 
 
 class RunState(StrEnum):
-    """States of a person's run."""
+    """State of a person's run."""
 
     UNDER_WAY = "under way"
     COMPLETE = "complete"
@@ -164,4 +164,4 @@ class RunState(StrEnum):
 
 
 WITHDRAWN = "withdrawn"
-"""Kind of the event by which rows were deleted; its data names them and nobody."""
+"""Kind of the event by which rows were deleted; its data has their numbers and no names."""

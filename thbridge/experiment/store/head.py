@@ -1,9 +1,9 @@
-"""The head of a log: its length and chain, and the files that hold it.
+"""The head of a log: its length and chain, and the names of its files.
 
-SQLite writes new rows into a write-ahead log (WAL) and copies them into the database later, at a checkpoint. After a
-kill both files are needed, and SQLite joins any two that have these names. A log that was copied over the one of a
-killed program would then be malformed, or would silently be the newer log again. So the head names both files: the
-database by its digest, the WAL by the random salts that SQLite gives it whenever it restarts.
+SQLite writes new rows to a write-ahead log (WAL) and copies them into the database later, at a checkpoint. After a kill
+both files are needed, and SQLite combines any two files with these names. So if a log is copied over that of a killed
+program, the result is malformed, or silently the newer log again. Therefore the head names both files: the database by
+its digest, the WAL by the random salts that SQLite gives it at each restart.
 
 A process may be killed between any two changes of these files, so the head is always written before the change that
 would make it wrong: a file that is about to change is `ANY` until its new name is known.
@@ -22,19 +22,19 @@ from thbridge.files.disk.whole import write_whole
 from thbridge.files.errors import BadFile
 
 ANY: Final = "any"
-"""In place of a file's name: it may be any file."""
+"""Stands for the name of any file."""
 NONE: Final = "none"
-"""In place of the name of a write-ahead log: the log was closed, so there is none."""
+"""Stands for the name of a write-ahead log that does not exist, because the log was closed."""
 
 LARGEST_LOG = 1 << 28
-"""Largest log in bytes, and largest write-ahead log: some thousand people with some hundred events each."""
+"""Largest log, and largest write-ahead log, in bytes: about a thousand people with some hundred events each."""
 LARGEST_HEAD = 1000
 """Largest head in bytes."""
 
 _WAL_HEADER = 32
-"""Bytes at the beginning of a write-ahead log; the salts are bytes 16 to 23 (SQLite's file format, section 4.1)."""
+"""Bytes of the header of a write-ahead log; the salts are bytes 16 to 23 (SQLite's file format, section 4.1)."""
 _WRITE_VERSION, _WITH_WAL = 18, 2
-"""Place and value of the byte of a database's header that says that it has a write-ahead log (section 1.3.3)."""
+"""Place and value of the header byte by which a database uses a write-ahead log (section 1.3.3)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,7 +43,7 @@ class LogHead:
 
     Attributes:
         length: number of its events.
-        chain: the chain of the last one.
+        chain: chain of the last event.
         database: SHA-256 of the database in hexadecimal, or `ANY`.
         wal: salts of the write-ahead log in hexadecimal, `ANY`, or `NONE`.
     """
@@ -54,7 +54,7 @@ class LogHead:
     wal: str = NONE
 
     def write(self, log: Path, *, synced: bool = True) -> None:
-        """Write it beside its log.
+        """Write the head next to its log.
 
         Raises:
             BadFile: it cannot be written.
@@ -93,15 +93,15 @@ def read_head(log: Path) -> LogHead:
 
 
 def restoring_path(log: Path) -> Path:
-    """Return the path of the file that exists while a log is being replaced by that of a backup."""
+    """Return the path of the file that exists while a backup replaces a log."""
     return log.with_name(log.name + "-restoring")
 
 
 def check_files(log: Path) -> None:
-    """Refuse the files of a log that do not belong together, also while a program is writing them.
+    """Refuse files of a log that do not belong together, even while a program is writing them.
 
     Raises:
-        BadFile: a restore was interrupted, or the write-ahead log is that of another log.
+        BadFile: a restore was interrupted, or the write-ahead log belongs to another log.
     """
     if restoring_path(log).exists():
         again = _restore(log)
@@ -118,24 +118,24 @@ def check_files(log: Path) -> None:
             wal = wal_name(log)
             foreign = wal is not None and (head.wal not in {ANY, wal} or _is_foreign(_bytes_of(log), head))
         except (OSError, sqlite3.Error, BadFile):
-            # What is missing or damaged is for `read_log` to report.
+            # `read_log` reports what is missing or damaged.
             return
         if not foreign:
             return
         if content == seen:
             problem = f"it and {wal_path(log).name} do not belong together: one of them was replaced or changed"
             raise BadFile(log, problem, restore_remedy(log))
-        # The program that writes the log may have changed one of the files since its head was read.
+        # The program that writes the log may have changed a file after its head was read.
         seen = content
 
 
 def database_name(log: Path) -> str:
-    """Return the name by which a head knows the database. Raises sqlite3.Error."""
+    """Return the name of the database for the head. Raises sqlite3.Error."""
     return _name(_bytes_of(log))
 
 
 def wal_name(log: Path) -> str | None:
-    """Return the name by which a head knows the write-ahead log, or None if there is none. Raises OSError, BadFile."""
+    """Return the name of the write-ahead log for the head, or None if it does not exist. Raises OSError, BadFile."""
     with contextlib.suppress(FileNotFoundError), open_regular(wal_path(log)) as file:
         header = file.read(_WAL_HEADER)
         if len(header) == _WAL_HEADER:
@@ -153,14 +153,14 @@ def _restore(log: Path) -> str:
 
 
 def _is_foreign(database: bytes, head: LogHead) -> bool:
-    # A copy that `copy_log` made has none.
+    # A copy made by `copy_log` has no write-ahead log.
     return database[_WRITE_VERSION] != _WITH_WAL or head.database not in {ANY, _name(database)}
 
 
 def _bytes_of(log: Path) -> bytes:
     """Return the bytes of the database, without its write-ahead log.
 
-    By SQLite, since closing a file of our own would end the locks that this process has on the database.
+    SQLite reads them, because closing a file of our own would release this process's locks on the database.
     """
     uri = f"{log.absolute().as_uri()}?mode=ro&immutable=1"
     with contextlib.closing(sqlite3.connect(uri, uri=True)) as database:

@@ -1,4 +1,4 @@
-"""Lists of folders that a study knows of, outside of it as well: where its exports and its backups lie."""
+"""Lists of folders of a study's exports and backups, which may be outside of the study."""
 
 import json
 import os
@@ -9,16 +9,16 @@ from thbridge.files.disk.json_files import read_json
 from thbridge.files.disk.whole import write_whole
 from thbridge.files.errors import BadFile
 
-_REMEDY = "Correct it: a JSON list of paths. Or move it away, and look yourself after what is in those folders"
+_REMEDY = "Correct it: a JSON list of paths. Or move it away, and check those folders yourself"
 
 
 class KnownFolders:
-    """A list in a file; it names nobody.
+    """A list of folders in a file. It has no names of people.
 
     Args:
-        list_: the file, which need not be there.
-        root: the study's folder, which may be moved with all that is in it.
-        what: they are, for messages.
+        list_: path of the file, which need not exist.
+        root: the study's folder, which may be moved with its contents.
+        what: kind of the folders, for messages.
     """
 
     def __init__(self, list_: Path, root: Path, what: str) -> None:
@@ -27,7 +27,7 @@ class KnownFolders:
         self._what = what
 
     def add(self, folder: Path) -> None:
-        """Note a folder, before anything is written there.
+        """Add a folder, before anything is written there.
 
         Raises:
             BadFile: the list cannot be read or written.
@@ -37,7 +37,7 @@ class KnownFolders:
             self._write([*known, path])
 
     def remove(self, folder: Path) -> bool:
-        """Forget a folder that is gone for good; return False if the list does not have it.
+        """Remove a folder that no longer exists; return False if the list does not have it.
 
         Raises:
             BadFile: the list cannot be read or written.
@@ -49,7 +49,7 @@ class KnownFolders:
         return True
 
     def paths(self) -> list[Path]:
-        """Return all of them, whether they are still there or not.
+        """Return all folders, including those that no longer exist.
 
         Raises:
             BadFile: the list cannot be read.
@@ -60,14 +60,14 @@ class KnownFolders:
         write_whole(self._list, (json.dumps(folders, indent=1, ensure_ascii=False) + "\n").encode())
 
     def _told(self, folder: Path) -> str:
-        """Path within the study's folder, if it is there; else an absolute one."""
+        """Return a path relative to the study's folder if it is inside, or else an absolute path."""
         path, root = folder.resolve(), self._root.resolve()
         return os.fspath(path.relative_to(root) if path.is_relative_to(root) else path)
 
     def _noted(self) -> list[str]:
-        noted = read_json(self._list, list[str], f"is no list of {self._what}", _REMEDY) or []
+        noted = read_json(self._list, list[str], f"not a list of {self._what}", _REMEDY) or []
         for path in noted:
-            # They may be anywhere; those in the study's folder have no way out of it.
+            # Absolute paths may be anywhere; relative ones must stay in the study's folder.
             names = [] if path.startswith("/") or path == "." else path.split("/")
             if problem := fault_of_path(path) or next(filter(None, map(fault_of_name, names)), ""):
                 raise BadFile(self._list, problem, _REMEDY, key=repr(path))

@@ -1,4 +1,4 @@
-"""Withdrawals that were begun and are not finished, and the digests of events that withdrawals deleted."""
+"""Withdrawals that have begun and are not finished, and the digests of events that withdrawals deleted."""
 
 import json
 from collections.abc import Iterable
@@ -11,7 +11,7 @@ from thbridge.files.disk.whole import clear_parts, write_whole
 from thbridge.files.errors import BadFile, reason_of
 
 _DAMAGE = "is damaged: it lists withdrawals"
-_REMEDY = "Look in it for who withdrew, move it away, and withdraw them again with `thbridge study withdraw`"
+_REMEDY = "Check who withdrew in it, move it away, and withdraw them again with `thbridge study withdraw`"
 _MOST_BYTES = 1 << 26
 """Largest list in bytes; the digest of an event takes 68."""
 
@@ -32,17 +32,17 @@ class PendingWithdrawal:
 class PendingWithdrawals:
     """The list of withdrawals that have begun, in a file that exists only while there are some.
 
-    It is on the disk before anything is deleted, and goes when nothing is left.
+    The list is on the disk before anything is deleted, and is deleted when nothing is left to do.
 
     Args:
-        path: the file.
+        path: path of the file.
     """
 
     def __init__(self, path: Path) -> None:
         self._path = path
 
     def read(self) -> tuple[PendingWithdrawal, ...]:
-        """Return all of them.
+        """Return all withdrawals in the list.
 
         Raises:
             BadFile: the file cannot be read.
@@ -50,24 +50,24 @@ class PendingWithdrawals:
         return tuple(read_json(self._path, list[PendingWithdrawal], _DAMAGE, _REMEDY) or ())
 
     def add(self, withdrawal: PendingWithdrawal) -> None:
-        """Note a withdrawal before anything is deleted.
+        """Add a withdrawal before anything is deleted.
 
         Raises:
-            BadFile: the file cannot be read or written; nothing is noted.
+            BadFile: the file cannot be read or written; nothing is added.
         """
         pending = self.read()
         if withdrawal not in pending:
             _write(self._path, [asdict(one) for one in (*pending, withdrawal)])
 
     def remove(self, withdrawal: PendingWithdrawal) -> None:
-        """Forget a withdrawal that is finished.
+        """Remove a finished withdrawal.
 
         Raises:
             BadFile: the file cannot be read or written.
         """
         left = [asdict(one) for one in self.read() if one != withdrawal]
         try:
-            # A program that was killed while it wrote the list has left a part of it, with the participant's id.
+            # A program that was killed while writing the list has left a part of it, with the participant's id.
             clear_parts(self._path)
             if left:
                 _write(self._path, left)
@@ -80,19 +80,19 @@ class PendingWithdrawals:
 
 
 class WithdrawnEvents:
-    """Digests of all events that withdrawals deleted, in a file; they name nobody.
+    """Digests of all events that withdrawals deleted, in a file without names of people.
 
-    A restored log is an earlier one, which may still have these events.
+    A restored log is an older one, which may still have these events.
 
     Args:
-        path: the file, which need not be there.
+        path: path of the file, which need not exist.
     """
 
     def __init__(self, path: Path) -> None:
         self._path = path
 
     def read(self) -> frozenset[bytes]:
-        """Return all of them.
+        """Return all digests.
 
         Raises:
             BadFile: the file cannot be read.

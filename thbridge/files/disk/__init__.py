@@ -1,1 +1,1 @@
-"""Bytes on their way to a disk: files that are whole or not there, names that outlive a power cut, temporary files."""
+"""Writing to disk: files that are complete or do not exist, names that survive a power cut, temporary files."""

@@ -16,9 +16,9 @@ class TextOnDisk:
     """The text of a file on disk.
 
     Attributes:
-        text: the text with its own line ends; empty when there is no file.
-        exists: True when there is a file.
-        marked: True when it begins with a byte order mark.
+        text: the text with its own line ends; empty if there is no file.
+        exists: True if there is a file.
+        marked: True if it begins with a byte order mark.
     """
 
     text: str
@@ -34,7 +34,7 @@ def read_edited(path: Path) -> TextOnDisk:
     """
     if not path.exists():
         if not path.parent.is_dir():
-            raise BadFile(path, f"there is no folder {path.parent}", "Make it, or choose another name")
+            raise BadFile(path, f"folder {path.parent} does not exist", "Create it, or choose another name")
         return TextOnDisk("", exists=False)
     text = text_of(path, read_bytes(path))
     try:
@@ -46,15 +46,15 @@ def read_edited(path: Path) -> TextOnDisk:
 
 
 def write_edited(path: Path, text: str, marked: bool) -> TextOnDisk:
-    """Replace the file by a text in one step; links and permissions are kept.
+    """Replace the file by a text in one step, keeping links and permissions.
 
     Raises:
-        BadFile: it cannot be written; then the file is unchanged.
+        BadFile: it cannot be written, and is unchanged.
     """
     try:
         data = ((_MARK if marked else "") + text).encode()
     except UnicodeEncodeError:
-        problem = "it cannot be written (it has signs that are no text)"
+        problem = "it cannot be written (it has characters that are not valid text)"
         raise BadFile(path, problem, "Check the folder and the disk") from None
     write_whole(path, data)
     return TextOnDisk(text, exists=True, marked=marked)

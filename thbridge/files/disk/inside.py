@@ -6,7 +6,7 @@ from pathlib import Path
 from thbridge.files.errors import BadFile, visible
 
 LONGEST_NAME = 240
-"""Longest name, in bytes of UTF-8; file systems accept 255, and a file that is being written needs 15 of them."""
+"""Longest name, in bytes of UTF-8. File systems accept 255; 15 of them are needed while a file is being written."""
 LONGEST_PATH = 4095
 """Longest path, in bytes, as in Linux."""
 
@@ -17,8 +17,8 @@ def path_inside(folder: Path, *names: str) -> Path:
     """Return the path of a file or folder inside a folder.
 
     Args:
-        folder: the folder, which is trusted; it may itself be reached by a link, and need not exist.
-        names: one name for each level below it, as somebody supplied them.
+        folder: the trusted folder; it may itself be reached through a link, and need not exist.
+        names: one untrusted name for each level below the folder.
 
     Raises:
         BadFile: a name is empty, blank, `.` or `..`, too long, or has a slash, a backslash or a control character; or
@@ -29,12 +29,12 @@ def path_inside(folder: Path, *names: str) -> Path:
             raise BadFile(folder, problem, _REMEDY, key=repr(name))
     path = folder.joinpath(*names)
     if not Path(os.path.realpath(path)).is_relative_to(os.path.realpath(folder)):
-        raise BadFile(path, f"a link leads out of {folder}", "Remove the link, or put what it leads to in its place")
+        raise BadFile(path, f"a link leads out of {folder}", "Delete the link, or replace it by what it leads to")
     return path
 
 
 def relative_inside(folder: Path, path: str) -> Path:
-    """Return the path of a file or folder inside a folder, from a relative path with a slash between names.
+    """Return the path of a file or folder inside a folder, from a relative path with slashes between names.
 
     Raises:
         BadFile: the path is absolute, or `path_inside` refuses one of its names.
@@ -45,7 +45,7 @@ def relative_inside(folder: Path, path: str) -> Path:
 
 
 def fault_of_path(path: str) -> str:
-    """Return what is wrong with a path that may lead anywhere, such as one in a study file, as a clause; or nothing."""
+    """Return the fault of a path that may lead anywhere, such as one in a study file, as a clause; empty if valid."""
     if not path.strip():
         return "this path is empty" if not path else "this path has only blanks"
     if visible(path) != path:
@@ -56,7 +56,7 @@ def fault_of_path(path: str) -> str:
 
 
 def fault_of_name(name: str) -> str:
-    """Return what is wrong with a name of one file or folder, as a clause; empty if nothing is."""
+    """Return the fault of a name of one file or folder, as a clause; empty if it is valid."""
     if not name.strip():
         return "this name is empty" if not name else "this name has only blanks"
     if name in (".", ".."):
@@ -66,5 +66,5 @@ def fault_of_name(name: str) -> str:
     if "/" in name or "\\" in name:
         return "this name has a slash or a backslash"
     if (size := len(name.encode())) > LONGEST_NAME:
-        return f"this name has {size} bytes, {LONGEST_NAME} are allowed"
+        return f"this name has {size} bytes, but {LONGEST_NAME} are allowed"
     return ""

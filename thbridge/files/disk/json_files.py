@@ -9,17 +9,17 @@ from thbridge.files.disk.regular_files import content_of
 from thbridge.files.errors import BadFile, reason_of
 
 LARGEST_JSON = 1 << 20
-"""Largest file in bytes, where its readers name no other."""
+"""Largest file in bytes, unless its reader states another size."""
 
 T = TypeVar("T")
 
 
 def read_json(path: Path, type_: type[T], damage: str, remedy: str, largest: int = LARGEST_JSON) -> T | None:
-    """Return the content of a JSON file, or None if there is no such file.
+    """Return the content of a JSON file, or None if the file does not exist.
 
     Args:
         path: the file.
-        type_: type of the content, which msgspec checks while it decodes.
+        type_: type of the content; msgspec checks it.
         damage: problem of a file with other content, as a clause.
         remedy: remedy for every problem, as a clause.
         largest: largest size in bytes.

@@ -1,4 +1,4 @@
-"""Arrays in a temporary file, of which memory holds what is looked at."""
+"""Arrays memory-mapped from a temporary file."""
 
 import mmap
 from collections.abc import Iterable
@@ -8,15 +8,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 MOST = 64 << 20
-"""Bytes up to which arrays stay in memory."""
+"""Size in bytes up to which arrays stay in memory."""
 
 
 def mapped(arrays: Iterable[NDArray[np.float32]], size: int) -> list[NDArray[np.float32]]:
-    """Return arrays as they are, or, where they are many and large, as parts of a file that goes with the last of them.
+    """Return small arrays unchanged, and large ones as parts of a temporary file that is deleted with the last of them.
 
     Args:
-        arrays: the arrays, which are taken one by one.
-        size: bytes of all of them, about.
+        arrays: the arrays; they are read one at a time.
+        size: approximate size of all of them, bytes.
 
     Raises:
         OSError: the disk is full.
@@ -30,7 +30,7 @@ def mapped(arrays: Iterable[NDArray[np.float32]], size: int) -> list[NDArray[np.
             ends.append(file.tell())
             shapes.append(array.shape)
         file.flush()
-        # Kernels know arrays that may be written to; what is written stays in memory.
+        # Compiled kernels expect writable arrays; writes stay in memory (copy on write).
         whole = mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_COPY)
     return [
         np.frombuffer(whole, dtype=np.float32, count=(end - begin) // 4, offset=begin).reshape(shape)

@@ -1,4 +1,4 @@
-"""New files that are written completely or not at all, and never replace another one unasked."""
+"""New files that are written completely or not at all, and only replace another file if requested."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -14,23 +14,23 @@ UNFINISHED = ".part"
 
 @contextmanager
 def new_file(path: Path, source: Path, overwrite: bool) -> Iterator[Path]:
-    """Yield the path to write to; when the block is left without an error, the file gets its final name.
+    """Yield the path to write to; if the block ends without an error, the file gets its final name.
 
     Args:
         path: path of the finished file.
-        source: the file that it is made of, which is never overwritten.
+        source: the file that it is made from; it is never overwritten.
         overwrite: True to replace an existing file.
 
     Raises:
-        BadFile: the file exists already, it cannot be written, or a link of another account leads to its folder.
+        BadFile: the file already exists, it cannot be written, or a link of another account leads to its folder.
     """
     if path.exists() and source.exists() and path.samefile(source):
-        raise BadFile(path, "this is the recording itself", "choose another file by --to")
+        raise BadFile(path, "this is the recording itself", "choose another file with --to")
     if path.exists() and not overwrite:
-        remedy = "choose another file by --to, or give --overwrite"
-        raise BadFile(path, "there is such a file already", remedy)
+        remedy = "choose another file with --to, or give --overwrite"
+        raise BadFile(path, "the file already exists", remedy)
     if path.exists() and not path.is_file():
-        raise BadFile(path, "this is no file", "choose another name by --to")
+        raise BadFile(path, "not a regular file", "choose another name with --to")
     own_target(path.parent)
     part = path.with_name(path.name + UNFINISHED)
     try:
@@ -39,7 +39,7 @@ def new_file(path: Path, source: Path, overwrite: bool) -> Iterator[Path]:
         put_in_place(part, path)
     except OSError as error:
         problem = f"it cannot be written ({reason_of(error)})"
-        raise BadFile(path, problem, "choose another place by --to, or make room") from error
+        raise BadFile(path, problem, "choose another place with --to, or free some space") from error
     finally:
-        with suppress(OSError):  # a folder that nobody may write to has no such file
+        with suppress(OSError):  # a folder without write permission has no such file
             part.unlink(missing_ok=True)

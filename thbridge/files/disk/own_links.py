@@ -1,7 +1,7 @@
-"""Links on the path of an output: only links that belong to this account or to root are followed.
+"""Links on the path of an output: only links of this account or of root are followed.
 
-Linux refuses the links of others in folders such as /tmp only where it follows them itself (fs.protected_symlinks), not
-where a program resolves a path and then writes to the result. This rule holds in every folder.
+Linux refuses links of other accounts in folders such as /tmp (fs.protected_symlinks), but only when it follows them
+itself. It does not when a program resolves a path and then writes to the result. This rule holds in every folder.
 """
 
 import os
@@ -11,11 +11,11 @@ from pathlib import Path
 from thbridge.files.errors import BadFile, reason_of
 
 MOST_LINKS = 40
-"""Most links on one path, as in Linux."""
+"""Largest number of links on one path, as in Linux."""
 
 
 def own_target(path: Path) -> Path:
-    """Return the path of an output with its links resolved; what does not exist yet stays as it is.
+    """Return the path of an output with its links resolved; parts that do not exist yet are unchanged.
 
     Raises:
         BadFile: a link on the path belongs to another account, there are too many links, or the path has a NUL.
@@ -35,15 +35,15 @@ def own_target(path: Path) -> Path:
                 continue
             target = link.readlink()
         except ValueError:
-            raise BadFile(path, "no file has a NUL in its name", "Check the name") from None
+            raise BadFile(path, "the name of a file cannot have a NUL", "Check the name") from None
         except OSError as error:
             if isinstance(error, FileNotFoundError | NotADirectoryError | PermissionError):
-                real = link  # opening it will show what is wrong
+                real = link  # opening it will report the error
                 continue
             raise BadFile(path, f"it cannot be written ({reason_of(error)})", "Choose another name") from None
         if found.st_uid not in trusted:
             problem = f"the link {link} belongs to another account (user id {found.st_uid})"
-            raise BadFile(path, problem, f"If you trust it, name what it leads to: {target}")
+            raise BadFile(path, problem, f"If you trust it, name its target: {target}")
         links += 1
         if links > MOST_LINKS:
             raise BadFile(path, "its links lead in a circle", "Choose another name")

@@ -1,4 +1,4 @@
-"""Opening of files that people name: a pipe or a device in a file's place would be waited for, or never end."""
+"""Opening of files that people name. Pipes and devices are refused, because reading them could wait or never end."""
 
 import stat
 import unicodedata
@@ -16,7 +16,7 @@ _KINDS = {
 
 
 def is_regular(path: Path) -> bool:
-    """True for a file that is there and can be looked at; False for any name that none can have."""
+    """Return True for a file that exists and can be accessed; False also for impossible names."""
     try:
         return path.is_file()
     except (OSError, ValueError):
@@ -26,8 +26,8 @@ def is_regular(path: Path) -> bool:
 def as_on_disk(path: Path) -> Path:
     """Return the path of an existing file or folder in the spelling of the disk; unchanged if there is none.
 
-    Names with marks, such as "ä", are one letter (NFC) as people type them, and may be two (NFD) in names that were
-    made on macOS. Linux takes these for different names.
+    Letters with marks, such as "ä", are one character (NFC) when people type them, and may be two (NFD) in names that
+    were made on macOS. Linux treats these as different names.
     """
     if str(path).isascii() or _is_there(path):
         return path
@@ -55,16 +55,16 @@ def size_of(path: Path) -> int:
     """Return the size of a file in bytes, without opening it.
 
     Raises:
-        BadFile: it is a pipe, a socket or a device; or its name has a NUL.
-        OSError: there is none, or it cannot be looked at.
+        BadFile: it is a pipe, a socket or a device, or its name has a NUL.
+        OSError: it does not exist, or cannot be accessed.
     """
     try:
         found = path.stat()
     except ValueError:
-        raise BadFile(path, "no file has a NUL in its name", "Check the name") from None
+        raise BadFile(path, "the name of a file cannot have a NUL", "Check the name") from None
     kind = stat.S_IFMT(found.st_mode)
     if kind in _KINDS:
-        raise BadFile(path, f"it is {_KINDS[kind]} and no file", "Save what comes from it, and name that file")
+        raise BadFile(path, f"it is {_KINDS[kind]}, not a file", "Save its output to a file, and name that file")
     return found.st_size
 
 
@@ -72,7 +72,7 @@ def open_regular(path: Path) -> BinaryIO:
     """Open a file for reading.
 
     Raises:
-        BadFile: as `size_of` has it.
+        BadFile: as for `size_of`.
         OSError: it cannot be opened.
     """
     size_of(path)
@@ -80,14 +80,14 @@ def open_regular(path: Path) -> BinaryIO:
 
 
 def content_of(path: Path, largest: int | None = None) -> bytes:
-    """The content of a file.
+    """Return the content of a file.
 
     Raises:
-        BadFile: it is none, as `open_regular` has it, or larger than `largest` bytes.
+        BadFile: as for `open_regular`, or it is larger than `largest` bytes.
         OSError: it cannot be read.
     """
     with open_regular(path) as file:
         data = file.read() if largest is None else file.read(largest + 1)
     if largest is not None and len(data) > largest:
-        raise BadFile(path, f"larger than {largest} bytes", "Check that it is the right file")
+        raise BadFile(path, f"it is larger than {largest} bytes", "Check that it is the right file")
     return data

@@ -1,4 +1,4 @@
-"""A temporary file for what would not fit into memory."""
+"""A temporary file for data that would not fit into memory."""
 
 from pathlib import Path
 from tempfile import TemporaryFile
@@ -6,10 +6,10 @@ from typing import BinaryIO
 
 
 class SpoolFile:
-    """A temporary file without a name, made when it is needed; it is gone with this object.
+    """A temporary file without a name, created when it is needed, and deleted with this object.
 
     Args:
-        folder: where it is made; None for the system's own place.
+        folder: folder for the file. If None, the system's folder for temporary files.
     """
 
     def __init__(self, folder: Path | None = None) -> None:
@@ -17,7 +17,7 @@ class SpoolFile:
         self._file: BinaryIO | None = None
 
     def put(self, data: bytes | memoryview) -> tuple[int, int]:
-        """Append bytes. Return their offset and number. Raises OSError: the disk is full."""
+        """Append bytes. Return their offset and number. Raises OSError if the disk is full."""
         if self._file is None:
             self._file = TemporaryFile(prefix="thbridge-", dir=self._folder)  # noqa: SIM115
         at = self._file.seek(0, 2)
@@ -25,7 +25,7 @@ class SpoolFile:
         return at, len(data)
 
     def get(self, at: int, size: int) -> bytes:
-        """The bytes at an offset."""
+        """Return the bytes at an offset."""
         if self._file is None:
             return b""
         self._file.seek(at)

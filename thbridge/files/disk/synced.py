@@ -1,7 +1,7 @@
-"""Files and names that outlive a power cut.
+"""Files and names that survive a power cut.
 
-Bytes that were written, and names that were given, are in memory at first; a kill does not lose them, a power cut does,
-in any order. So a file gets its name after its bytes are on the disk, and its folder is synced before anybody is told.
+Written bytes and new names are at first only in memory. A kill does not lose them, but a power cut can, in any order.
+So a file gets its name after its bytes are on the disk, and its folder is synced before success is reported.
 """
 
 import contextlib
@@ -12,7 +12,7 @@ from pathlib import Path
 
 from thbridge.files.disk.own_links import own_target
 
-# Errors of file systems that have nothing to sync in a folder.
+# Errors of file systems that cannot sync a folder.
 _CANNOT = {errno.EINVAL, errno.ENOTSUP, errno.EBADF}
 
 
@@ -33,11 +33,11 @@ def sync_folder(folder: Path) -> None:
 
 
 def make_folder(folder: Path) -> None:
-    """Make a folder, with those above it, where it is not there; it outlives a power cut when this returns.
+    """Create a folder and missing folders above it; they survive a power cut when this returns.
 
     Raises:
         BadFile: a link of another account leads to it.
-        OSError: it cannot be made.
+        OSError: it cannot be created.
     """
     own_target(folder)
     new = [each for each in (folder, *folder.parents) if not each.exists()]
@@ -47,7 +47,7 @@ def make_folder(folder: Path) -> None:
 
 
 def put_in_place(part: Path, path: Path) -> None:
-    """Give a written file its name in the same folder, in one step; a file of that name is replaced.
+    """Give a written file its name in the same folder, in one step; an existing file of that name is replaced.
 
     Raises:
         OSError: it cannot be synced or renamed.
@@ -58,20 +58,20 @@ def put_in_place(part: Path, path: Path) -> None:
 
 
 def put_in_free_place(part: Path, path: Path) -> None:
-    """Give a written file its name in the same folder, in one step, unless there is such a file.
+    """Give a written file its name in the same folder, in one step, unless a file of that name exists.
 
     Raises:
-        FileExistsError: there is.
+        FileExistsError: a file of that name exists.
         OSError: it cannot be synced or renamed.
     """
     sync_file(part)
     try:
-        # Of several programs that do this at once, one wins.
+        # If several programs do this at once, one of them wins.
         path.hardlink_to(part)
     except FileExistsError:
         raise
     except OSError:
-        # Some file systems have no second names.
+        # Some file systems have no hard links.
         if path.exists():
             raise FileExistsError(errno.EEXIST, os.strerror(errno.EEXIST), str(path)) from None
         part.replace(path)

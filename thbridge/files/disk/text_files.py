@@ -8,7 +8,7 @@ from thbridge.files.disk.regular_files import as_on_disk, content_of
 from thbridge.files.errors import BadFile
 
 LARGEST_FILE = 1 << 20
-"""Largest file in bytes; files of people have some thousand."""
+"""Largest file in bytes; files written by people have some thousand."""
 
 
 _UNDEFINED_IN_WINDOWS = frozenset(b"\x81\x8d\x8f\x90\x9d")
@@ -16,10 +16,10 @@ _NAMES_OF_ICONV = {"Windows-1252": "WINDOWS-1252", "Latin-1": "ISO-8859-1"}
 
 
 def read_text(path: Path, largest: int = LARGEST_FILE) -> str:
-    """Read the text of a file that people write, composed (NFC), so that equal names are equal however they were typed.
+    """Read the text of a file that people write, composed (NFC), so that names are equal however they were typed.
 
     Raises:
-        BadFile: it is missing, not a file, larger than `largest` bytes, or not UTF-8.
+        BadFile: it does not exist, is not a file, is larger than `largest` bytes, or is not UTF-8.
     """
     return unicodedata.normalize("NFC", text_of(path, read_bytes(path, largest)))
 
@@ -28,7 +28,7 @@ def read_bytes(path: Path, largest: int = LARGEST_FILE) -> bytes:
     """Read the bytes of a file that people write.
 
     Raises:
-        BadFile: it is missing, not a file, or larger than `largest` bytes.
+        BadFile: it does not exist, is not a file, or is larger than `largest` bytes.
     """
     try:
         return content_of(as_on_disk(path), largest)
@@ -42,12 +42,12 @@ def text_of(path: Path, data: bytes) -> str:
     """Return the text of a file's bytes, without a byte order mark.
 
     Raises:
-        BadFile: they are not UTF-8; it names the encoding that they seem to have.
+        BadFile: they are not UTF-8; the fault names the probable encoding.
     """
     utf16 = _utf16_of(data)
     if b"\0" in data and not utf16:
         line = data.count(b"\n", 0, data.index(b"\0")) + 1
-        raise BadFile(path, "there is a NUL byte in it", "Check that it is a text file, and take it out", line=line)
+        raise BadFile(path, "it has a NUL byte", "Check that it is a text file, and delete the byte", line=line)
     try:
         if utf16:
             raise UnicodeDecodeError("utf-8", data, 0, 1, utf16)
@@ -69,7 +69,7 @@ _UNKNOWN = "an encoding of another system"
 
 
 def _utf16_of(data: bytes) -> str:
-    """Return the kind of UTF-16 that bytes seem to be, by their mark or by every second byte being 0; else empty."""
+    """Return the probable kind of UTF-16, by its mark or by every second byte being 0; empty if it is not UTF-16."""
     if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
         return "UTF-16"
     for name, zeros, letters in (("UTF-16LE", data[1::2], data[::2]), ("UTF-16BE", data[::2], data[1::2])):
@@ -79,6 +79,6 @@ def _utf16_of(data: bytes) -> str:
 
 
 def _byte_encoding_of(data: bytes) -> str:
-    """Return the encoding of one byte a letter that a text seems to have: Latin-1 has no letters from 0x80 to 0x9f."""
+    """Return the probable encoding with one byte per letter: Latin-1 has no letters from 0x80 to 0x9f."""
     controls = {byte for byte in data if 0x80 <= byte < 0xA0}
     return _UNKNOWN if controls & _UNDEFINED_IN_WINDOWS else "Windows-1252" if controls else "Latin-1"

@@ -1,4 +1,4 @@
-"""Files and folders that are written completely or not at all, and outlive a power cut once they are."""
+"""Files and folders that are written completely or not at all, and survive a power cut after that."""
 
 import glob
 import os
@@ -13,7 +13,7 @@ from thbridge.files.disk.synced import make_folder, put_in_free_place, put_in_pl
 from thbridge.files.errors import BadFile, reason_of
 
 PART = ".part"
-"""Suffix of a file while it is being written; its name begins with a dot, so that readers of folders pass it over."""
+"""Suffix of a file while it is being written; its name begins with a dot, so that readers of folders skip it."""
 
 REMEDY = "check the folder and the disk"
 
@@ -28,22 +28,22 @@ def whole_file(
     mode: int | None = None,
     synced: bool = True,
 ) -> Iterator[IO[bytes]]:
-    """Yield a file to write; when the block is left without an error, it is on the disk under its name.
+    """Yield a file to write; if the block ends without an error, it is on the disk under its name.
 
-    A file of that name is replaced in one step; links and permissions are kept. Devices and pipes are written to. Links
-    are followed if they belong to this account or to root.
+    An existing file of that name is replaced in one step; links and permissions are kept. Devices and pipes are written
+    directly. Links are followed if they belong to this account or to root.
 
     Args:
-        path: its name.
-        remedy: what to do where it cannot be written, as a clause.
-        exclusive: True to leave a file of that name as it is, and raise.
-        folders: True to make the folders above it where they are missing.
-        mode: its permissions; None: as before, or usual ones.
-        synced: False to leave it to the system when it reaches the disk.
+        path: path of the file.
+        remedy: remedy if it cannot be written, as a clause.
+        exclusive: True to keep an existing file and raise an error.
+        folders: True to create missing folders above it.
+        mode: its permissions. If None, those of the existing file, or the usual ones.
+        synced: False to let the system decide when it reaches the disk.
 
     Raises:
-        FileExistsError: there is such a file, and `exclusive`.
-        BadFile: it cannot be written, or a link of another account leads to it; then the file is unchanged.
+        FileExistsError: the file exists, and `exclusive` is True.
+        BadFile: it cannot be written, or a link of another account leads to it; an existing file is unchanged.
     """
     target, part = own_target(path), None
     try:
@@ -58,7 +58,7 @@ def whole_file(
         part = _part_of(target)
         with os.fdopen(os.open(part, os.O_WRONLY | os.O_CREAT | os.O_EXCL, mode or 0o666), "wb") as file:
             if mode is not None:
-                part.chmod(mode)  # whatever is kept from new files
+                part.chmod(mode)  # regardless of the umask
             yield file
         if exclusive:
             put_in_free_place(part, target)
@@ -77,43 +77,43 @@ def whole_file(
 
 
 def write_whole(path: Path, data: bytes, remedy: str = REMEDY, *, mode: int | None = None, synced: bool = True) -> None:
-    """Replace the file, or make it, in one step; see `whole_file`.
+    """Create or replace the file in one step; see `whole_file`.
 
     Raises:
-        BadFile: it cannot be written; then the file is unchanged.
+        BadFile: it cannot be written; an existing file is unchanged.
     """
     with whole_file(path, remedy, mode=mode, synced=synced) as file:
         file.write(data)
 
 
 def clear_parts(path: Path) -> None:
-    """Delete what programs that were killed while they wrote this file have left; no program may be writing it."""
+    """Delete unfinished versions of a file that killed programs have left; no program may be writing the file."""
     for part in path.parent.glob(f".{glob.escape(path.name)}.*{PART}"):
         part.unlink(missing_ok=True)
 
 
 @contextmanager
 def new_folder(folder: Path, remedy: str = "choose another folder", *, empty: bool = False) -> Iterator[Path]:
-    """Yield a folder to fill; when the block is left without an error, all that is in it is in the folder of this name.
+    """Yield a folder to fill; if the block ends without an error, its contents are in the folder of the given name.
 
     Args:
-        folder: its final path; folders above it are made.
-        remedy: what to do where it is there already or cannot be written, as a clause.
-        empty: True to fill a folder of this name, too, if there is nothing in it.
+        folder: its final path; missing folders above it are created.
+        remedy: remedy if it already exists or cannot be written, as a clause.
+        empty: True to also fill an existing folder that is empty.
 
     Raises:
-        BadFile: there is such a folder or file already, or it cannot be written; then there is nothing of it.
+        BadFile: the folder already exists, or it cannot be written; then nothing is left of the new one.
     """
     own_target(folder)
     there = folder.is_dir() and empty
     if there and next(folder.iterdir(), None) is not None:
-        raise BadFile(folder, "there is something in this folder", remedy)
+        raise BadFile(folder, "this folder is not empty", remedy)
     if not there and (folder.exists() or folder.is_symlink()):
-        raise BadFile(folder, "there is such a folder already", remedy)
+        raise BadFile(folder, "the folder already exists", remedy)
     part = None
     try:
         make_folder(folder.absolute().parent)
-        # Nobody has promised that the folder above a given one can be written to, or is on the same disk.
+        # The folder above an existing one may not be writable, or may be on another disk.
         part = _part_of(folder / "all" if there else folder)
         part.mkdir()
         yield part
@@ -139,5 +139,5 @@ def new_folder(folder: Path, remedy: str = "choose another folder", *, empty: bo
 
 
 def _part_of(path: Path) -> Path:
-    """Return a path beside another, which no other program or thread takes."""
+    """Return a path next to another one that no other program or thread uses."""
     return path.with_name(f".{path.name}.{os.urandom(4).hex()}{PART}")

@@ -1,1 +1,1 @@
-"""Files with secrets: keys of people and of links, which are their owner's alone."""
+"""Files with secrets: keys of people and of links, which only their owner may read."""

@@ -1,4 +1,4 @@
-"""Certificate by which a session shows clients who it is: made on first use, or the lab's own."""
+"""Certificate by which clients identify a session: created on first use, or the lab's own."""
 
 import datetime
 import hashlib
@@ -13,11 +13,11 @@ from thbridge.files.errors import BadFile, reason_of
 from thbridge.files.keys.private_file import check_private
 
 CERTIFICATE = "certificate.pem"
-"""File of the certificate and of its private key, in the folder of keys; a lab's own may have those of its authorities,
-too."""
+"""File of the certificate and its private key, in the folder of keys. A lab's own file may also have the certificates
+of its authorities."""
 
 _YEARS = 20
-"""Years that a certificate of ours is valid. Nobody looks: clients know it by its fingerprint."""
+"""Years for which our certificates are valid. Clients do not check this: they know a certificate by its fingerprint."""
 _END = b"-----END CERTIFICATE-----"
 _LARGEST = 1 << 20
 
@@ -27,7 +27,7 @@ class Certificate:
     """A certificate with its private key.
 
     Attributes:
-        path: of both.
+        path: path of the file with both.
         fingerprint: SHA-256 of the certificate, hexadecimal.
     """
 
@@ -36,14 +36,14 @@ class Certificate:
 
 
 def certificate_of(folder: Path, now: str) -> Certificate:
-    """Return the certificate in a folder of keys; one is made where there is none.
+    """Return the certificate in a folder of keys, creating it if it does not exist.
 
     Args:
-        folder: of the keys; made where it is missing.
-        now: time of day, UTC, such as 2026-03-01T12:00:00Z: the beginning of a new certificate's validity.
+        folder: folder of the keys; created if it does not exist.
+        now: time of day, UTC, such as 2026-03-01T12:00:00Z, at which a new certificate becomes valid.
 
     Raises:
-        BadFile: it cannot be read or written, it is damaged, or others may read its private key.
+        BadFile: it cannot be read or written, it is damaged, or other accounts may read its private key.
     """
     path = folder / CERTIFICATE
     if not path.exists():
@@ -53,12 +53,12 @@ def certificate_of(folder: Path, now: str) -> Certificate:
         der = ssl.PEM_cert_to_DER_cert(_first(content_of(path, _LARGEST)))
         ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER).load_cert_chain(path, password="")
     except ssl.SSLError as error:
-        problem = f"certificate and private key are of no use ({error.reason or error})"
-        raise BadFile(path, problem, "copy both into it again; or remove it, and a new one is made") from None
+        problem = f"certificate and private key are not usable ({error.reason or error})"
+        raise BadFile(path, problem, "copy both into it again; or delete it, and a new one is created") from None
     except ValueError:
-        raise BadFile(path, "there is no certificate in PEM in it", "copy it again, with its private key") from None
+        raise BadFile(path, "it has no certificate in PEM format", "copy it again, with its private key") from None
     except OSError as error:
-        remedy = "put a certificate there, with its private key; or remove it, and a new one is made"
+        remedy = "put a certificate there, with its private key; or delete it, and a new one is created"
         raise BadFile(path, f"it cannot be read ({reason_of(error)})", remedy) from None
     return Certificate(path, hashlib.sha256(der).hexdigest())
 
@@ -73,7 +73,7 @@ def _first(content: bytes) -> str:
 
 
 def _make(path: Path, now: str) -> None:
-    # It takes a moment to load, and is needed once.
+    # Imported here because it loads slowly and is only needed once.
     from cryptography import x509  # noqa: PLC0415
     from cryptography.hazmat.primitives import hashes, serialization  # noqa: PLC0415
     from cryptography.hazmat.primitives.asymmetric import ec  # noqa: PLC0415
@@ -95,7 +95,7 @@ def _make(path: Path, now: str) -> None:
     secret = key.private_bytes(
         serialization.Encoding.PEM, serialization.PrivateFormat.PKCS8, serialization.NoEncryption()
     )
-    # Another program that makes one just now is not overruled: keys may have its fingerprint already.
+    # If another program is creating one now, that one stays: keys may already have its fingerprint.
     with (
         suppress(FileExistsError),
         whole_file(path, "choose another folder", exclusive=True, folders=True, mode=0o600) as file,

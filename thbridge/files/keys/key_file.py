@@ -1,4 +1,4 @@
-"""File with one key, as it is handed over: the secret, and the fingerprint of the session that it is for."""
+"""File with one key for a person: the secret, and the fingerprint of the session that it is for."""
 
 import re
 from dataclasses import dataclass
@@ -16,16 +16,16 @@ class ClientKey:
     """Key of a client.
 
     Attributes:
-        secret: what it shows.
-        fingerprint: SHA-256 of the certificate of whom it shows it to, hexadecimal; None: whoever a public authority
-            vouches for.
+        secret: the secret that it shows.
+        fingerprint: SHA-256 of the session's certificate, hexadecimal. If None, a public authority must vouch for the
+            session.
     """
 
     secret: str
     fingerprint: str | None = None
 
     def __repr__(self) -> str:
-        return "ClientKey(...)"  # It may get into a log.
+        return "ClientKey(...)"  # It may be logged.
 
 
 def key_text(secret: str, fingerprint: str) -> str:
@@ -37,16 +37,16 @@ def read_key(path: Path) -> ClientKey:
     """Read a file with a key: the secret in its first line, a fingerprint in its second, which may be missing.
 
     Raises:
-        BadFile: it cannot be read, others may read it, or it holds no key.
+        BadFile: it cannot be read, other accounts may read it, or it has no key.
     """
     check_private(path)
     lines = [line.strip() for line in read_text(path).splitlines()]
     if not lines or not lines[0]:
-        raise BadFile(path, "there is no key in this line", "write one, some random letters, into it", line=1)
+        raise BadFile(path, "there is no key in this line", "write a key, some random letters, into it", line=1)
     if len(lines) < 2 or not lines[1]:
         return ClientKey(lines[0])
     found = _FINGERPRINT.fullmatch(lines[1].lower())
     if found is None:
         remedy = "write sha256: and 64 hexadecimal digits, or nothing"
-        raise BadFile(path, "this line is no fingerprint of a certificate", remedy, line=2)
+        raise BadFile(path, "this line is not a fingerprint of a certificate", remedy, line=2)
     return ClientKey(lines[0], found[1])

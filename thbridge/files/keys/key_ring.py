@@ -1,4 +1,4 @@
-"""Ring of keys by which people are admitted: names, rights and digests; only these people have the secrets."""
+"""Ring of keys with which people are admitted: names, rights and digests. Only these people have the secrets."""
 
 import contextlib
 import fcntl
@@ -25,9 +25,9 @@ from thbridge.files.keys.private_file import check_private
 RING = "ring.json"
 """The file of a ring, in its folder."""
 KEY_SUFFIX = ".key"
-"""End of the name of a file with one secret."""
+"""Suffix of a file with one secret."""
 SHORTEST_KEY = 16
-"""Characters of a secret that cannot be guessed by trying."""
+"""Smallest number of characters of a secret, so that it cannot be guessed."""
 
 _LOCK_TRIES, _LOCK_SECONDS = 20, 0.01
 _NAME = re.compile(r"[a-z][a-z0-9_-]{0,31}")
@@ -37,13 +37,13 @@ class KeyEntry(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_def
     """A key of a ring.
 
     Attributes:
-        name: of whoever has it.
-        rights: what it is good for; intervening includes watching, and admin is everything.
-        digest: SHA-256 of the secret, which has 256 bits itself: it cannot be found by trying.
+        name: name of the person or program that has it.
+        rights: rights that it gives; intervening includes watching, and admin includes everything.
+        digest: SHA-256 of the secret, which itself has 256 bits and cannot be guessed.
         created: time of day, UTC.
-        expires: time of day from which on it is good for nothing; None: never.
-        revoked: time of day at which it was taken back; None: it is good.
-        game: the one game that a participant's key is good for; None: the next that it is used in.
+        expires: time of day from which it is invalid. If None, it does not expire.
+        revoked: time of day at which it was revoked. If None, it was not revoked.
+        game: the one game for which a participant's key is valid. If None, the next game that it is used in.
     """
 
     name: str
@@ -55,7 +55,7 @@ class KeyEntry(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_def
     game: str | None = None
 
     def why_not(self, now: str) -> str | None:
-        """Return why it is good for nothing at a time of day, as a clause; None where it is good."""
+        """Return why the key is invalid at a time of day, as a clause, or None if it is valid."""
         if self.revoked is not None:
             return f"the key {self.name} was revoked"
         if self.expires is not None and now >= self.expires:
@@ -64,14 +64,14 @@ class KeyEntry(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_def
 
 
 class KeyRing:
-    """Keys in a folder; what another program changes in it counts at once.
+    """Keys in a folder. Changes by other programs take effect at once.
 
     Args:
-        folder: of the ring; it need not be there yet.
-        clock: returns the time of day, UTC, as the ring has it.
+        folder: folder of the ring; it need not exist yet.
+        clock: returns the time of day, UTC, in the ring's format.
 
     Raises:
-        BadFile: the ring is damaged, or others may read it.
+        BadFile: the ring is damaged, or other accounts may read it.
     """
 
     def __init__(self, folder: Path, clock: Callable[[], str]) -> None:
@@ -89,7 +89,7 @@ class KeyRing:
         return self._entries
 
     def holder(self, secret: str) -> KeyEntry | str:
-        """Return the key with a secret, or why it is good for nothing, as a clause. Raises BadFile."""
+        """Return the key with a secret, or why it is invalid, as a clause. Raises BadFile."""
         digest = _digest(secret)
         for entry in self.entries:
             if entry.digest == digest:
@@ -97,32 +97,32 @@ class KeyRing:
         return "the key is wrong"
 
     def why_not(self, name: str) -> str | None:
-        """Return why a key is good for nothing any more; None where it still is good. Raises BadFile."""
+        """Return why a key is no longer valid, or None if it is valid. Raises BadFile."""
         entry = next((entry for entry in self.entries if entry.name == name), None)
         return f"there is no key {name}" if entry is None else entry.why_not(self._clock())
 
     def add(self, name: str, rights: Sequence[Right], secret: str, expires: str | None) -> Path:
-        """Add a key, and write it into a file to be handed over; return that file.
+        """Add a key, write it into a file that can be handed over, and return that file.
 
-        The file has the fingerprint of the folder's certificate, too, which is made where there is none.
+        The file also has the fingerprint of the folder's certificate, which is created if it does not exist.
 
         Raises:
-            BadFile: the name is none or taken, or a file cannot be written.
+            BadFile: the name is invalid or taken, or a file cannot be written.
         """
         if _NAME.fullmatch(name) is None:
-            problem = f"{name!r} is no name of a key"
-            raise BadFile(self._path, problem, "take small letters, digits, - and _, a letter first")
+            problem = f"{name!r} is not a valid name of a key"
+            raise BadFile(self._path, problem, "use small letters, digits, - and _, with a letter first")
         path = path_inside(self.folder, f"{name}{KEY_SUFFIX}")
         with self._locked():
             if any(entry.name == name for entry in self.entries):
-                remedy = "take another name; a name is never used again"
-                raise BadFile(self._path, f"there is a key {name} already", remedy)
+                remedy = "choose another name; a name is never used again"
+                raise BadFile(self._path, f"a key {name} already exists", remedy)
             certificate = certificate_of(self.folder, self._clock())
             try:
                 with whole_file(path, "choose another folder", exclusive=True, mode=0o600) as file:
                     file.write(key_text(secret, certificate.fingerprint).encode())
             except FileExistsError:
-                problem = f"there is such a file, and no key {name}: its making was cut off, or it is another's"
+                problem = f"this file exists, but no key {name}: it was not finished, or it belongs to another program"
                 raise BadFile(path, problem, "move it elsewhere, then try again") from None
             try:
                 self._write((*self._entries, KeyEntry(name, tuple(rights), _digest(secret), self._clock(), expires)))
@@ -132,7 +132,7 @@ class KeyRing:
         return path
 
     def revoke(self, name: str) -> None:
-        """Take a key back. Raises BadFile: there is none of this name."""
+        """Revoke a key. Raises BadFile if no key has this name."""
         with self._locked():
             entry = next((entry for entry in self.entries if entry.name == name), None)
             if entry is None:
@@ -141,15 +141,15 @@ class KeyRing:
             self._replace(msgspec.structs.replace(entry, revoked=entry.revoked or self._clock()))
 
     def enter(self, name: str, game: str, *, over: bool = False) -> str | None:
-        """Use a participant's key for a game, which it is good for from now on, and for no other.
+        """Use a participant's key for a game. From then on it is valid for this game and no other.
 
         Args:
-            name: of the key.
-            game: its name, unlike all others.
-            over: the game is over, and a key that was used for none yet is kept for the next.
+            name: name of the key.
+            game: unique name of the game.
+            over: True if the game is over; then an unused key is kept for the next game.
 
         Returns:
-            The reason why it is not good for this game, as a clause; None where it is.
+            The reason why it is not valid for this game, as a clause, or None if it is valid.
 
         Raises:
             BadFile: the ring cannot be read or written.
@@ -166,7 +166,7 @@ class KeyRing:
 
     @contextmanager
     def _locked(self) -> Iterator[None]:
-        """Keep other programs from changing the ring meanwhile. Raises BadFile."""
+        """Prevent other programs from changing the ring. Raises BadFile."""
         before = os.umask(0o077)
         try:
             make_folder(self.folder)
@@ -208,13 +208,13 @@ class KeyRing:
         except OSError as error:
             raise BadFile(self._path, f"it cannot be read ({reason_of(error)})", "name another folder") from None
         except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:
-            problem = f"this is no ring of keys ({error})"
-            raise BadFile(self._path, problem, "make a new one in another folder: thbridge keys new") from None
+            problem = f"this is not a ring of keys ({error})"
+            raise BadFile(self._path, problem, "create a new one in another folder: thbridge keys new") from None
         self._state = state
 
 
 def _lock(opened: int) -> bool:
-    """Lock a folder, for which others need milliseconds; a session does not wait for one that does not end."""
+    """Lock a folder. Others hold the lock for milliseconds; give up after a while, so that a session never hangs."""
     for _ in range(_LOCK_TRIES):
         with contextlib.suppress(BlockingIOError):
             fcntl.flock(opened, fcntl.LOCK_EX | fcntl.LOCK_NB)

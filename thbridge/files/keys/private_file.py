@@ -1,4 +1,4 @@
-"""Check that a file with a secret is its owner's alone."""
+"""Check that only the owner can access a file with a secret."""
 
 import os
 import shlex
@@ -12,10 +12,10 @@ _OTHERS = 0o077
 
 
 def check_private(path: Path) -> None:
-    """Check that no other account may read or write a file; where file systems have no modes, nothing is checked.
+    """Check that no other account may read or write a file. On file systems without modes nothing is checked.
 
     Raises:
-        BadFile: others may. A file that is not there is for its reader to complain of.
+        BadFile: other accounts may. A missing file is left to its reader.
     """
     try:
         mode = path.stat().st_mode
@@ -27,7 +27,7 @@ def check_private(path: Path) -> None:
 
 
 def _has_modes(folder: Path) -> bool:
-    """Return True unless a new file of ours is open to others all the same, as on FAT."""
+    """Return True unless new files of ours are open to other accounts in any case, as on FAT."""
     try:
         with tempfile.TemporaryFile(dir=folder) as file:
             return not os.fstat(file.fileno()).st_mode & _OTHERS

@@ -1,4 +1,4 @@
-"""Defaults of ROS that hold because files of ROS leave parameters out, and differ from those of hunts."""
+"""ROS's defaults that differ from those of hunts, and hold because ROS files leave the parameters out."""
 
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
@@ -10,12 +10,12 @@ from thbridge.files.ros.parameters import COSTMAPS, PLANNERS
 
 @dataclass(frozen=True, slots=True)
 class RosDefault:
-    """A parameter that files of ROS leave out, with ROS's default.
+    """A parameter that ROS files leave out, with ROS's default.
 
     Attributes:
-        name: its path, `amcl.max_particles`.
-        value: ROS's default, which holds.
-        hunts: the value that it has in hunts.
+        name: its path, such as `amcl.max_particles`.
+        value: ROS's default, which is used.
+        hunts: its value in hunts.
     """
 
     name: str
@@ -23,22 +23,22 @@ class RosDefault:
     hunts: object
 
     def as_json(self) -> dict[str, object]:
-        """Return it as the JSON object has it."""
+        """Return the default as a JSON object."""
         return {"name": self.name, "value": _plain(self.value), "hunts": _plain(self.hunts)}
 
 
 def ros_defaults(
     robot: RobotParameters, start: RobotParameters, hunts: RobotParameters, written: Collection[str]
 ) -> tuple[RosDefault, ...]:
-    """Those parameters of a robot that matter to it and are ROS's defaults, where hunts have others.
+    """Return the parameters that a robot uses with ROS's defaults where hunts have other values.
 
-    Planners that do not drive, layers that are off, and the radius of a robot with a footprint do not matter.
+    Parameters of unused planners, of disabled layers, and the radius of a robot with a footprint are left out.
 
     Args:
-        robot: its parameters.
-        start: what they were before files were read (`RosFiles.start`).
-        hunts: the standard ones.
-        written: paths of the parameters that stand in files.
+        robot: parameters of the robot.
+        start: parameters before files were read (`RosFiles.start`).
+        hunts: standard parameters.
+        written: paths of the parameters that the files contain.
     """
     known, begun = dict(parameters_of(robot)), dict(parameters_of(start))
     chosen = {robot.move_base.base_global_planner, robot.move_base.base_local_planner}
@@ -61,7 +61,8 @@ def ros_defaults(
 
 
 def sentences_of(defaults: Sequence[RosDefault]) -> Iterator[str]:
-    """Yield a sentence for each section with such parameters; what the costmaps have in common stands in one."""
+    """Yield a sentence for each section with such parameters; parameters that both costmaps share are in one
+    sentence."""
     lists: dict[str, list[str]] = {}
     shared = _shared(defaults)
     for default in defaults:
@@ -71,11 +72,11 @@ def sentences_of(defaults: Sequence[RosDefault]) -> Iterator[str]:
         title = " and ".join(COSTMAPS) if own in shared and section in COSTMAPS else section
         lists.setdefault(title, []).append(f"{own} {_shown(default.value)} ({_shown(default.hunts)})")
     for title, items in lists.items():
-        yield f"{title}: left out, so as in ROS (and in hunts): {', '.join(items)}"
+        yield f"{title}: left out, so ROS's default holds (hunts' in brackets): {', '.join(items)}"
 
 
 def _shared(defaults: Sequence[RosDefault]) -> set[str]:
-    """Names of the parameters that are the same in both costmaps."""
+    """Return the names of the parameters that are the same in both costmaps."""
     costmaps = [
         {
             (d.name.partition(".")[2], _shown(d.value), _shown(d.hunts))
@@ -88,7 +89,7 @@ def _shared(defaults: Sequence[RosDefault]) -> set[str]:
 
 
 def _plain(value: object) -> object:
-    """The value as YAML and JSON have it; sections in a list are their names."""
+    """Return a value in types of YAML and JSON; sections in a list become their names."""
     if isinstance(value, tuple):
         return [_plain(item) for item in cast(tuple[object, ...], value)]
     return cast(object, getattr(value, "name", value))

@@ -1,4 +1,4 @@
-"""Message definitions for bags and ROS graphs: texts of our own, or those of an installed ROS 1, with its comments."""
+"""Message definitions for bags and ROS graphs: our own texts, or those of an installed ROS 1, with its comments."""
 
 from collections.abc import Sequence
 from functools import cache
@@ -11,10 +11,10 @@ ROS_SHARES = (Path("/usr/share"), *sorted(Path("/opt/ros").glob("*/share"), reve
 
 
 class Definitions:
-    """Looks up the definitions of message types.
+    """Definitions of message types.
 
     Args:
-        shares: folders with files `PACKAGE/msg/TYPE.msg`, whose texts are preferred; by default none, so that texts
+        shares: folders with files `PACKAGE/msg/TYPE.msg`, which are preferred. By default there are none, so that texts
             are the same on every machine. ROS's tools compare texts including comments: see `ROS_SHARES`.
     """
 
@@ -23,13 +23,13 @@ class Definitions:
         self._text_of = cache(self._read)
 
     def of(self, msgtype: str) -> Definition:
-        """The definition of a type, for example "nav_msgs/Odometry".
+        """Return the definition of a type, for example "nav_msgs/Odometry".
 
-        An installed text is used only if its fields are ours: another release of ROS may have changed the type. Types
-        that we do not write are told as rosbags has them.
+        An installed text is used only if its fields are ours, because another release of ROS may have changed the type.
+        For types that we do not write, this is the definition from rosbags.
 
         Raises:
-            KeyError: there is no such type.
+            KeyError: the type does not exist.
         """
         plain = plain_definition(msgtype)
         if not self._shares:

@@ -1,7 +1,8 @@
-"""Parameter files of ROS 2's Nav2, turned into what files of ROS 1 would say.
+"""Translation of parameter files of ROS 2's Nav2 to parameters of ROS 1.
 
-Nav2's nodes are the successors of amcl and move_base, with other names, units and defaults. What a file leaves out of a
-node that it describes is as in Nav2; what has no counterpart is named, and has no effect.
+Nav2's nodes are the successors of amcl and move_base, with other names, units and defaults. Parameters that a file
+leaves out have Nav2's defaults if the file describes their node. Parameters without a counterpart are listed and have
+no effect.
 
 Source: the declarations in ros-navigation/navigation2: nav2_amcl/src/amcl_node.cpp, nav2_costmap_2d/src and /plugins,
 nav2_navfn_planner, nav2_controller/src and /plugins, nav2_dwb_controller/dwb_plugins and dwb_critics.
@@ -54,7 +55,7 @@ _AMCL_DEFAULTS: Mapping[str, str] = {
     "z_rand": "0.5",
     "z_short": "0.05",
 }
-"""Nav2's defaults that are not those of ROS 1."""
+"""Nav2's defaults that differ from ROS 1's."""
 _MODELS: Mapping[str, str] = {
     "nav2_amcl::DifferentialMotionModel": "diff-corrected",
     "nav2_amcl::OmniMotionModel": "omni-corrected",
@@ -83,12 +84,12 @@ _DWB: Mapping[str, str] = {
 }
 """Names of DWAPlannerROS's parameters, by those of Nav2's DWB."""
 _HALVED: Mapping[str, str] = {"PathDist.scale": "path_distance_bias", "GoalDist.scale": "goal_distance_bias"}
-"""Weights per cell: DWB takes half of a cell's side for them, ROS 1 the whole (dwb_critics, map_grid.cpp)."""
+"""Weights per cell. DWB multiplies them by half of a cell's side, ROS 1 by the whole (dwb_critics, map_grid.cpp)."""
 _SCALE = "1.0"
-"""DWB's weight of a critic that is listed without one."""
+"""DWB's weight of a listed critic without a weight."""
 _OBSTACLES = ("BaseObstacle", "ObstacleFootprint")
 _DWB_STANDS: tuple[str, ...] = ("max_speed_xy", "max_vel_x", "max_vel_theta", "acc_lim_x", "acc_lim_theta")
-"""Limits that are 0 by default: a robot under Nav2 does not move without them."""
+"""Limits with the default 0: without them, a robot under Nav2 does not move."""
 _GOAL_CHECKER: Mapping[str, str] = {
     "xy_goal_tolerance": "xy_goal_tolerance",
     "yaw_goal_tolerance": "yaw_goal_tolerance",
@@ -137,7 +138,7 @@ _COSTMAP_PLUGINS: Mapping[str, str] = {
     "obstacle_layer": "nav2_costmap_2d::ObstacleLayer",
     "inflation_layer": "nav2_costmap_2d::InflationLayer",
 }
-"""Layers of a costmap that has no `plugins`."""
+"""Layers of a costmap without `plugins`."""
 _COSTMAP_ONLY = (
     *(
         "filters",
@@ -159,7 +160,7 @@ _NODES = ("amcl", "controller_server", "planner_server", "local_costmap", "globa
 
 
 def is_of_ros2(tree: Node) -> bool:
-    """True for a tree in which any node has `ros__parameters`."""
+    """Return True if any node in a tree has `ros__parameters`."""
     match tree:
         case Section(_, entries):
             return any(key.text == PARAMETERS or is_of_ros2(child) for key, child in entries)
@@ -169,12 +170,12 @@ def is_of_ros2(tree: Node) -> bool:
 
 
 def as_ros1(path: Path, tree: Section, notices: list[str]) -> Section:
-    """The entries that a file of ROS 1 would have.
+    """Return the entries that a file of ROS 1 would have.
 
     Args:
-        path: of the file, for notices and faults.
-        tree: its entries.
-        notices: takes sentences about what has no counterpart, and about defaults of Nav2.
+        path: path of the file, for notices and faults.
+        tree: entries of the file.
+        notices: receives sentences about entries without a counterpart, and about defaults of Nav2.
 
     Raises:
         BadFile: none of its nodes has a counterpart.
@@ -196,7 +197,7 @@ def _nodes(tree: Section) -> Iterator[tuple[Scalar, Section]]:
 
 
 def _nested(section: Section) -> Section:
-    """The entries of a section with those of dotted names, `static_layer.enabled`, in inner sections."""
+    """Return the entries of a section, with dotted names such as `static_layer.enabled` moved to inner sections."""
     entries: list[Entry] = []
     inner: dict[str, list[Entry]] = {}
     for key, child in section.entries:
@@ -213,7 +214,7 @@ def _nested(section: Section) -> Section:
 
 
 def _dotted(section: Section, prefix: str = "") -> Iterator[Entry]:
-    """Yield the entries of a section with those of inner ones under their full names, `PathDist.scale`."""
+    """Yield the entries of a section, with those of inner sections under their full names, `PathDist.scale`."""
     for key, child in section.entries:
         name = Scalar(f"{prefix}{key.text}", plain=True, line=key.line)
         if isinstance(child, Section):
@@ -240,8 +241,8 @@ class _Translation:
         known: set[str] = set()
         for key, parameters in _nodes(tree):
             if key.text in known:
-                problem = f"{key.text} stands there for a second robot"
-                raise BadFile(self._path, problem, "write the nodes of one robot into a file of their own", key.line)
+                problem = f"{key.text} appears again for a second robot"
+                raise BadFile(self._path, problem, "write the nodes of one robot to a separate file", key.line)
             if key.text in _NODES:
                 known.add(key.text)
             match key.text:
@@ -259,9 +260,9 @@ class _Translation:
             remedy = f"name a file with {', '.join(_NODES[:-1])} or {_NODES[-1]}"
             raise BadFile(self._path, "no node of this file of ROS 2 has a counterpart here", remedy)
         if others:
-            self._tell(f"nodes of ROS 2 that have no counterpart here: {', '.join(sorted(set(others)))}")
+            self._tell(f"nodes of ROS 2 without a counterpart here: {', '.join(sorted(set(others)))}")
         if self._strange:
-            self._tell(f"without effect here, for there is no counterpart: {', '.join(self._strange)}")
+            self._tell(f"no effect, because there is no counterpart here: {', '.join(self._strange)}")
         return Section(tree.line, entries)
 
     def _tell(self, sentence: str) -> None:
@@ -270,7 +271,7 @@ class _Translation:
     def _renamed(
         self, node: str, parameters: Section, names: Mapping[str, str], defaults: Mapping[str, str]
     ) -> list[Entry]:
-        """A node's parameters under the names of ROS 1, with Nav2's defaults for those that are left out."""
+        """Return a node's parameters under the names of ROS 1, with Nav2's defaults for those that are left out."""
         entries: list[Entry] = []
         written = set()
         for key, child in _dotted(parameters):
@@ -287,7 +288,7 @@ class _Translation:
         left_out = {name: value for name, value in defaults.items() if name not in written}
         if left_out:
             told = ", ".join(f"{name}: {value}" for name, value in left_out.items())
-            self._tell(f"{node} leaves out what Nav2 takes by default: {told}")
+            self._tell(f"{node} leaves out parameters with these defaults of Nav2: {told}")
         return [(_scalar(names.get(name, name), line), _scalar(value, line)) for name, value in left_out.items()]
 
     def _amcl(self, node: Scalar, parameters: Section) -> Section:
@@ -301,13 +302,13 @@ class _Translation:
             if known is None:
                 remedy = f"write one of {', '.join(_MODELS)}"
                 raise BadFile(
-                    self._path, f"{model.text!r} is no model of motion", remedy, model.line, "robot_model_type"
+                    self._path, f"{model.text!r} is not a motion model", remedy, model.line, "robot_model_type"
                 )
             entries.append((_scalar("odom_model_type", model.line), _scalar(known, model.line)))
         return Section(parameters.line, entries)
 
     def _costmap(self, node: Scalar, parameters: Section) -> Section:
-        """A costmap with its layers listed as in ROS 1."""
+        """Return a costmap with its layers listed as in ROS 1."""
         inner = {key.text: child for key, child in parameters.entries}
         given = list(parameters.entries)
         if "plugins" not in inner:
@@ -315,11 +316,11 @@ class _Translation:
             inner["plugins"] = Listing(parameters.line, [*names_of_all])
             given.insert(0, (_scalar("plugins", parameters.line), inner["plugins"]))
             listed = ", ".join(_COSTMAP_PLUGINS)
-            self._tell(f"{node.text} leaves out plugins, which Nav2 takes by default: {listed}")
+            self._tell(f"{node.text} leaves out plugins, so Nav2's default is used: {listed}")
         listing = inner["plugins"]
         if not isinstance(listing, Listing):
-            remedy = f"write such as [{', '.join(_COSTMAP_PLUGINS)}], or delete the line for these, Nav2's default"
-            raise BadFile(self._path, "no list of layers", remedy, listing.line, f"{node.text}.plugins")
+            remedy = f"write for example [{', '.join(_COSTMAP_PLUGINS)}], or delete the line for these, Nav2's default"
+            raise BadFile(self._path, "not a list of layers", remedy, listing.line, f"{node.text}.plugins")
         plugins = [item for item in listing.items if isinstance(item, Scalar)]
         names = {each.text for each in plugins}
         entries: list[Entry] = []
@@ -343,11 +344,11 @@ class _Translation:
         return Section(parameters.line, entries + self._defaults(node.text, parameters.line, {*inner}, {}, defaults))
 
     def _plugin(self, name: Scalar, layer: Node | None) -> Node:
-        """A layer's line in the list of ROS 1: {name, type}."""
+        """Return a layer's entry in the list of ROS 1: {name, type}."""
         own = layer.entries if isinstance(layer, Section) else []
         usual = _scalar(_COSTMAP_PLUGINS.get(name.text, name.text), name.line)
         kind = next((child for key, child in own if key.text == "plugin" and isinstance(child, Scalar)), usual)
-        # Layers are told by their types: nav2_costmap_2d::ObstacleLayer as by costmap_2d::ObstacleLayer.
+        # Layers are recognized by their types, nav2_costmap_2d::ObstacleLayer like costmap_2d::ObstacleLayer.
         return Section(name.line, [(_scalar("name", name.line), name), (_scalar("type", name.line), kind)])
 
     def _layer(self, place: str, layer: Section) -> Section:
@@ -364,7 +365,7 @@ class _Translation:
 
     def _source(self, place: str, source: Section) -> Section:
         if all(key.text != "max_obstacle_height" for key, _ in source.entries):
-            height = "0 m in Nav2, so that it marks nothing higher; here heights do not count"
+            height = "0 m in Nav2, so that it marks nothing higher; here heights are ignored"
             self._tell(f"{place} leaves out max_obstacle_height, which is {height}")
         entries: list[Entry] = []
         for key, child in source.entries:
@@ -375,9 +376,9 @@ class _Translation:
         return Section(source.line, entries)
 
     def _first_plugin(self, parameters: Section, listed: str, kind: str, default: str) -> tuple[Scalar, Section] | None:
-        """The first plugin of a list that is of a kind, with its parameters; the others are named.
+        """Return the first plugin of a kind in a list, with its parameters; the others are reported.
 
-        Where there is no list, the default one need not say its type.
+        If there is no list, the default plugin does not need a type.
         """
         inner = {key.text: (key, child) for key, child in parameters.entries}
         names = inner[listed][1] if listed in inner else None
@@ -403,14 +404,14 @@ class _Translation:
         if found is None and not {"planner_plugins", "GridBased"} & {key.text for key, _ in parameters.entries}:
             found = _scalar("GridBased", parameters.line), Section(parameters.line, [])
         if found is None:
-            self._tell("the global planner is navfn, for none of those in planner_plugins is here")
+            self._tell("the global planner is navfn, because none of those in planner_plugins exists here")
             return
         key, own = found
         rest = Section(own.line, [entry for entry in own.entries if entry[0].text != "plugin"])
         yield _scalar("NavfnROS", key.line), Section(own.line, self._renamed(key.text, rest, _NAVFN, _NAVFN_DEFAULTS))
 
     def _controller(self, parameters: Section) -> Iterator[Entry]:
-        """The local planner, and move_base's parameters that are the controller's in Nav2."""
+        """Yield the local planner, and move_base's parameters that belong to the controller in Nav2."""
         inner = {key.text: (key, child) for key, child in parameters.entries}
         base: list[Entry] = [
             (
@@ -430,7 +431,8 @@ class _Translation:
         tolerances = self._renamed(name, rest, _GOAL_CHECKER, _GOAL_CHECKER_DEFAULTS)
         if found is None:
             self._tell(
-                "the local planner is DWAPlannerROS as in ROS 1, for none of those in controller_plugins is here"
+                "the local planner is DWAPlannerROS as in ROS 1, because none of those in controller_plugins exists "
+                "here"
             )
             yield _scalar("DWAPlannerROS", parameters.line), Section(parameters.line, list(tolerances))
             return
@@ -442,7 +444,7 @@ class _Translation:
         entries = [*self._renamed(key.text, rest, _DWB, _DWB_DEFAULTS)]
         if stands := [name for name in _DWB_STANDS if all(entry[0].text != name for entry in written)]:
             self._tell(f"{key.text} leaves out {', '.join(stands)}, which are 0 in Nav2; here they are as in ROS 1")
-        # The goal checker decides in Nav2 when the robot has arrived.
+        # In Nav2 the goal checker decides when the robot has arrived.
         entries = [
             entry for entry in entries if entry[0].text not in {name.text for name, _ in tolerances}
         ] + tolerances
@@ -450,7 +452,7 @@ class _Translation:
         yield _scalar("DWAPlannerROS", key.line), Section(own.line, entries)
 
     def _checker(self, parameters: Section, kind: str) -> tuple[str, Section]:
-        """The first checker of a kind; Nav2's own, without parameters, where there is none. The others are named."""
+        """Return the first checker of a kind, or Nav2's default one without parameters. The others are reported."""
         inner = {key.text: child for key, child in parameters.entries}
         listing = inner.get(f"{kind}_plugins")
         names = (
@@ -462,7 +464,8 @@ class _Translation:
         return (names or [kind])[0], first if isinstance(first, Section) else Section(parameters.line, [])
 
     def _with_critics(self, planner: str, own: Section) -> list[Entry]:
-        """DWB's parameters with the weights that hold: of critics that are not listed 0, of others 1 by default."""
+        """Return DWB's parameters with their effective weights: 0 for critics that are not listed, and else 1 by
+        default."""
         entries = [*_dotted(own)]
         listing = next((child for key, child in entries if key.text == "critics"), None)
         if not isinstance(listing, Listing):
@@ -484,7 +487,7 @@ class _Translation:
             if weight not in present:
                 value = _SCALE if name in listed else "0.0"
                 why = f"critics {'list' if name in listed else 'leave out'} {name}"
-                self._tell(f"{planner}.{scale} is {value} in Nav2, for {why}")
+                self._tell(f"{planner}.{scale} is {value} in Nav2, because {why}")
                 weighed.append((_scalar(weight, own.line), _scalar(value, own.line)))
         return weighed
 
@@ -492,4 +495,4 @@ class _Translation:
         try:
             return _scalar(repr(float(weight.text) / 2.0), weight.line)
         except ValueError:
-            return weight  # The loader says what is wrong with it.
+            return weight  # The loader reports the fault.

@@ -1,4 +1,4 @@
-"""YAML trees normalized as by ROS's own loader: words for true and false, angles, merged anchors, duplicate keys."""
+"""Normalization of YAML trees as in ROS's own loader: booleans, angles, merged anchors, duplicate keys."""
 
 import dataclasses
 import math
@@ -18,7 +18,7 @@ _FALSE = {"no", "No", "NO", "off", "Off", "OFF", "False", "FALSE"}
 _WHOLE_REAL = re.compile(r"([-+]?\d+)\.0*")
 _ANGLE = re.compile(r"(deg|rad)\((.*)\)")
 _OTHER_BASE = re.compile(r"[-+]?0(x[\da-fA-F]+|b[01]+|[0-7]+)")
-"""Numbers in base 16, 2 and 8, as in YAML 1.1, by which ROS reads."""
+"""Numbers in base 16, 2 and 8, as in YAML 1.1, which ROS uses."""
 _GROUPED = re.compile(r"[-+]?\d+(_+\d+)+(\.\d*)?")
 """Numbers with underscores between digits, as in YAML 1.1."""
 _TEXT_TAGS = {f"tag:yaml.org,2002:{kind}" for kind in ("str", "binary")}
@@ -27,26 +27,26 @@ _PLAIN_TAGS = {*(f"tag:yaml.org,2002:{kind}" for kind in ("float", "int", "bool"
 
 @dataclass(slots=True)
 class RosYamlNormalizer:
-    """Normalizes a tree: plain words, each key once, no merge keys, no slashes.
+    """Normalizer of a tree: plain words, each key once, no merge keys, no slashes.
 
     Attributes:
         path: the file, for faults.
-        notices: gets a sentence for each duplicate key.
+        notices: receives a sentence for each duplicate key.
     """
 
     path: Path
     notices: list[str]
 
     def section(self, node: Node) -> Section:
-        """The normalized tree of a file. Raises BadFile: it is no section of names and values, or a word is wrong."""
+        """Return the normalized tree of a file. Raises BadFile if it is not a section, or a value is invalid."""
         if not isinstance(node, Section):
-            problem = "no section of 'name: value' lines"
+            problem = "it is not a section with lines 'name: value'"
             raise BadFile(self.path, problem, "name a YAML file of ROS parameters", line=node.line)
         cleaned = self.node(node)
         return cleaned if isinstance(cleaned, Section) else Section(node.line, [])
 
     def node(self, node: Node) -> Node:
-        """The normalized tree of a node."""
+        """Return the normalized tree of a node."""
         match node:
             case Scalar():
                 return self.scalar(node)
@@ -61,13 +61,15 @@ class RosYamlNormalizer:
                         written[name.text] = before, Section(known.line, [*known.entries, *inner.entries])
                         continue
                     if known is not None:
-                        notice = f"{name.text} stands twice, first in line {before.line}; the later holds, as in ROS"
+                        notice = (
+                            f"{name.text} appears twice, first in line {before.line}; the later one is used, as in ROS"
+                        )
                         self.notices.append(f"{self.path}, line {name.line}: {notice}")
                     written[name.text] = name, inner
                 return Section(line, list(written.values()))
 
     def merged(self, entries: Sequence[Entry]) -> list[Entry]:
-        """The entries, with those of merge keys (`<<: *common`) that they do not override."""
+        """Return the entries, with those of merge keys (`<<: *common`) that they do not override."""
         own = [entry for entry in entries if entry[0].text != "<<"]
         names = {key.text for key, _ in own}
         for key, child in entries:
@@ -75,21 +77,21 @@ class RosYamlNormalizer:
                 continue
             for part in child.items if isinstance(child, Listing) else [child]:
                 if not isinstance(part, Section):
-                    problem = "no section to merge"
+                    problem = "not a section that can be merged"
                     raise BadFile(self.path, problem, "write the name of a section's anchor", line=key.line, key="<<")
                 own.extend(entry for entry in part.entries if entry[0].text not in names)
                 names |= {entry[0].text for entry in part.entries}
         return own
 
     def unfolded(self, key: Scalar, child: Node) -> Entry:
-        """An entry without slashes in its key: `a/b: 1` becomes `a: {b: 1}`; leading slashes are removed."""
+        """Return an entry without slashes in its key: `a/b: 1` becomes `a: {b: 1}`; leading slashes are removed."""
         first, *rest = key.text.strip("/").split("/")
         for name in reversed(rest):
             child = Section(key.line, [(Scalar(name, plain=True, line=key.line), child)])
         return Scalar(first, plain=key.plain, line=key.line), child
 
     def scalar(self, node: Scalar) -> Scalar:
-        """A normalized word: `yes` is true, `5.0` also 5, `!degrees 90` and `deg(90)` become radians."""
+        """Return a normalized value: `yes` is true, `5.0` also 5, `!degrees 90` and `deg(90)` become radians."""
         called = _ANGLE.fullmatch(node.text) if node.plain else None
         if node.tag in {"!degrees", "!radians"} or called:
             text = called[2] if called else node.text
@@ -99,7 +101,7 @@ class RosYamlNormalizer:
             return self.scalar(dataclasses.replace(node, tag=None, plain=node.tag not in _TEXT_TAGS))
         if node.tag is not None:
             remedy = "Write the plain value; only !degrees and !radians are known"
-            raise BadFile(self.path, "a tag (!)", remedy, line=node.line, key=node.tag)
+            raise BadFile(self.path, "this tag (!) is unknown", remedy, line=node.line, key=node.tag)
         if not node.plain:
             return node
         if _GROUPED.fullmatch(node.text):
@@ -113,15 +115,15 @@ class RosYamlNormalizer:
         return dataclasses.replace(node, text=whole[1]) if whole else node
 
     def angle(self, text: str, line: int, degrees: bool) -> float:
-        """The value in radians of a product of numbers and pi."""
+        """Return the value in radians of a product of numbers and pi."""
         value = product(text)
         if value is None:
-            raise BadFile(self.path, f"{text!r} is no angle", "Write a number, or such as pi/2", line=line)
+            raise BadFile(self.path, f"{text!r} is not an angle", "Write a number, or for example pi/2", line=line)
         return math.radians(value) if degrees else value
 
 
 def _below_root(entries: Sequence[Entry]) -> Iterator[Entry]:
-    """Yield the entries; those of the root of all names, `/`, in its place."""
+    """Yield the entries; those of the root namespace `/` take its place."""
     for key, child in entries:
         if key.text == "/" and isinstance(child, Section):
             yield from child.entries
@@ -130,7 +132,7 @@ def _below_root(entries: Sequence[Entry]) -> Iterator[Entry]:
 
 
 def _in_ten(text: str) -> int:
-    """Return the value of a number in another base; one that begins with a mere 0 has the base 8."""
+    """Return the value of a number in another base; a number that begins with only a 0 has base 8."""
     sign = -1 if text[0] == "-" else 1
     digits = text.lstrip("+-")
     return sign * int(digits, 0 if digits[1] in "xb" else 8)

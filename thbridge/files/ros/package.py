@@ -1,4 +1,4 @@
-"""ROS packages with message types that an installed ROS does not have, for tools that need them as packages."""
+"""ROS packages with message types that an installed ROS lacks, for tools that need them as packages."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -46,19 +46,19 @@ class _Package:
 _OWN = _Package("thbridge_msgs", "Messages of the treasure hunt: session, events, score, dialogues, inputs", OWN_TEXTS)
 _MAVROS = _Package(
     "mavros_msgs",
-    "Those two messages of mavros that thbridge records, for a ROS without mavros",
+    "The two messages of mavros that thbridge records, for a ROS without mavros",
     {msgtype: ROS_TEXTS[msgtype] for msgtype in MAVROS_TYPES},
 )
 
 
 def write_packages(folder: Path) -> tuple[Path, ...]:
-    """Write the catkin package `thbridge_msgs` into a folder, and `mavros_msgs` if ROS lacks it; replaces older ones.
+    """Write the catkin package `thbridge_msgs` to a folder, and `mavros_msgs` if ROS lacks it; replace older ones.
 
     Returns:
         The packages' folders.
 
     Raises:
-        BadFile: one cannot be written.
+        BadFile: a package cannot be written.
     """
     has_mavros = any((share / _MAVROS.name).is_dir() for share in ROS_SHARES)
     return tuple(_written(package, folder) for package in (_OWN, *(() if has_mavros else (_MAVROS,))))
@@ -71,7 +71,7 @@ def _written(package: _Package, parent: Path) -> Path:
         "CMakeLists.txt": _CMAKE.format(name=package.name),
         **{f"msg/{msgtype.partition('/')[2]}.msg": text for msgtype, text in package.texts.items()},
     }
-    remedy = "name a folder that may be written to"
+    remedy = "name a folder with write permission"
     if folder.exists():
         _fill(folder, files, remedy)
     else:

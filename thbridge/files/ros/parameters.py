@@ -1,11 +1,11 @@
 """Parameters from the YAML files of a ROS navigation stack.
 
 A file may be for a node's own namespace (`min_particles: 500`), for the root (`amcl: {min_particles: 500}`), or for
-move_base with all that runs in it; costmap parameters without a section are for both costmaps, unless the file is
-named with its namespace, `local_costmap:costmap.yaml`. Layers may have any name. Words are read as by ROS's loader:
+move_base with everything that runs in it. Costmap parameters without a section are for both costmaps, unless the file
+is named with its namespace, `local_costmap:costmap.yaml`. Layers may have any name. Values are read as in ROS's loader:
 `yes` is true, `!degrees 90` and `deg(90)` are angles.
 
-What the files leave out of a node that they are for is as in ROS; see `RosFiles.start`.
+If the files are for a node, parameters of it that they leave out have ROS's defaults; see `RosFiles.start`.
 """
 
 import dataclasses
@@ -38,20 +38,20 @@ SECTIONS: Mapping[str, type] = {
     for name, hint in cast(Mapping[str, type], get_type_hints(RobotParameters)).items()
     if dataclasses.is_dataclass(hint)
 }
-"""The sections of a robot's parameters, each a namespace in ROS."""
+"""Sections of a robot's parameters. Each is a namespace in ROS."""
 
 NODES = (
     ("amcl",),
     ("fake_localization",),
     (*COSTMAPS, "NavfnROS", "GlobalPlanner", "TrajectoryPlannerROS", "DWAPlannerROS", "move_base"),
 )
-"""Sections by the node of ROS that reads them."""
+"""Sections by the ROS node that reads them."""
 PLANNERS: Mapping[str, tuple[str, ...]] = {
     field.name: choices_of(str, field.metadata)
     for field in dataclasses.fields(MoveBaseParameters)
     if field.name.startswith("base_")
 }
-"""Planners that there are, by the parameter of move_base that chooses one."""
+"""Available planners, by the parameter of move_base that chooses one."""
 
 _NAMESPACE = re.compile(rf"(?P<folder>.*/)?(?P<namespace>{'|'.join(SECTIONS)}):(?P<file>.+)")
 
@@ -62,9 +62,9 @@ LAYERS = {
 }
 """Layers of a costmap, with the words in a plugin's type or name by which they are recognized."""
 
-_PERIOD = "the time between commands: here it is always as move_base's controller_frequency says"
+_PERIOD = "the time between commands, which always follows from move_base's controller_frequency here"
 _UNREAD = "ROS does not read it there; probably meant is "
-_SIDEWAYS = "ROS does not read it there; the speeds sideways are TrajectoryPlannerROS's y_vels"
+_SIDEWAYS = "ROS does not read it there; the sideways speeds are TrajectoryPlannerROS's y_vels"
 WITHOUT_EFFECT: Mapping[str, Mapping[str, str]] = {
     "move_base": {"recovery_behaviour_enabled": f"{_UNREAD}recovery_behavior_enabled"},
     "TrajectoryPlannerROS": {
@@ -86,29 +86,29 @@ WITHOUT_EFFECT: Mapping[str, Mapping[str, str]] = {
     "global_costmap": {"meter_scoring": f"{_UNREAD}TrajectoryPlannerROS's"},
     "local_costmap": {"meter_scoring": f"{_UNREAD}TrajectoryPlannerROS's"},
 }
-"""Parameters that files of well-known robots have where no ROS package reads them, with a remark for each."""
+"""Parameters in files of well-known robots that no ROS package reads, with a remark for each."""
 LAYERS_WITHOUT_EFFECT: Mapping[str, str] = {
     "robot_radius": f"{_UNREAD}the costmap's",
     "footprint": f"{_UNREAD}the costmap's",
-    "publish_observations": "a parameter of a layer that there is not here",
+    "publish_observations": "it belongs to a layer that does not exist here",
 }
-"""The same in layers of costmaps."""
+"""Such parameters in layers of costmaps."""
 OF_THE_GRAPH = frozenset(
     {"robot_description", "rosdistro", "roslaunch", "rosversion", "run_id", "tf_prefix", "use_sim_time"}
 )
-"""Parameters of no node, which a dump of the parameter server has."""
+"""Parameters that belong to no node, but are in a dump of the parameter server."""
 _PLANNER = re.compile(r"\w*(Planner|Follower|Controller)\w*")
-"""Name of a section of a planner, among them those of packages that are not ROS's own."""
+"""Name of a section of a planner, including planners of packages outside of ROS's navigation."""
 
 
 @dataclass(frozen=True, slots=True)
 class RosParameters:
-    """The parameters in some files of ROS.
+    """The parameters in some ROS files.
 
     Attributes:
         value: the robot's parameters, with those of the files applied.
-        notices: sentences about parameters without effect, and about those that were interpreted.
-        written: the paths of all parameters that stand in the files: `amcl.kld_err`.
+        notices: sentences about parameters without effect, and about interpreted ones.
+        written: paths of all parameters in the files, such as `amcl.kld_err`.
     """
 
     value: RobotParameters
@@ -118,12 +118,12 @@ class RosParameters:
 
 @dataclass(frozen=True, slots=True)
 class RosFiles:
-    """Files of ROS, sorted into the sections of `RobotParameters`.
+    """ROS files, sorted into the sections of `RobotParameters`.
 
     Attributes:
-        trees: the entries of each file, in the order in which a launch file loads them.
+        trees: entries of each file, in the order in which a launch file loads them.
         listed: our layers in each costmap that has `plugins`.
-        notices: sentences about parameters without effect, and about those that were interpreted.
+        notices: sentences about parameters without effect, and about interpreted ones.
     """
 
     trees: tuple[tuple[Path, Section], ...]
@@ -132,18 +132,19 @@ class RosFiles:
 
     @property
     def sections(self) -> frozenset[str]:
-        """Sections of `RobotParameters` of which the files say anything."""
+        """Sections of `RobotParameters` that the files have entries for."""
         return frozenset(key.text for _, tree in self.trees for key, _ in tree.entries if key.text in SECTIONS)
 
     def start(self, standard: RobotParameters) -> RobotParameters:
-        """The parameters that hold where these files say nothing.
+        """Return the parameters that hold before these files are applied.
 
-        A node of which they say anything has ROS's defaults throughout. Without `plugins`, a costmap has the map only
-        by `static_map: true` (costmap_2d_ros.cpp, loadOldParameters). A costmap of which they say nothing would have
-        neither the map nor a sensor in ROS, so it keeps these and the robot's body.
+        A node with any entries in the files begins with all of ROS's defaults. Without `plugins`, a costmap has the map
+        only if `static_map: true` is given (costmap_2d_ros.cpp, loadOldParameters). A costmap without entries would
+            have neither the
+        map nor a sensor in ROS, so it keeps the standard ones and the robot's body.
 
         Args:
-            standard: the parameters of other nodes, and those that ROS does not have.
+            standard: parameters of other nodes, and parameters that ROS does not have.
         """
         changes: dict[str, object] = {}
         for node in NODES:
@@ -170,13 +171,13 @@ class RosFiles:
         )
 
     def over(self, start: RobotParameters) -> RosParameters:
-        """Apply the files one after the other; the last value wins, as on the parameter server.
+        """Apply the files one after the other. The last value is used, as on the parameter server.
 
         Args:
-            start: the parameters for all that the files leave out.
+            start: values for parameters that the files leave out.
 
         Raises:
-            BadFiles: every fault of all files.
+            BadFiles: all faults of all files.
         """
         notices = list(self.notices)
         faults: list[BadFile] = []
@@ -197,21 +198,22 @@ class RosFiles:
         return RosParameters(_with_layers(value, self.listed), tuple(_once(notices)), frozenset(written))
 
     def _about_planners(self, value: RobotParameters, written: Collection[str]) -> Iterator[str]:
-        """Yield a sentence for each planner that files describe and none chooses, as where a launch file does that."""
+        """Yield a sentence for each planner that files describe but do not choose, because a launch file might choose
+        it."""
         for key, kinds in PLANNERS.items():
             chosen = cast(str, getattr(value.move_base, key))
             for kind in kinds:
                 section = kind.rpartition("/")[2]
                 if kind != chosen and section in self.sections and f"move_base.{key}" not in written:
                     remedy = f"if a launch file chooses it, add a file with `{key}: {kind}`"
-                    yield f"{section} has no effect: no file has {key}, so it is {chosen}; {remedy}"
+                    yield f"{section} has no effect: no file has {key}, so {chosen} is used; {remedy}"
 
 
 def parse_ros_files(paths: Sequence[Path]) -> RosFiles:
-    """Read files of ROS, each named by its path, or with the namespace into which it is loaded: `NAMESPACE:PATH`.
+    """Read ROS files, each given by its path, or with the namespace into which it is loaded: `NAMESPACE:PATH`.
 
     Raises:
-        BadFile: one cannot be read at all.
+        BadFile: a file cannot be read at all.
     """
     notices: list[str] = []
     trees = [_parsed(path, notices) for path in paths]
@@ -227,23 +229,23 @@ def parse_ros_files(paths: Sequence[Path]) -> RosFiles:
 
 
 def read_ros_parameters(paths: Sequence[Path], standard: RobotParameters) -> RosParameters:
-    """Read files of ROS; what they leave out is as in ROS, and for other nodes as in `standard`.
+    """Read ROS files. Parameters that they leave out have ROS's defaults; other nodes are as in `standard`.
 
     Raises:
-        BadFiles: every fault of all files; or one BadFile when one cannot be read at all.
+        BadFiles: all faults of all files; or one BadFile if a file cannot be read at all.
     """
     files = parse_ros_files(paths)
     return files.over(files.start(standard))
 
 
 def namespace_in(path: Path) -> tuple[str, Path]:
-    """The namespace that stands before a file's name, `local_costmap:costmap.yaml`, or "", and the file's path."""
+    """Return the namespace before a file's name, as in `local_costmap:costmap.yaml`, or "", and the file's path."""
     found = None if path.exists() else _NAMESPACE.fullmatch(str(path))
     return ("", path) if found is None else (found["namespace"], Path(found["folder"] or "") / found["file"])
 
 
 def _parsed(path: Path, notices: list[str]) -> tuple[Path, Section]:
-    """The file that a path names, and its entries, under the namespace that stands before it."""
+    """Return the file that a path names, and its entries, inside the namespace of the path."""
     namespace, file = namespace_in(path)
     tree = _normal(file, notices)
     if namespace:
@@ -257,25 +259,27 @@ def _normal(path: Path, notices: list[str]) -> Section:
 
 
 def _of_one_robot(path: Path, tree: Section) -> Section:
-    """The entries of a file; those in the namespace of a robot, as in a dump of the parameter server, outside of it."""
+    """Return the entries of a file; those in a robot's namespace, as in a dump of all parameters, are moved out of
+    it."""
     robots = [(key, child) for key, child in tree.entries if isinstance(child, Section) and _has_nodes(child)]
     if not robots or any(key.text in SECTIONS for key, _ in tree.entries):
         return tree
     if len(robots) > 1:
         problem = f"it has the parameters of several robots: {', '.join(key.text for key, _ in robots)}"
-        raise BadFile(path, problem, "write those of one into a file of their own, by `rosparam dump FILE NAMESPACE`")
+        raise BadFile(path, problem, "write those of one robot to a separate file: `rosparam dump FILE NAMESPACE`")
     others = [entry for entry in tree.entries if entry[0].text != robots[0][0].text]
     return _of_one_robot(path, Section(tree.line, [*others, *robots[0][1].entries]))
 
 
 def _has_nodes(tree: Section) -> bool:
-    """Return True for a namespace with a node of ours, or with another such namespace."""
+    """Return True for a namespace with one of our nodes, or with another such namespace."""
     inner = [(key, child) for key, child in tree.entries if isinstance(child, Section)]
     return any(key.text in {"amcl", "move_base"} or _has_nodes(child) for key, child in inner)
 
 
 def _without_static_map(path: Path, tree: Section, listed: Collection[str], notices: list[str]) -> Section:
-    """The entries without `static_map` in costmaps that list their layers: ROS then does not read it."""
+    """Return the entries without `static_map` in costmaps that list their layers, because ROS does not read it
+    there."""
     sections: list[Entry] = []
     for key, child in tree.entries:
         kept = child
@@ -290,16 +294,16 @@ def _without_static_map(path: Path, tree: Section, listed: Collection[str], noti
 
 
 def _once(notice: Sequence[T]) -> list[T]:
-    """Items without those that are repeated for the second costmap."""
+    """Return the items without those that are repeated for the second costmap."""
     return list({str(thing).replace(COSTMAPS[1], COSTMAPS[0]): thing for thing in reversed(notice)}.values())[::-1]
 
 
 @dataclass(slots=True)
 class _Sorter:
-    """Moves the entries of one file to the sections of `RobotParameters`.
+    """Sorter that moves the entries of one file to the sections of `RobotParameters`.
 
     Attributes:
-        layers: our layer for each layer that is named in `plugins` of any file.
+        layers: our layer for each layer that any file names in `plugins`.
         listed: our layers in each costmap of this file that has `plugins`.
     """
 
@@ -334,13 +338,13 @@ class _Sorter:
         return Section(tree.line, whole)
 
     def homes(self, flat: list[Entry], by_node: bool) -> dict[str, list[Entry]]:
-        """Parameters without a section, by the section to which most of them belong, or else another that has them.
+        """Return parameters without a section by the section that fits most of them, or else another that has them.
 
         Unknown sections are under an empty name.
 
         Args:
             flat: the parameters.
-            by_node: other parameters of the file have sections, so that an unknown one is of no node.
+            by_node: True if other parameters of the file have sections, so that an unknown one belongs to no node.
         """
         homes: dict[str, list[Entry]] = {}
         for key, _ in flat:
@@ -385,7 +389,7 @@ class _Sorter:
         return names
 
     def with_effect(self, section: str, entries: list[Entry]) -> Iterator[Entry]:
-        """Yield the entries without those in `WITHOUT_EFFECT`, for each of which there is a notice."""
+        """Yield the entries except those in `WITHOUT_EFFECT`; each of these gets a notice."""
         for key, child in entries:
             meaning = WITHOUT_EFFECT.get(section, {}).get(key.text)
             if key.text == "use_sim_time":
@@ -399,14 +403,14 @@ class _Sorter:
         self.notices.append(f"{self.path}, line {key.line}: {sentence}")
 
     def of_layer(self, place: str, layer: Section) -> list[Entry]:
-        """The entries of a layer without those in `LAYERS_WITHOUT_EFFECT`, for each of which there is a notice."""
+        """Return the entries of a layer except those in `LAYERS_WITHOUT_EFFECT`; each of these gets a notice."""
         for key, _ in layer.entries:
             if key.text in LAYERS_WITHOUT_EFFECT:
                 self.tell(key, f"{place}.{key.text} has no effect here: {LAYERS_WITHOUT_EFFECT[key.text]}")
         return [entry for entry in layer.entries if entry[0].text not in LAYERS_WITHOUT_EFFECT]
 
     def unlisted(self, name: str) -> bool:
-        """Return True for a layer that ROS does not load, since lists of plugins have others."""
+        """Return True for a layer that ROS does not load, because the lists of plugins name others."""
         names = [field.name for field in dataclasses.fields(CostmapParameters)]
         return bool(self.layers) and not difflib.get_close_matches(name, [*names, *self.layers], cutoff=0.8)
 
@@ -414,7 +418,7 @@ class _Sorter:
         return self.layers[name] if name in self.layers else _layer_like(name)
 
     def costmap(self, section: str, entries: list[Entry]) -> list[Entry]:
-        """A costmap with its layers under our names, and without `plugins`."""
+        """Return a costmap with its layers under our names, and without `plugins`."""
         sources = {word for key, child in entries if key.text == "observation_sources" for word in words_in(child)}
         shaped: list[Entry] = []
         layers: dict[str, list[Entry]] = {}
@@ -422,24 +426,24 @@ class _Sorter:
             layer = self.layer_of(key.text) if isinstance(child, Section) and key.text not in sources else None
             if key.text == "plugins":
                 if not isinstance(child, Listing) or not all(_plugins(Listing(0, [item])) for item in child.items):
-                    remedy = "write such as [{name: walls, type: 'costmap_2d::StaticLayer'}], or delete the line"
+                    remedy = "write for example [{name: walls, type: 'costmap_2d::StaticLayer'}], or delete the line"
                     raise BadFile(
-                        self.path, "no list of layers with name and type", remedy, key.line, f"{section}.plugins"
+                        self.path, "not a list of layers with name and type", remedy, key.line, f"{section}.plugins"
                     )
                 self.listed[section] = frozenset(_plugins(child).values())
             elif layer == "":
-                self.tell(key, f"{section}.{key.text} has no effect here: there is no such kind of layer")
+                self.tell(key, f"{section}.{key.text} has no effect here: this kind of layer does not exist")
             elif layer is None and isinstance(child, Section) and key.text not in sources and self.unlisted(key.text):
                 self.tell(key, f"{section}.{key.text} has no effect, as in ROS: no `plugins` lists it")
             elif layer is None or not isinstance(child, Section):
                 shaped.append((key, child))
             elif layer in layers:
                 layers[layer] = _joined(layers[layer], self.of_layer(f"{section}.{key.text}", child))
-                self.tell(key, f"{section}.{key.text} is taken into the one {layer} that there is here")
+                self.tell(key, f"{section}.{key.text} is merged into the only {layer} here")
             else:
                 layers[layer] = self.of_layer(f"{section}.{key.text}", child)
         if "static_layer" in layers and any(key.text == "track_unknown_space" for key, _ in shaped):
-            # ROS hands the costmap's down over the layer's own (costmap_2d_ros.cpp, copyParentParameters).
+            # In ROS the costmap's value overrides the layer's own (costmap_2d_ros.cpp, copyParentParameters).
             own = layers["static_layer"]
             layers["static_layer"] = [entry for entry in own if entry[0].text != "track_unknown_space"]
         for layer, inner in layers.items():
@@ -449,7 +453,7 @@ class _Sorter:
 
 
 def _hoisted(tree: Section) -> Iterator[Entry]:
-    """Yield the entries of a file; those of move_base's namespace that are our sections are moved out of it."""
+    """Yield the entries of a file; our sections in move_base's namespace are moved out of it."""
     for key, child in tree.entries:
         if key.text == "move_base" and isinstance(child, Section):
             own = [entry for entry in child.entries if entry[0].text not in SECTIONS]
@@ -470,7 +474,7 @@ def _layer_like(text: str) -> str | None:
 
 
 def _layers_listed(node: Node) -> Mapping[str, str]:
-    """Our layer for each name in all `plugins` of a tree; empty for a type that we do not have."""
+    """Return our layer for each name in all `plugins` of a tree; empty for a type that we do not have."""
     found: dict[str, str] = {}
     if isinstance(node, Section):
         for key, child in node.entries:
@@ -479,7 +483,7 @@ def _layers_listed(node: Node) -> Mapping[str, str]:
 
 
 def _plugins(node: Node) -> Mapping[str, str]:
-    """Our layer for each name in a list of {name, type}; empty for a type that we do not have."""
+    """Return our layer for each name in a list of {name, type}; empty for a type that we do not have."""
     found = {}
     for item in node.items if isinstance(node, Listing) else []:
         entries = item.entries if isinstance(item, Section) else []
@@ -490,7 +494,8 @@ def _plugins(node: Node) -> Mapping[str, str]:
 
 
 def _joined(first: list[Entry], second: list[Entry]) -> list[Entry]:
-    """Two layers of one kind as one, with the observation sources of both; else the first one's values win."""
+    """Merge two layers of one kind, with the observation sources of both; otherwise the first layer's values are
+    used."""
     names = {key.text for key, _ in first}
     joined = list(first)
     for key, child in second:
@@ -507,7 +512,7 @@ def _joined(first: list[Entry], second: list[Entry]) -> list[Entry]:
 
 
 def _with_layers(value: RobotParameters, listed: Mapping[str, frozenset[str]]) -> RobotParameters:
-    """The parameters with those layers disabled that a costmap's `plugins` leaves out."""
+    """Return the parameters with the layers disabled that a costmap's `plugins` leaves out."""
     for section, layers in listed.items():
         costmap = cast("DataclassInstance", getattr(value, section))
         off = {layer: _replaced(getattr(costmap, layer), {"enabled": False}) for layer in LAYERS if layer not in layers}

@@ -1,4 +1,4 @@
-"""Recovery behaviors in files of ROS: each with any name, the type of a plugin, and a section of settings."""
+"""Recovery behaviors in ROS files: each has any name, the type of a plugin, and a section of settings."""
 
 from thbridge.files.plugins import RECOVERIES
 from thbridge.files.ros.normalize import Entry
@@ -10,18 +10,18 @@ USUAL = {CONSERVATIVE, AGGRESSIVE, ROTATE, "move_slow_and_clear"}
 
 
 def behaviour_names(entries: list[Entry]) -> set[str]:
-    """Names of the sections in which a file may have settings of recovery behaviors."""
+    """Return the names of sections in which a file may have settings of recovery behaviors."""
     lists = [child for key, child in entries if key.text == "recovery_behaviors"]
     return USUAL | {name for child in lists for name, _ in _behaviours(child)}
 
 
 def with_our_behaviours(entries: list[Entry], where: str, notices: list[str]) -> list[Entry]:
-    """move_base's parameters, with our names of the recovery behaviors.
+    """Return move_base's parameters with our names of the recovery behaviors.
 
     Args:
         entries: the entries of the section.
         where: the file, for notices.
-        notices: gets a sentence for each setting without effect.
+        notices: receives a sentence for each setting without effect.
     """
     names = behaviour_names(entries)
     ours = {CONSERVATIVE: CONSERVATIVE}
@@ -40,7 +40,7 @@ def with_our_behaviours(entries: list[Entry], where: str, notices: list[str]) ->
                     if "conservative_reset_dist" not in written:
                         shaped.append((Scalar("conservative_reset_dist", plain=True, line=name.line), value))
                     continue
-                notice = f"move_base.{key.text}.{name.text} has no effect here: the behaviours do as they do by default"
+                notice = f"move_base.{key.text}.{name.text} has no effect here: behaviors keep their defaults"
                 notices.append(f"{where}, line {name.line}: {notice}")
         else:
             shaped.append((key, child))
@@ -48,7 +48,7 @@ def with_our_behaviours(entries: list[Entry], where: str, notices: list[str]) ->
 
 
 def _behaviours(node: Node) -> list[tuple[str, str]]:
-    """Name and type of each entry of recovery_behaviors."""
+    """Return name and type of each entry of recovery_behaviors."""
     found = []
     for item in node.items if isinstance(node, Listing) else []:
         entries = item.entries if isinstance(item, Section) else []
@@ -59,7 +59,7 @@ def _behaviours(node: Node) -> list[tuple[str, str]]:
 
 
 def _named_here(node: Node) -> dict[str, str]:
-    """Our name for each behavior of a list; empty for a type that we do not have."""
+    """Return our name for each behavior of a list; empty for a type that we do not have."""
     names: dict[str, str] = {}
     for name, kind in _behaviours(node):
         if name in {CONSERVATIVE, AGGRESSIVE, ROTATE}:
@@ -67,7 +67,7 @@ def _named_here(node: Node) -> dict[str, str]:
         elif kind.endswith("RotateRecovery"):
             names[name] = ROTATE
         elif kind.endswith("ClearCostmapRecovery"):
-            # The first behavior that clears costmaps keeps what is near, the next ones clear more.
+            # The first behavior that clears costmaps keeps obstacles nearby, the next ones clear more.
             names[name] = AGGRESSIVE if CONSERVATIVE in names.values() else CONSERVATIVE
         elif kind or name not in USUAL:
             installed = RECOVERIES.names()
@@ -91,8 +91,8 @@ def _listed(node: Listing, ours: dict[str, str], where: str, notices: list[str])
             key = Scalar("name", plain=True, line=name.line)
             items.append(Section(item.line, [(key, Scalar(here, plain=True, line=name.line))]))
             if here != name.text:
-                notices.append(f"{where}, line {name.line}: recovery behaviour {name.text} is taken as {here}")
+                notices.append(f"{where}, line {name.line}: recovery behavior {name.text} is used as {here}")
         else:
-            notice = f"recovery behaviour {name.text} has no effect here: there is none of its type"
+            notice = f"recovery behavior {name.text} has no effect here: its type does not exist"
             notices.append(f"{where}, line {name.line}: {notice}")
     return Listing(node.line, items)

@@ -1,7 +1,8 @@
-"""Text cells of CSV files that spreadsheets would take for formulas, written so that they are texts.
+"""Text cells of CSV files that look like formulas to spreadsheets, marked so that they stay texts.
 
-Such a cell, which begins with = + - @, a tab or a carriage return and is no number, gets an apostrophe before it. So
-does one that has apostrophes before such a sign already: whoever leaves out one apostrophe has the text again.
+A cell looks like a formula if it begins with = + - @, a tab or a carriage return and is not a number. It gets an
+apostrophe in front, and so does a cell that already has apostrophes before such a sign. Readers restore the text by
+removing one apostrophe.
 
 Source: OWASP, CSV Injection.
 """
@@ -14,17 +15,17 @@ from pyarrow import compute
 FORMULA = r"^('*[=+\-@\t\r])"
 NUMBER = r"^[+\-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+\-]?[0-9]+)?$"
 SENTENCE = (
-    "In CSV, texts that spreadsheets would take for formulas (they begin with `=`, `+`, `-` or `@`) have a `'` before."
+    "In CSV, texts that look like formulas to spreadsheets (they begin with `=`, `+`, `-` or `@`) have a `'` in front."
 )
-"""What readers are told of it."""
+"""Explanation for readers of the tables."""
 
 
 def text_cell(text: str) -> str:
-    """The cell of a text."""
+    """Return the cell of a text."""
     return f"'{text}" if re.search(FORMULA, text) and not re.fullmatch(NUMBER, text) else text
 
 
 def text_cells(texts: pa.Array) -> pa.Array:
-    """The cells of texts, of which some may be missing."""
+    """Return the cells of texts; some texts may be missing."""
     escaped = compute.replace_substring_regex(texts, FORMULA, r"'\1")
     return compute.if_else(compute.match_substring_regex(texts, NUMBER), texts, escaped)

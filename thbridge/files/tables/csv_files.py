@@ -14,17 +14,17 @@ from thbridge.files.errors import BadFile, BadFiles
 LARGEST_TABLE = 1 << 26
 """Largest file in bytes; about a million rows."""
 MOST_FAULTS = 10
-"""Largest number of faults that are reported: a wrong table may have one in every row."""
+"""Largest number of faults to report, because a wrong table may have one in every row."""
 
 
 def read_columns(path: Path, columns: Sequence[str]) -> FloatArray:
-    """The rows of a CSV file whose header has exactly these columns, in any order; empty lines are skipped.
+    """Return the rows of a CSV file with exactly these columns in its header, in any order; empty lines are skipped.
 
-    Between the values there may be semicolons or tabs, as spreadsheets write them where a comma begins the decimals:
-    then numbers may have either.
+    Values may be separated by semicolons or tabs, as spreadsheets write them if the decimal mark is a comma. Then
+    numbers may have either decimal mark.
 
     Returns:
-        (rows, columns) finite numbers, the columns in the order asked for; at least one row.
+        (rows, columns) finite numbers, with columns in the requested order; at least one row.
 
     Raises:
         BadFile: it cannot be read or has another header; or, as BadFiles, its first faults.
@@ -33,7 +33,7 @@ def read_columns(path: Path, columns: Sequence[str]) -> FloatArray:
     text = read_text(path, LARGEST_TABLE)
     lines = text.splitlines()
     first = next((line for line in lines if line.strip()), "")
-    if first.startswith("sep="):  # which Excel takes for itself
+    if first.startswith("sep="):  # a line for Excel, which names the separator
         lines[lines.index(first)] = ""
         first = next((line for line in lines if line.strip()), "")
     mark = next((mark for mark in ";\t" if mark in first), ",")
@@ -59,12 +59,12 @@ def read_columns(path: Path, columns: Sequence[str]) -> FloatArray:
             if len(faults) == MOST_FAULTS:
                 break
     except csv.Error as error:
-        raise BadFile(path, f"not CSV: {error}", "write numbers with commas between", line=reader.line_num) from None
+        raise BadFile(path, f"not CSV: {error}", "write numbers separated by commas", line=reader.line_num) from None
     if faults:
         raise BadFiles(tuple(faults))
     if not rows:
         remedy = f"write {wanted} in the first line and a row of numbers in each line after it"
-        raise BadFile(path, "there is no row of numbers", remedy)
+        raise BadFile(path, "it has no rows of numbers", remedy)
     return np.array(rows)[:, [header.index(column) for column in columns]]
 
 
@@ -72,7 +72,7 @@ def _numbers(path: Path, line: int, header: Sequence[str], cells: Sequence[str])
     if len(cells) != len(header):
         problem = f"{len(cells)} values where the header has {len(header)}"
         return BadFile(
-            path, problem, f"write {len(header)} numbers, with the same marks between as in the header", line=line
+            path, problem, f"write {len(header)} numbers, with the same separators as in the header", line=line
         )
     numbers = []
     for column, cell in zip(header, cells, strict=True):

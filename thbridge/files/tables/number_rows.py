@@ -1,4 +1,4 @@
-"""Rows of numbers over time, of which a temporary file holds all but the latest."""
+"""Rows of numbers over time, kept in a temporary file except for the most recent."""
 
 from array import array
 from collections.abc import Iterable
@@ -9,14 +9,14 @@ from sim.numerics.float_array import FloatArray
 from thbridge.files.disk.spool import SpoolFile
 
 RECENT = 8192
-"""Numbers of one series in memory, at most: more go to the file. Short recordings never need it."""
+"""Largest number of values of one series in memory; more go to the file. Short recordings never need the file."""
 
 
 class NumberRows:
     """One series: rows of numbers, appended one after the other.
 
     Args:
-        spool: where they go; many series share it.
+        spool: file for older rows, which many series share.
     """
 
     def __init__(self, spool: SpoolFile) -> None:
@@ -26,17 +26,17 @@ class NumberRows:
         self._count = 0
 
     def __len__(self) -> int:
-        """Number of numbers."""
+        """Return the number of values."""
         return self._count
 
     def extend(self, numbers: Iterable[float]) -> None:
-        """Append a row, or several."""
+        """Append one or several rows."""
         before = len(self._recent)
         self._recent.extend(numbers)
         self._grown(before)
 
     def frombytes(self, data: bytes) -> None:
-        """Append rows that are doubles in memory."""
+        """Append rows of doubles from memory."""
         before = len(self._recent)
         self._recent.frombytes(data)
         self._grown(before)
@@ -49,7 +49,7 @@ class NumberRows:
             self._recent = array("d")
 
     def table(self, columns: int) -> FloatArray:
-        """(n, columns) table of all rows; n may be 0."""
+        """Return all rows as an (n, columns) table; n may be 0."""
         data = bytearray().join(self._spool.get(*extent) for extent in self._extents)
         data += self._recent.tobytes()
         return np.frombuffer(data, dtype=np.float64).reshape(-1, columns)

@@ -1,4 +1,4 @@
-"""Table files for pandas, R and the like: Parquet and CSV, written piece by piece."""
+"""Table files for pandas, R and similar programs: Parquet and CSV, written piece by piece."""
 
 import base64
 from collections import defaultdict
@@ -25,9 +25,9 @@ Array: TypeAlias = "np.ndarray[tuple[int, ...], np.dtype[np.generic[object]]]"
 _ELEMENTS = {pa.list_(pa.string()): ".list.element"}
 """Path of the elements in columns of lists of words."""
 _PAGE_BYTES = 1 << 18
-"""A quarter of the usual size: every open file holds a page of each column."""
+"""A quarter of the usual size, because every open file holds a page of each column."""
 _ELEMENTS_AT_ONCE = 1 << 17
-"""Elements of a column of lists in a row group: every open file keeps some 10 bytes for each."""
+"""Elements of a column of lists in a row group, because every open file keeps some 10 bytes for each."""
 
 
 class TableFormat(StrEnum):
@@ -39,13 +39,13 @@ class TableFormat(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Column:
-    """The description of a table's column.
+    """Description of a table's column.
 
     Attributes:
-        name: unique in its table.
+        name: name, unique in its table.
         kind: type of its values: "float64", "string", "float32[]", "bytes", ...
-        unit: "m", or "" where it has none or it is unknown.
-        meaning: a phrase for people; "" where it is unknown.
+        unit: unit such as "m", or "" if it has none or it is unknown.
+        meaning: a phrase for people, or "" if it is unknown.
         frame_column: name of the column, of this table or of its parent table, with the frame of the values; or "".
     """
 
@@ -58,7 +58,7 @@ class Column:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ListColumn:
-    """The values of a column of arrays: the length of each, and the elements of all of them, concatenated."""
+    """Values of a column of arrays: the length of each, and the elements of all of them, concatenated."""
 
     lengths: NDArray[np.int64]
     elements: "Array | list[str]"
@@ -66,11 +66,11 @@ class ListColumn:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class OptionalColumn:
-    """The values of a column of numbers, or of true and false, of which some are missing.
+    """Values of a column of numbers or booleans with missing values.
 
     Attributes:
-        values: all of them; anything where there is none.
-        known: False where there is none.
+        values: all values; missing ones are arbitrary.
+        known: False for missing values.
     """
 
     values: Array
@@ -81,9 +81,9 @@ Values: TypeAlias = "Array | list[str] | list[str | None] | list[bytes] | ListCo
 
 
 class TableFiles:
-    """Table files NAME.csv and NAME.parquet of a folder, of which one is open at a time.
+    """Table files NAME.csv and NAME.parquet of a folder; only one is open at a time.
 
-    A Parquet file keeps about a kilobyte in memory for each column of each row group, until it is finished. So pieces
+    Until it is finished, a Parquet file needs about a kilobyte of memory for each column of each row group. So pieces
     wait on disk, in the same folder, and files are written one after the other. The same pieces give the same bytes.
 
     Args:
@@ -92,7 +92,7 @@ class TableFiles:
     """
 
     def __init__(self, folder: Path, formats: Collection[TableFormat]) -> None:
-        # Arrow's own allocator keeps what files gave back.
+        # Arrow's own allocator keeps memory that files have freed.
         pa.set_memory_pool(pa.system_memory_pool())
         self._folder = folder
         self._formats = formats
@@ -109,8 +109,8 @@ class TableFiles:
             values: values of the columns, in their order.
 
         Raises:
-            BadFile: the name is no name of a file.
-            OSError: the disk is full, or the like.
+            BadFile: the name is not a valid name of a file.
+            OSError: the disk is full or has another fault.
         """
         table = arrow_table(columns, values)
         if TableFormat.PARQUET in self._formats:
@@ -129,10 +129,10 @@ class TableFiles:
         """Finish every file.
 
         Args:
-            tell: takes how far it is.
+            `tell`: receives the progress.
 
         Raises:
-            OSError: the disk is full, or the like.
+            OSError: the disk is full or has another fault.
         """
         done, total = 0, sum(map(len, self._waiting.values()))  # of integers
         for name, extents in self._waiting.items():
@@ -145,7 +145,7 @@ class TableFiles:
 def _write_parquet(path: Path, pieces: Iterator[pa.Table]) -> Iterator[None]:
     """Write a file, yielding after each piece."""
     first = next(pieces)
-    # Dictionaries of numbers take most of the time and memory, and make files larger.
+    # Dictionaries of numbers would need most of the time and memory, and make files larger.
     words = [f"{each.name}{_ELEMENTS.get(each.type, '')}" for each in first.schema if _has_words(each.type)]
     with parquet.ParquetWriter(
         path, first.schema, compression="zstd", use_dictionary=words, data_page_size=_PAGE_BYTES
@@ -161,7 +161,7 @@ def _write_parquet(path: Path, pieces: Iterator[pa.Table]) -> Iterator[None]:
 
 def _packed(table: pa.Table) -> memoryview:
     sink = pa.BufferOutputStream()
-    # Threads have heaps of their own, which keep what they get.
+    # Threads would have their own heaps, which do not return memory.
     options = ipc.IpcWriteOptions(compression="lz4", use_threads=False)
     with ipc.new_stream(sink, table.schema, options=options) as stream:
         stream.write_table(table)
@@ -199,8 +199,8 @@ def _array(kind: str, values: Values) -> pa.Array:
     return pa.ListArray.from_arrays(_of_numbers(offsets), _of_numbers(values.elements))
 
 
-# Arrays are put together from what is in memory: `pyarrow.array` imports pandas where it is installed, which takes half
-# a second and 90 MB.
+# Arrays are built from buffers in memory, because `pyarrow.array` imports pandas if it is installed, which takes half a
+# second and 90 MB.
 
 
 def _of_numbers(values: Array, known: NDArray[np.bool_] | None = None) -> pa.Array:
@@ -212,7 +212,7 @@ def _of_numbers(values: Array, known: NDArray[np.bool_] | None = None) -> pa.Arr
 
 
 def _of_words(words: list[str] | list[str | None] | list[bytes], kind: pa.DataType) -> pa.Array:
-    # JSON of others may hold half of a surrogate pair.
+    # JSON of other programs may contain half of a surrogate pair.
     pieces = [word.encode(errors="replace") if isinstance(word, str) else word or b"" for word in words]
     ends = np.cumsum([0, *map(len, pieces)], dtype=np.int32)
     known = None
@@ -222,7 +222,7 @@ def _of_words(words: list[str] | list[str | None] | list[bytes], kind: pa.DataTy
 
 
 def _cells(array: pa.Array) -> pa.Array:
-    """Values that can be written as CSV: arrays as their elements with blanks between, bytes as base64."""
+    """Return values that can be written as CSV: arrays as their elements separated by blanks, bytes as base64."""
     if pa.types.is_list(array.type):
         texts = pa.ListArray.from_arrays(array.offsets, compute.cast(array.values, pa.string()))
         joined = compute.binary_join(texts, _of_words([" "], pa.string())[0])

@@ -1,1 +1,1 @@
-"""YAML files of people: read into dataclasses with every fault at its line, and edited without changing the rest."""
+"""YAML files that people write: read into dataclasses with all faults and their lines, and edited in place."""

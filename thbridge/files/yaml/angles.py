@@ -1,6 +1,6 @@
 """Angles as people write them: in radians, or with a unit, such as `90deg`, `deg(90)` and `rad(pi/2)`.
 
-The forms with brackets are those of rosparam (yaml loader of roslib, `rad(...)` and `deg(...)`).
+The forms with brackets come from rosparam (yaml loader of roslib, `rad(...)` and `deg(...)`).
 """
 
 import math
@@ -12,11 +12,11 @@ _FACTOR = r"(?:\d+\.?\d*(?:[eE][-+]?\d+)?|\.\d+|pi)"
 _PRODUCT = re.compile(rf"\s*([-+]?)\s*({_FACTOR}(?:\s*[*/]\s*{_FACTOR})*)\s*")
 _WHOLE = re.compile(r"[-+]?\d+")
 WHOLE = 3
-"""Least whole number of radians that looks like degrees: pi is not written as a whole number."""
+"""Least whole number of radians that looks like degrees. Angles such as pi are not written as whole numbers."""
 
 
 def radians_of(text: str) -> float | None:
-    """Return the radians of an angle with its unit; None for any other text."""
+    """Return the radians of an angle with a unit, or None for any other text."""
     if called := _CALLED.fullmatch(text):
         unit, number = called[1], called[2]
     elif suffixed := _SUFFIXED.fullmatch(text):
@@ -28,7 +28,7 @@ def radians_of(text: str) -> float | None:
 
 
 def product(text: str) -> float | None:
-    """Return the value of a product or quotient of numbers and pi; None for any other text."""
+    """Return the value of a product or quotient of numbers and pi, or None for any other text."""
     found = _PRODUCT.fullmatch(text)
     if found is None:
         return None
@@ -42,7 +42,7 @@ def product(text: str) -> float | None:
 
 
 def doubt_about(text: str, radians: float) -> tuple[str, str] | None:
-    """Return why a number of radians looks like degrees, and the remedy; None where it does not.
+    """Return why a number of radians looks like degrees, and the remedy, or None if it does not.
 
     Args:
         text: the number as it is written.
@@ -61,8 +61,8 @@ def doubt_about(text: str, radians: float) -> tuple[str, str] | None:
 
 
 def doubt_about_rate(text: str, rate: float) -> tuple[str, str] | None:
-    """Return why a rate of turn, rad/s, looks like degrees a second, and the remedy; None where it does not."""
+    """Return why a turn rate, rad/s, looks like degrees per second, and the remedy, or None if it does not."""
     if abs(rate) <= math.tau:
         return None
-    problem = f"{text} rad/s is {abs(rate) / math.tau:.1f} turns a second"
-    return problem, f"Write {math.radians(rate):.4g} if degrees a second are meant"
+    problem = f"{text} rad/s is {abs(rate) / math.tau:.1f} turns per second"
+    return problem, f"Write {math.radians(rate):.4g} if degrees per second are meant"

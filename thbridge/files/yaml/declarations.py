@@ -1,6 +1,6 @@
 """Declarations in classes of parameters: ranges, choices, units and old names of their fields.
 
-The fields are declared with `sim.parameters.param`, or plain.
+Fields are declared with `sim.parameters.param`, or without it.
 """
 
 import dataclasses
@@ -16,43 +16,44 @@ Metadata = Mapping[str, object]
 
 
 def renamed_of(section: type) -> Mapping[str, str]:
-    """The old names that a class of parameters still accepts, each with its present name."""
+    """Return the old names that a class of parameters still accepts, each with its present name."""
     return cast(Mapping[str, str], getattr(section, "renamed", {}))
 
 
 def ros_only_of(section: type) -> Mapping[str, str]:
-    """The names that a class accepts only because ROS has them, each with its meaning there."""
+    """Return the names that a class accepts only because ROS has them, each with its meaning there."""
     return cast(Mapping[str, str], getattr(section, "ros_only", {}))
 
 
 def model_of(field: "dataclasses.Field[object] | None") -> str | None:
-    """Name of the field from which this one's entries take their defaults; None without one."""
+    """Return the name of the field from which this field's entries get their defaults, or None."""
     return None if field is None else cast("str | None", field.metadata.get("like"))
 
 
 def sections_named_in(section: type) -> str:
-    """The field of a class of parameters that lists the names of further sections; empty when it has none."""
+    """Return the field of a class that lists the names of further sections, or an empty text if it has none."""
     return cast(str, getattr(section, "sections_named_in", ""))
 
 
 def required(field: "dataclasses.Field[object]") -> bool:
-    """Return True when files must have the field, because it has no default."""
+    """Return True if files must have the field, because it has no default."""
     return field.default is dataclasses.MISSING and field.default_factory is dataclasses.MISSING
 
 
 def bounds(metadata: Metadata) -> tuple[float, float]:
-    """The least and the greatest number allowed in a field; infinite without a limit."""
+    """Return the least and the greatest number allowed in a field; without a limit, they are infinite."""
     minimum = cast("float | None", metadata.get("minimum"))
     maximum = cast("float | None", metadata.get("maximum"))
     return (-math.inf if minimum is None else minimum), (math.inf if maximum is None else maximum)
 
 
 def metadata_of_items(metadata: Metadata, hints: Sequence[object]) -> Sequence[Metadata]:
-    """The metadata of each item of a list: a unit such as "m, m, rad" names those of its values, any other is of all.
+    """Return the metadata of each item of a list. A unit such as "m, m, rad" has one unit for each item; any other unit
+    is for all items.
 
     Args:
-        metadata: of the list.
-        hints: type of each item; lists in a list share the whole metadata, also if they are as many as the units.
+        metadata: metadata of the list.
+        hints: type of each item. A list of lists passes on all of its metadata, even if it has as many items as units.
     """
     units = str(metadata.get("unit", "")).split(", ")
     if len(units) == 1 or len(units) != len(hints) or any(get_origin(hint) is tuple for hint in hints):
@@ -61,7 +62,7 @@ def metadata_of_items(metadata: Metadata, hints: Sequence[object]) -> Sequence[M
 
 
 def choices_of(hint: object, metadata: Metadata) -> tuple[str, ...]:
-    """The words allowed in a field; empty when all are."""
+    """Return the words allowed in a field; empty if all are."""
     if get_origin(hint) is Literal:
         return cast(tuple[str, ...], get_args(hint))
     if isinstance(hint, type) and issubclass(hint, StrEnum):
@@ -70,9 +71,9 @@ def choices_of(hint: object, metadata: Metadata) -> tuple[str, ...]:
 
 
 def with_plugins(metadata: Metadata) -> Metadata:
-    """The metadata of a field, whose choices are now those that are declared and the plug-ins that are installed.
+    """Return the metadata of a field, with its choices extended by the installed plug-ins.
 
-    Looking for plug-ins takes some milliseconds, so that it is for those alone who need all names.
+    Looking for plug-ins takes some milliseconds, so this is only called if all names are needed.
     """
     group = metadata.get("plugins")
     if not group:
@@ -82,7 +83,8 @@ def with_plugins(metadata: Metadata) -> Metadata:
 
 
 def allowed(hint: object, metadata: Metadata) -> str:
-    """A field's choices, or its range and unit: `amcl, ekf or truth`, `0 to 20 m/s`, `at least 1`; empty when free."""
+    """Return a field's choices, or its range and unit: `amcl, ekf or truth`, `0 to 20 m/s`, `at least 1`; may be
+    empty."""
     choices = choices_of(hint, metadata)
     if choices:
         return " or ".join([", ".join(choices[:-1]), choices[-1]] if choices[1:] else choices)
@@ -108,7 +110,7 @@ _KINDS: Mapping[object, str] = {
 
 
 def wanted(hint: object, metadata: Metadata) -> str:
-    """A request to write a valid value into a field."""
+    """Return a request to write a valid value into a field."""
     words = allowed(hint, metadata)
     if choices_of(hint, metadata):
         return f"Write {words}"
@@ -117,12 +119,12 @@ def wanted(hint: object, metadata: Metadata) -> str:
 
 
 def keys_of(into: type) -> str:
-    """The keys of a section, as a sentence."""
+    """Return a sentence with the keys of a section."""
     return f"Its keys are {', '.join(field.name for field in dataclasses.fields(into))}"
 
 
 def paths(into: type, key: str = "") -> Iterator[str]:
-    """Key paths of a dataclass and of those inside it."""
+    """Yield the key paths of a dataclass and of those inside it."""
     for name, hint in get_type_hints(into).items():
         place = f"{key}.{name}" if key else name
         yield place

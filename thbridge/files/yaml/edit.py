@@ -1,8 +1,8 @@
 """Changes of single values in the text of a YAML file, without changing any other byte.
 
 The position of a change comes from the file's tree; new lines use the file's own indentation. Afterwards the new text
-is parsed again, and must have the same values as the old one except for the changed one. Otherwise, when a file is
-written in a way that this module does not handle, the change is refused and nothing is lost.
+is parsed again, and must have the same values as the old one except for the changed one. If a file is written in a way
+that this module does not handle, the change is refused and nothing is lost.
 """
 
 import re
@@ -46,13 +46,13 @@ class EditRefusalReason(StrEnum):
 def with_value(
     text: str, key: str, value: str, names: Names = lambda _: (), tree: Node | None = None
 ) -> str | RequestRefused:
-    """The text with another value at a path; missing sections are added.
+    """Return the text with another value at a path; missing sections are added.
 
     Args:
         text: the text of the file.
         key: the path, such as `robot.amcl.kld_err` or `things[0].name`.
         value: the value as YAML on one line, such as `0.05`, `"two words"`, `[1, 2]`.
-        names: the order of keys, for the position of a new key; by default it is the last.
+        names: the order of keys, for the position of a new key. By default, a new key is the last.
         tree: the result of `parse` for the text, if it is known.
     """
     tree = parse(_SCRATCH, text) if tree is None else tree
@@ -65,9 +65,9 @@ def with_value(
 
 
 def without(text: str, key: str, tree: Node | None = None) -> str | RequestRefused:
-    """The text without a key or an item, and without sections that become empty.
+    """Return the text without a key or an item, and without sections that become empty.
 
-    A comment behind the value is kept on a separate line.
+    A comment after the value is kept on a separate line.
     """
     tree = parse(_SCRATCH, text) if tree is None else tree
     steps = steps_of(key)
@@ -77,7 +77,7 @@ def without(text: str, key: str, tree: Node | None = None) -> str | RequestRefus
 
 
 def moved(text: str, key: str, by: int, tree: Node | None = None) -> str | RequestRefused:
-    """The text with an item of a list one place later (`by` is 1) or earlier (-1), and its comments with it.
+    """Return the text with an item of a list one place later (`by` is 1) or earlier (-1), together with its comments.
 
     At the end of the list nothing is changed.
     """
@@ -118,14 +118,14 @@ class _Edit:
     def _replaced(self, steps: Sequence[Step], node: Node, value: str) -> str:
         text, end = self._text, end_of(self._text, node)
         if left_out(node) or (not isinstance(node, Scalar) and not node.flow):
-            # The value goes behind the colon, before a comment on this line.
+            # The value goes after the colon, before a comment on this line.
             behind = self._behind_name(steps)
             between = "" if left_out(node) else text[behind : node.start].rstrip()
             return text[:behind] + " " + value + between + text[behind if left_out(node) else end :]
         return text[: node.start] + value + text[end:]
 
     def _filled(self, steps: Sequence[Step], known: int, node: Node, value: str) -> str:
-        """The text with the value in an empty section or list: `game:`, `game: null` or `each: {}`."""
+        """Return the text with the value in an empty section or list: `game:`, `game: null` or `each: {}`."""
         text = self._text
         if self._inside_flow(steps[:known]) or not isinstance(steps[known - 1], str):
             return self._replaced(steps[:known], node, self._flow(steps[known:], value, bare=False))
@@ -137,7 +137,7 @@ class _Edit:
         return text[:behind] + text[end:at] + self._newline + added + text[at:]
 
     def _added(self, steps: Sequence[Step], known: int, node: Node, value: str) -> str:
-        """The text with the value behind the keys that come before it."""
+        """Return the text with the value after the keys that come before it."""
         text = self._text
         if isinstance(node, Scalar):
             return text
@@ -148,7 +148,7 @@ class _Edit:
         else:
             end = self._end_of_entry(node.entries[neighbour]) if node.entries else 0
         if node.flow:
-            # A comma directly behind a colon would be part of the word.
+            # A comma directly after a colon would be part of the word.
             comma = " , " if text[end - 1] == ":" else ", "
             return text[:end] + comma + self._flow(steps[known:], value, bare=True) + text[end:]
         if not (node.entries if isinstance(node, Section) else node.items):
@@ -161,7 +161,7 @@ class _Edit:
         return text[:at] + self._newline + added + text[at:]
 
     def _neighbour(self, node: Node, steps: Sequence[Step], known: int) -> int:
-        """Index of the entry of a section behind which a new one belongs."""
+        """Return the index of the entry of a section after which a new one belongs."""
         if not isinstance(node, Section):
             return -1
         names = list(self._names(path_of(steps[:known])))
@@ -170,7 +170,7 @@ class _Edit:
         return found[-1] if found else len(node.entries) - 1
 
     def _block(self, steps: Sequence[Step], value: str, column: int) -> list[str]:
-        """Lines of nested keys, the last of them with the value."""
+        """Return lines of nested keys, with the value in the last line."""
         lines = []
         for depth, step in enumerate(steps):
             prefix = "-" if isinstance(step, int) else f"{_key(step)}:"
@@ -179,7 +179,7 @@ class _Edit:
         return lines
 
     def _flow(self, steps: Sequence[Step], value: str, bare: bool) -> str:
-        """Nested keys on one line; `bare` without the outermost brackets."""
+        """Return nested keys on one line; if `bare`, without the outermost brackets."""
         for depth, step in reversed(list(enumerate(steps))):
             inner = value if isinstance(step, int) else f"{_key(step)}: {value}"
             brackets = "[]" if isinstance(step, int) else "{}"
@@ -228,7 +228,7 @@ class _Edit:
         name, _ = section.entries[index]
         if not text[line_start(text, name.start) : name.start].strip():
             return _without_lines(text, name.start, self._end_of_entry(section.entries[index]))
-        # The first key of an item is behind the item's dash.
+        # The first key of an item comes after the item's dash.
         if index + 1 < len(section.entries):
             return text[: name.start] + text[section.entries[index + 1][0].start :]
         return text[: name.start] + "{}" + text[self._end_of_entry(section.entries[index]) :]
@@ -249,7 +249,7 @@ class _Edit:
         return text[:start] + text[spans[index][1] :]
 
     def swap(self, listing: Listing, first: int) -> str:
-        """The text with an item of a list behind the next one."""
+        """Return the text with an item of a list after the next one."""
         text = self._text
         one, other = listing.items[first], listing.items[first + 1]
         if listing.flow:
@@ -258,7 +258,7 @@ class _Edit:
             return text[: one.start] + text[start:last] + between + text[one.start : end] + text[last:]
         start = line_start(text, text.rfind("-", 0, one.start))
         if first:
-            # Comments above an item are its own.
+            # Comments above an item belong to it.
             start = self._next_line(end_of(text, listing.items[first - 1]))
         middle, last = (self._next_line(end_of(text, item)) for item in (one, other))
         gap = "" if text[middle:last].endswith("\n") else self._newline
@@ -289,7 +289,7 @@ class _Edit:
         return 0 if entry is None else column_of(self._text, entry[0].start)
 
     def _inside_flow(self, steps: Sequence[Step]) -> bool:
-        """Return True when the node at a path is within brackets."""
+        """Return True if the node at a path is within brackets."""
         parents = [node_at(self._tree, steps[:depth]) for depth in range(len(steps))]
         return any(isinstance(parent, Section | Listing) and parent.flow for parent in parents)
 
@@ -305,7 +305,7 @@ def _only_child(node: Node | None) -> bool:
 
 
 def in_brackets(node: Node) -> str:
-    """A value as YAML on one line."""
+    """Return a value as YAML on one line."""
     match node:
         case Scalar(text, plain):
             return text if plain else quoted(text)
@@ -316,7 +316,7 @@ def in_brackets(node: Node) -> str:
 
 
 def _without_lines(text: str, start: int, end: int) -> str:
-    """The text without the lines from `start` to `end`; a comment behind them stays, in a line of its own."""
+    """Return the text without the lines from `start` to `end`; a comment after them is kept, on its own line."""
     start = line_start(text, start)
     comment = _COMMENT_BEHIND.match(text, end)
     if comment is not None and comment.group(1):
@@ -332,11 +332,11 @@ def _key(name: str) -> str:
 
 
 Leaf = tuple[str, str, bool] | tuple[str, None, bool]
-"""A path, its text (None where there is no value), and True when the text is not quoted."""
+"""A path, its text (None if there is no value), and True if the text is not quoted."""
 
 
 def _leaves(node: Node, steps: tuple[Step, ...] = ()) -> list[Leaf]:
-    """The values of a tree by path, independent of how they are written."""
+    """Return the values of a tree by path, independent of how they are written."""
     children: list[tuple[Step, Node]] = []
     match node:
         case Listing(items=items):
@@ -356,13 +356,13 @@ def _is_under(path: str, key: str) -> bool:
 
 
 def _with_changed(tree: Node, steps: tuple[Step, ...], value: Node) -> list[Leaf]:
-    """The leaves of a tree with this value at a path."""
+    """Return the leaves of a tree with this value at a path."""
     key = path_of(steps)
     return [*(leaf for leaf in _leaves(tree) if not _is_under(leaf[0], key)), *_leaves(value, steps)]
 
 
 def _with_dropped(tree: Node, steps: tuple[Step, ...]) -> list[Leaf]:
-    """The leaves of a tree without those at a path."""
+    """Return the leaves of a tree without those at a path."""
     parent = node_at(tree, steps[:-1])
     if isinstance(parent, Listing):
         items = [item for index, item in enumerate(parent.items) if index != steps[-1]]
@@ -371,7 +371,7 @@ def _with_dropped(tree: Node, steps: tuple[Step, ...]) -> list[Leaf]:
 
 
 def _verified(text: str, wanted: list[Leaf], steps: tuple[Step, ...]) -> str | RequestRefused:
-    """The text, if it has the wanted values; else a refusal. An empty section counts as a missing one."""
+    """Return the text if it has the wanted values, or else a refusal. An empty section counts as a missing one."""
     above = {path_of(steps[:depth]) for depth in range(len(steps))}
 
     def comparable(leaves: list[Leaf]) -> list[Leaf]:
@@ -385,5 +385,5 @@ def _verified(text: str, wanted: list[Leaf], steps: tuple[Step, ...]) -> str | R
         sound = False
     if sound:
         return text
-    sentence = f"{path_of(steps)} stands in the file in a way that cannot be changed here. Change it in the text."
+    sentence = f"{path_of(steps)} is written in a form that cannot be changed here. Change it in the text."
     return RequestRefused(EditRefusalReason.NOT_UNDERSTOOD, sentence)

@@ -1,7 +1,7 @@
-"""Reads YAML files of people into dataclasses, and reports all faults of a file together.
+"""Reading of YAML files into dataclasses; all faults of a file are reported together.
 
 A file is read in two steps: `parse` turns its text into a tree with line numbers, `load` turns the tree into a
-dataclass. Plain words are read by the type of the dataclass's field, not by YAML's guesses: `no` is text in a text
+dataclass. The type of a dataclass's field decides how a plain word is read, not YAML's guesses: `no` is text in a text
 field, `1e3` is a number in a number field.
 """
 
@@ -51,7 +51,7 @@ class Loaded(Generic[T]):
         path: the file.
         value: the dataclass.
         lines: line of each key and item in the file, by its path (`robot.amcl.kld_err`, `rooms[2].goal`).
-        notices: sentences about keys that are correct but have no effect here, and about doubts.
+        notices: sentences about valid keys that have no effect here, and about doubts.
         doubts: values that are allowed, but look like slips.
     """
 
@@ -62,7 +62,7 @@ class Loaded(Generic[T]):
     doubts: tuple[BadFile, ...] = ()
 
     def fault(self, key: str, problem: str, remedy: str) -> BadFile:
-        """A fault of the value at a key path that was found after loading, with the nearest line in the file."""
+        """Return a fault of the value at a key path that was found after loading, with the nearest line in the file."""
         written = key
         while written and written not in self.lines:
             written = written[: max(written.rfind("."), written.rfind("["), 0)]
@@ -70,18 +70,18 @@ class Loaded(Generic[T]):
 
 
 def load(path: Path, into: type[T]) -> Loaded[T]:
-    """Read a YAML file into a dataclass whose fields are declared with `sim.parameters.param` or plain.
+    """Read a YAML file into a dataclass, with fields that are declared with `sim.parameters.param` or without it.
 
-    A section whose field has a dataclass as default takes from it what the file leaves out. The names in a class's
-    `ros_only` are accepted, with a notice; those in its `renamed` are read as their present names.
+    If a field has a dataclass as its default, a section in the file changes only the values that it has. The names in a
+    class's `ros_only` are accepted, with a notice; those in its `renamed` are read as their present names.
 
     Fields may be bool, int, float, str, Literal, StrEnum, Path, tuples, dataclasses, and any of these or None. A field
     without a default must be in the file. An empty section keeps its defaults. A field may also be a mapping from
-    numbers counted from 1 to dataclasses; if its metadata have `like`, each of them takes what it leaves out from the
-    field of that name. A mapping from text to text takes any names.
+    numbers, counted from 1, to dataclasses; if its metadata has `like`, values that they leave out come from the field
+    of that name. A mapping from text to text accepts any names.
 
     Raises:
-        BadFiles: all faults of the file; or one BadFile when it cannot be read at all.
+        BadFiles: all faults of the file; or one BadFile if it cannot be read at all.
     """
     return load_text(path, read_text(path), into)
 
@@ -92,7 +92,7 @@ def load_text(path: Path, text: str, into: type[T]) -> Loaded[T]:
 
 
 def load_tree(path: Path, tree: Node, into: type[T], defaults: T | None = None) -> Loaded[T]:
-    """Load a tree of `parse`, as `load` does; what it leaves out is taken from `defaults`, if given."""
+    """Load a tree of `parse`, as `load` does; values that it leaves out come from `defaults`, if given."""
     reader = _Reader(path, into)
     value = reader.section(tree, into, "", cast("DataclassInstance | None", defaults))
     if reader.faults:
@@ -102,7 +102,7 @@ def load_tree(path: Path, tree: Node, into: type[T], defaults: T | None = None) 
 
 
 class _Wrong:
-    """Replaces a value that could not be read; its fault is in the reader's list."""
+    """Replacement of a value that could not be read; its fault is in the reader's list."""
 
 
 _WRONG = _Wrong()
@@ -147,9 +147,9 @@ class _Reader:
             return self.section(node, hint, key)
         if not isinstance(node, Scalar):
             what = "a list" if isinstance(node, Listing) else "a section"
-            return self.wrong(node.line, key, f"{what} stands where one value is needed", wanted(hint, metadata))
+            return self.wrong(node.line, key, f"{what} is written where one value is needed", wanted(hint, metadata))
         if node.absent and hint is not bool:
-            return self.wrong(node.line, key, "no value", f"{wanted(hint, metadata)}, or delete the line")
+            return self.wrong(node.line, key, "the value is missing", f"{wanted(hint, metadata)}, or delete the line")
         if hint is bool:
             return self.truth(node, key)
         if hint is int or hint is float:
@@ -159,7 +159,7 @@ class _Reader:
             metadata = with_plugins(metadata)
             choices = choices_of(hint, metadata)
         if choices and node.text not in choices:
-            return self.wrong(node.line, key, f"{node.text!r} is no choice here", wanted(hint, metadata))
+            return self.wrong(node.line, key, f"{node.text!r} is not a valid choice", wanted(hint, metadata))
         if isinstance(hint, type) and issubclass(hint, Path) and (problem := fault_of_path(node.text)):
             return self.wrong(node.line, key, problem, wanted(hint, metadata))
         if isinstance(hint, type) and issubclass(hint, (str, Path)):
@@ -175,7 +175,7 @@ class _Reader:
         if word in _WORDS_FOR_TRUTH:
             problem = f"{node.text!r} is a word, not a truth value"
         else:
-            problem = f"{node.text!r} is neither true nor false" if node.text else "no value"
+            problem = f"{node.text!r} is neither true nor false" if node.text else "the value is missing"
         return self.wrong(node.line, key, problem, "Write true or false, without quotes")
 
     def number(self, node: Scalar, kind: object, metadata: Metadata, key: str) -> float | _Wrong:
@@ -186,13 +186,11 @@ class _Reader:
         if _LAUNCHED.fullmatch(text):
             return self.wrong(node.line, key, f"{text} is a placeholder of a launch file", wanted(kind, metadata))
         if angle is None and not node.plain:
-            return self.wrong(node.line, key, f"{text!r} in quotes is text, not a number", "Take the quotes away")
+            return self.wrong(node.line, key, f"{text!r} in quotes is text, not a number", "Delete the quotes")
         if _NOT_FINITE.fullmatch(text):
             return self.wrong(node.line, key, f"{text} is not a finite number", wanted(kind, metadata))
         if _LEADING_ZERO.fullmatch(text):
-            return self.wrong(
-                node.line, key, f"{text} begins with 0 and reads as octal to some", "Take the leading 0 away"
-            )
+            return self.wrong(node.line, key, f"{text} begins with 0, which can mean octal", "Delete the leading 0")
         if _COMMA.fullmatch(text):
             remedy = f"Write a point: {text.replace(',', '.')}" if kind is float else "Write it without a comma"
             return self.wrong(node.line, key, f"{text!r} is not a number", remedy)
@@ -242,7 +240,7 @@ class _Reader:
             return node
 
     def renamed(self, node: Section, into: type, key: str) -> Iterator[tuple[Scalar, Node]]:
-        """Yield the entries of a section with present names; an old name beside the present one is left out."""
+        """Yield the entries of a section with present names. If both names are written, the old one is left out."""
         written = {name.text for name, _ in node.entries}
         for name, child in node.entries:
             present = renamed_of(into).get(name.text)
@@ -252,7 +250,7 @@ class _Reader:
                 yield dataclasses.replace(name, text=present), child
             else:
                 place = f"{key}.{name.text}" if key else name.text
-                notice = f"{place} has no effect here: it is an old name of {present}, which stands there, too"
+                notice = f"{place} has no effect here: it is an old name of {present}, which is also there"
                 self.notices.append(f"{self.path}, line {name.line}: {notice}")
 
     def section(self, node: Node, into: type, key: str, defaults: "DataclassInstance | None" = None) -> object:
@@ -267,14 +265,14 @@ class _Reader:
         named = _named(node, into, defaults)
         values: dict[str, object] = {}
         first_lines: dict[str, int] = {}
-        # Fields that take defaults from another one (`like`) are read after it.
+        # Fields that get defaults from another one (`like`) are read after it.
         for name, child in sorted(
             self.renamed(node, into, key), key=lambda entry: model_of(known.get(entry[0].text)) is not None
         ):
             place = name.place or (f"{key}.{name.text}" if key else name.text)
             if name.text in first_lines:
                 self.wrong(
-                    name.line, place, f"stands twice, first in line {first_lines[name.text]}", "Keep one of the two"
+                    name.line, place, f"written twice, first in line {first_lines[name.text]}", "Keep one of the two"
                 )
                 continue
             first_lines[name.text] = name.line
@@ -318,12 +316,14 @@ class _Reader:
     def named_sections(
         self, node: Section, listed: str, named: Mapping[str, "DataclassInstance | None"], into: type, key: str
     ) -> object:
-        """The sections whose names are listed in a text, or the default ones; those not written keep their values."""
+        """Return the sections with names listed in a text, or else the default ones; sections that are not written keep
+        their values.
+        """
         written = {name.text: child for name, child in node.entries}
         names = written.get(listed)
         place = f"{key}.{listed}" if key else listed
         if names is not None and not isinstance(names, Scalar):
-            return self.wrong(names.line, place, "no text", "Write names with blanks between")
+            return self.wrong(names.line, place, "not a text", "Write names separated by blanks")
         values = []
         for name, default in named.items():
             child = written.get(name, Section(node.line, []))
@@ -349,14 +349,14 @@ class _Reader:
         for name, child in node.entries:
             place = f"{key}.{name.text}"
             if not _COUNTED.fullmatch(name.text):
-                self.wrong(name.line, place, f"{name.text!r} is no number here", "Write a whole number, at least 1")
+                self.wrong(name.line, place, f"{name.text!r} is not a valid number", "Write a whole number, at least 1")
                 values[0] = _WRONG
             elif int(name.text) in values:
                 first = self.lines[place]
-                self.wrong(name.line, place, f"stands twice, first in line {first}", "Keep one of the two")
+                self.wrong(name.line, place, f"written twice, first in line {first}", "Keep one of the two")
             else:
                 self.lines[place] = name.line
-                # If the section with the defaults has faults, these were reported; this one is read for its own faults.
+                # Faults of the section with the defaults were already reported; this one is read for its own faults.
                 defaults = cast("DataclassInstance", like) if isinstance(like, into) else None
                 values[int(name.text)] = self.section(child, into, place, defaults)
         return _WRONG if _WRONG in values.values() else values
@@ -371,7 +371,7 @@ class _Reader:
             place = f"{key}.{name.text}"
             if name.text in values:
                 first = self.lines[place]
-                self.wrong(name.line, place, f"stands twice, first in line {first}", "Keep one of the two")
+                self.wrong(name.line, place, f"written twice, first in line {first}", "Keep one of the two")
             else:
                 self.lines[place] = name.line
                 values[name.text] = self.value(child, str, {}, place)
@@ -384,7 +384,7 @@ class _Reader:
         if "." in name.text and not place.removesuffix(name.text) and name.text in paths(self.root):
             remedy = f"Write {_unfolded(name.text, child)}"
         elif nearest:
-            remedy = f"The nearest right name is {nearest[0]}"
+            remedy = f"The nearest name is {nearest[0]}"
         elif elsewhere:
             remedy = f"It belongs at {' or '.join(elsewhere)}"
         else:
@@ -393,7 +393,7 @@ class _Reader:
 
 
 def _before_decimals(node: Section, name: Scalar, child: Node) -> tuple[Scalar, Scalar] | None:
-    """Return the entry before a key that is what `{share: 0,2}` holds after the comma; None for any other key."""
+    """Return the entry before a key that is the part of `{share: 0,2}` after the comma, or None for any other key."""
     if not (name.text.isdecimal() and isinstance(child, Scalar) and child.absent):
         return None
     at = next(index for index, entry in enumerate(node.entries) if entry[0] is name)
@@ -402,7 +402,7 @@ def _before_decimals(node: Section, name: Scalar, child: Node) -> tuple[Scalar, 
 
 
 def _unfolded(path: str, child: Node) -> str:
-    """Return a path of keys as sections within each other, with its value."""
+    """Return a path of keys as nested sections, with its value."""
     *sections, key = path.split(".")
     value = child.text if isinstance(child, Scalar) else "..."
     within = "".join(f"{{{name}: " for name in [*sections[1:], key])
@@ -410,19 +410,20 @@ def _unfolded(path: str, child: Node) -> str:
 
 
 def words_in(node: Node) -> list[str]:
-    """Return the words of a text, or those in a list, where a text is needed."""
+    """Return the words of a text, or those of a list in place of a text."""
     if isinstance(node, Listing):
         return [word for item in node.items for word in words_in(item)]
     return node.text.split() if isinstance(node, Scalar) else []
 
 
 def _words(node: Section, key: str) -> list[str]:
-    """The words in the text of a key of a section."""
+    """Return the words in the text of a key of a section."""
     return [word for name, child in node.entries if name.text == key for word in words_in(child)]
 
 
 def _named(node: Section, into: type, defaults: "DataclassInstance | None") -> Mapping[str, "DataclassInstance | None"]:
-    """Names of the further sections listed in a section; with their default sections when the list is the default."""
+    """Return the names of the further sections listed in a section, with default sections if the list is the
+    default."""
     listed = sections_named_in(into)
     if any(name.text == listed for name, _ in node.entries):
         return dict.fromkeys(_words(node, listed))
@@ -431,11 +432,11 @@ def _named(node: Section, into: type, defaults: "DataclassInstance | None") -> M
 
 
 def _handed_down(node: Section, into: type) -> Section:
-    """The section with the entries moved to its parts that ROS passes on to them; they replace the parts' own.
+    """Return the section with entries moved to its parts where ROS does so; they replace the parts' own entries.
 
-    Of a name that the section has itself, the part's own value stays: a whole study in a recording has both.
+    If the section itself also has the name, the part's own value stays: a whole study in a recording has both.
     """
-    # As costmap_2d does with parameters of a costmap that its layers read (costmap_2d_ros.cpp, resetOldParameters).
+    # costmap_2d does this with parameters of a costmap that its layers read (costmap_2d_ros.cpp, resetOldParameters).
     passed_on = cast(Mapping[str, str], getattr(into, "passed_on", {}))
     parts: dict[str, list[tuple[Scalar, Node]]] = {}
     gone: set[str] = set()

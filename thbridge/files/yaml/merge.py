@@ -1,4 +1,4 @@
-"""Trees of YAML files merged: values at paths of keys added, replaced and removed."""
+"""Merging of trees of YAML files: values at paths of keys are added, replaced and removed."""
 
 from collections.abc import Sequence
 
@@ -10,9 +10,9 @@ def nested(key: str, node: Node, line: int, written_at: str = "") -> Node:
 
     Args:
         key: the path.
-        node: what is there.
+        node: value at the path.
         line: line of the keys.
-        written_at: path at which people wrote it, if another; the keys remember it for messages.
+        written_at: path at which people wrote it, if different; the keys keep it for messages.
     """
     for name in reversed(key.split(".")):
         node = Section(line, [(Scalar(name, True, line, place=written_at), node)])
@@ -21,7 +21,7 @@ def nested(key: str, node: Node, line: int, written_at: str = "") -> Node:
 
 
 def over(base: Node, top: Node) -> Node:
-    """Return a tree merged with another on top: sections are merged, other values replaced."""
+    """Return a tree merged with another on top: sections are merged, other values are replaced."""
     if not (isinstance(base, Section) and isinstance(top, Section)):
         return top
     above = {entry[0].text: entry for entry in reversed(top.entries)}
@@ -30,7 +30,7 @@ def over(base: Node, top: Node) -> Node:
         (above[key.text][0], over(child, above[key.text][1])) if key.text in above else (key, child)
         for key, child in base.entries
     ]
-    # A key that stands twice on top stays twice, so that its fault is found.
+    # A key that is written twice on top stays so, and its fault is found.
     added = [entry for entry in top.entries if entry[0].text not in below or entry is not above[entry[0].text]]
     return Section(top.line, entries + added)
 
@@ -47,7 +47,7 @@ def without(tree: Node, path: Sequence[str]) -> Node:
 
 
 def set_by_both(one: Node, other: Node) -> str | None:
-    """Return the path of a key that two trees set, or None: a section in both is none."""
+    """Return the path of a key that two trees set, or None. A section that is in both does not count by itself."""
     if not (isinstance(one, Section) and isinstance(other, Section)):
         return ""
     known = {key.text: child for key, child in one.entries}

@@ -15,12 +15,12 @@ _CLOSING = re.compile(r"(?:[\s,]|#[^\n]*)*[\]}]")
 
 
 def steps_of(key: str) -> tuple[Step, ...]:
-    """The steps of a path such as `things[0].name`; a key with dots stands in quotes: `within."dialogue.condition"`."""
+    """Return the steps of a path such as `things[0].name`; keys with dots are quoted: `within."dialogue.condition"`."""
     return tuple(int(index) if index else quoted or name for index, quoted, name in _STEP.findall(key))
 
 
 def node_at(tree: Node, steps: Sequence[Step]) -> Node | None:
-    """The node at a path; None without one."""
+    """Return the node at a path, or None."""
     node: Node | None = tree
     for step in steps:
         node = None if node is None else _child(node, step)
@@ -28,7 +28,7 @@ def node_at(tree: Node, steps: Sequence[Step]) -> Node | None:
 
 
 def source_of(text: str, tree: Node, key: str) -> str | None:
-    """The text of the value at a path, without comments behind it; None when the key is not in the file."""
+    """Return the text of the value at a path, without comments after it, or None if the key is not in the file."""
     node = node_at(tree, steps_of(key))
     if node is None:
         return None
@@ -36,7 +36,7 @@ def source_of(text: str, tree: Node, key: str) -> str | None:
 
 
 def path_of(steps: Sequence[Step]) -> str:
-    """The path of some steps: the inverse of `steps_of`."""
+    """Return the path of some steps: the inverse of `steps_of`."""
     path = ""
     for step in steps:
         if isinstance(step, int):
@@ -55,12 +55,12 @@ def _child(node: Node, step: Step) -> Node | None:
 
 
 def left_out(node: Node) -> bool:
-    """Return True when no value is written at all, not even `null`."""
+    """Return True if no value is written at all, not even `null`."""
     return isinstance(node, Scalar) and node.plain and not node.text
 
 
 def is_empty(node: Node) -> bool:
-    """Return True when there is no value, or an empty section or list."""
+    """Return True if there is no value, or an empty section or list."""
     match node:
         case Scalar():
             return node.absent
@@ -71,9 +71,9 @@ def is_empty(node: Node) -> bool:
 
 
 def end_of(text: str, node: Node) -> int:
-    """Offset of a value's end: behind its last character or bracket."""
+    """Return the offset of a value's end: after its last character or bracket."""
     if isinstance(node, Scalar):
-        # The parser includes the empty lines behind a text of several lines (|); these are left out.
+        # The parser includes the empty lines after a text of several lines (|); these are left out.
         return node.start + len(text[node.start : node.end].rstrip("\r\n")) if node.end > node.start else node.end
     last: int = node.start + 1
     if isinstance(node, Section) and node.entries:
@@ -88,23 +88,23 @@ def end_of(text: str, node: Node) -> int:
 
 
 def line_start(text: str, at: int) -> int:
-    """Offset of the beginning of a line."""
+    """Return the offset of the beginning of a line."""
     return text.rfind("\n", 0, at) + 1
 
 
 def line_end(text: str, at: int) -> int:
-    """Offset of the end of a line, before its line end characters."""
+    """Return the offset of the end of a line, before its line end characters."""
     end = text.find("\n", at)
     end = len(text) if end < 0 else end
     return end - 1 if end > at and text[end - 1] == "\r" else end
 
 
 def column_of(text: str, at: int) -> int:
-    """Column of an offset, from 0."""
+    """Return the column of an offset, from 0."""
     return at - line_start(text, at)
 
 
 def behind_key(text: str, name: Scalar) -> int:
-    """Offset of a key's end: behind its colon, if it has one."""
+    """Return the offset of a key's end: after its colon, if it has one."""
     colon = _COLON.match(text, name.end)
     return name.end if colon is None else colon.end()

@@ -30,12 +30,12 @@ LARGEST_TREE = 100_000
 """Largest number of values of a file, with its aliases expanded."""
 _BREAK = re.compile("[\\x85\\u2028\\u2029]")
 KEPT_TREES, KEPT_LETTERS = 256, 20_000
-"""Number of trees that are kept, and the longest text of one: those of our own files, which each study reads again."""
+"""Number of trees that are kept, and the longest text of one: our own files are short and read by each study."""
 
 
 @dataclass(frozen=True, slots=True)
 class Scalar:
-    """A word, number or text; `plain` when it has no quotes; `tag` is a word such as `!degrees` before it.
+    """A word, number or text; `plain` if it has no quotes; `tag` is a word such as `!degrees` before it.
 
     `start` and `end` are its offsets in the text, with its quotes; they are equal for a value that was left out.
     `place` is the path of a key that was moved within the tree, as people wrote it, for messages.
@@ -51,13 +51,13 @@ class Scalar:
 
     @property
     def absent(self) -> bool:
-        """True when no value is written, or a word for null."""
+        """True if no value is written, or a word for null."""
         return self.plain and self.text in {"", "~", "null", "Null", "NULL"}
 
 
 @dataclass(frozen=True, slots=True)
 class Listing:
-    """A sequence; `start` is its offset in the text, `flow` is True when it is written in brackets."""
+    """A sequence; `start` is its offset in the text, `flow` is True if it is written in brackets."""
 
     line: int
     items: Sequence["Node"]
@@ -67,7 +67,7 @@ class Listing:
 
 @dataclass(frozen=True, slots=True)
 class Section:
-    """A mapping as it is written, with duplicate keys. `start` and `flow` as for a Listing."""
+    """A mapping as it is written, with duplicate keys. `start` and `flow` are as for a Listing."""
 
     line: int
     entries: Sequence[tuple[Scalar, "Node"]]
@@ -79,9 +79,9 @@ Node = Scalar | Listing | Section
 
 
 def parse(path: Path, text: str, ros: bool = False) -> Node:
-    """The tree of one YAML document; an empty text gives an empty section.
+    """Return the tree of one YAML document; an empty text gives an empty section.
 
-    A study with many conditions reads the same texts many times, so that trees are kept.
+    A study with many conditions reads the same texts many times, so trees are kept.
 
     Args:
         path: the file, for faults.
@@ -89,7 +89,8 @@ def parse(path: Path, text: str, ros: bool = False) -> Node:
         ros: True to accept aliases, each as the tree of its anchor, and tags of scalars, as in files for ROS.
 
     Raises:
-        BadFile: it is not YAML, or has what a plain list of settings does not need: anchors, tags, documents.
+        BadFile: it is not YAML, or has anchors, tags or several documents, which a plain list of settings does not
+            need.
     """
     source = _Source(text, ros, path)
     return _kept_tree(source) if len(text) <= KEPT_LETTERS else _tree_of(source)
@@ -114,7 +115,7 @@ def _tree_of(source: _Source) -> Node:
     _refuse_breaks(path, text)
     _refuse_odd_blanks(path, text)
     root: list[Node] = []
-    # Only here, while a tree is made, are its lists added to.
+    # These lists are only extended here, while a tree is built.
     stack: list[Listing | Section] = []
     pending_keys: list[Scalar | None] = []
     anchors = _Anchors(path)
@@ -147,17 +148,17 @@ def _tree_of(source: _Source) -> Node:
                 elif isinstance(node, Scalar):
                     pending_keys[-1] = node
                 else:
-                    raise BadFile(path, "a list or section stands as a key", "Write a word as the key", line=node.line)
+                    raise BadFile(path, "a list or section is used as a key", "Write a word as the key", line=node.line)
                 if not isinstance(node, Scalar) and not alias:
                     stack.append(node)
                     pending_keys.append(None)
                 if len(stack) > DEEPEST:
-                    raise BadFile(path, f"nested deeper than {DEEPEST}", "Take brackets away", line=node.line)
+                    raise BadFile(path, f"nested deeper than {DEEPEST}", "Remove brackets", line=node.line)
     except MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         problem = " ".join(part for part in (error.context, error.problem) if part)
         remedy = "Check the indentation, the colons and the brackets here and in the line before"
-        # What is not closed is found missing behind the last line.
+        # The parser reports an unclosed bracket or quote after the last line.
         line = None if mark is None else min(mark.line, text.rstrip().count("\n")) + 1
         raise BadFile(path, f"not YAML: {problem}", remedy, line=line) from None
     except ReaderError as error:
@@ -170,7 +171,7 @@ def _tree_of(source: _Source) -> Node:
 
 
 def at_line(node: Node, line: int) -> Node:
-    """The same tree with all nodes at one line."""
+    """Return the same tree with all nodes at one line."""
     match node:
         case Listing(_, items):
             return Listing(line, [at_line(item, line) for item in items])
@@ -185,14 +186,14 @@ def _moved(scalar: Scalar, line: int) -> Scalar:
 
 
 def _refuse_breaks(path: Path, text: str) -> None:
-    """Refuse what YAML 1.1 takes for the end of a line, and editors and YAML 1.2 do not."""
+    """Refuse characters that end a line in YAML 1.1, but not in editors and in YAML 1.2."""
     if found := _BREAK.search(text):
         line = text.count("\n", 0, found.start()) + 1
         raise BadFile(path, "an invisible line separator", "Delete it", line=line)
 
 
 def _refuse_odd_blanks(path: Path, text: str) -> None:
-    """Refuse indentation by what looks like blanks: tabs, and the no-break spaces that are copied from pages."""
+    """Refuse indentation that only looks like blanks: tabs, and no-break spaces copied from web pages."""
     for number, line in enumerate(text.split("\n"), start=1):
         indent = line[: len(line) - len(line.lstrip())]
         what = "a tab" if "\t" in indent else "a no-break space" if indent.strip(" \r\ufeff") else ""
@@ -201,7 +202,7 @@ def _refuse_odd_blanks(path: Path, text: str) -> None:
 
 
 class _Anchors:
-    """The anchors of a document, and its number of values with aliases expanded."""
+    """Anchors of a document, and its number of values with aliases expanded."""
 
     def __init__(self, path: Path) -> None:
         self._path = path
@@ -210,28 +211,28 @@ class _Anchors:
         self._count = 0
 
     def open(self, event: NodeEvent, node: Node) -> None:
-        """Take in the beginning of a node; a scalar is also complete."""
+        """Process the beginning of a node; a scalar is also complete."""
         self._count += 1
         self._open.append((node, None if event.anchor is None else str(event.anchor), self._count))
         if isinstance(node, Scalar):
             self.close(node)
 
     def close(self, node: Node) -> None:
-        """Take in the end of the node that was opened last."""
+        """Process the end of the node that was opened last."""
         _, anchor, before = self._open.pop()
         if anchor is not None:
             self._nodes[anchor] = node, self._count - before + 1
 
     def node_of(self, event: NodeEvent) -> Node:
-        """The node of an alias. Raises BadFile: there is no such anchor, or the document gets too large."""
+        """Return the node of an alias. Raises BadFile if the anchor does not exist, or the document gets too large."""
         line, name = event.start_mark.line + 1, str(event.anchor)
         if name not in self._nodes:
-            raise BadFile(self._path, "an alias (*) of nothing before it", "Write the value out", line=line, key=name)
+            raise BadFile(self._path, "an alias (*) without an anchor", "Write the value out", line=line, key=name)
         node, size = self._nodes[name]
         self._count += size
         if self._count > LARGEST_TREE:
             raise BadFile(
-                self._path, f"more than {LARGEST_TREE} values by aliases (*)", "Write less", line=line, key=name
+                self._path, f"more than {LARGEST_TREE} values through aliases (*)", "Write less", line=line, key=name
             )
         return node
 
@@ -243,7 +244,7 @@ def _node(path: Path, event: NodeEvent, ros: bool) -> Node:
             path, "an anchor or alias (& or *)", "Write the value out, or quote it", line=line, key=str(event.anchor)
         )
     if not isinstance(event, (ScalarEvent, MappingStartEvent, SequenceStartEvent)):
-        raise TypeError(f"an event of YAML that is no node: {event!r}")
+        raise TypeError(f"an event of YAML that is not a node: {event!r}")
     if event.tag is not None and not (ros and isinstance(event, ScalarEvent)):
         raise BadFile(path, "a tag (!)", "Write the plain value, or quote it", line=line, key=str(event.tag))
     start = event.start_mark.index
@@ -255,6 +256,6 @@ def _node(path: Path, event: NodeEvent, ros: bool) -> Node:
 
 
 def quoted(text: str) -> str:
-    """A text in double quotes, with escapes, so that it is read back unchanged."""
+    """Return a text in double quotes, with escapes, so that it is read back unchanged."""
     escaped = text.replace("\\", "\\\\").replace('"', '\\"')
     return '"' + "".join(sign if sign.isprintable() else f"\\U{ord(sign):08x}" for sign in escaped) + '"'

@@ -47,7 +47,7 @@ def test_without_pylsl_it_is_told_what_to_install(monkeypatch: pytest.MonkeyPatc
     stream = MarkerStream("x")
     push(stream, 3)
     assert stream.troubles == (
-        "Markers: pylsl is not installed. Install it: pip install 'thbridge[markers]'. 3 markers did not go out.",
+        "Markers: pylsl is not installed. Install it: pip install 'thbridge[markers]'. 3 markers were not sent.",
     )
     assert stream.stamping(lambda: NOON)() == NOON
     stream.close()
@@ -84,9 +84,7 @@ def test_an_outlet_that_fails_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     push(stream, 1)
     stream.close(60.0)
     push(stream, 2)
-    assert stream.troubles == (
-        "Markers: the network is gone. Begin the study's program anew. 3 markers did not go out.",
-    )
+    assert stream.troubles == ("Markers: the network is gone. Restart the study program. 3 markers were not sent.",)
 
 
 def test_an_outlet_that_hangs_holds_nobody_up(monkeypatch: pytest.MonkeyPatch) -> None:

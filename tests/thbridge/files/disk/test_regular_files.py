@@ -89,6 +89,9 @@ def test_a_device_is_written_to_and_never_replaced(tmp_path: Path) -> None:
         assert os.read(reader, 10) == b"page"
     finally:
         os.close(reader)
-    with pytest.raises(BadFile, match="this is no file"), new_file(tmp_path / "pipe", tmp_path / "bag", overwrite=True):
+    with (
+        pytest.raises(BadFile, match="not a regular file"),
+        new_file(tmp_path / "pipe", tmp_path / "bag", overwrite=True),
+    ):
         pass
     assert (tmp_path / "pipe").is_fifo()

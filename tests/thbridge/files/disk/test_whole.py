@@ -57,9 +57,9 @@ def test_a_folder_is_there_once_it_is_complete(tmp_path: Path) -> None:
         (new / "file").write_bytes(b"all")
         assert not folder.exists()
     assert [path.name for path in folder.parent.rglob("*")] == ["new", "file"]
-    with pytest.raises(BadFile, match="there is such a folder already"), new_folder(folder):
+    with pytest.raises(BadFile, match="the folder already exists"), new_folder(folder):
         pass
-    with pytest.raises(BadFile, match="there is something in this folder"), new_folder(folder, empty=True):
+    with pytest.raises(BadFile, match="this folder is not empty"), new_folder(folder, empty=True):
         pass
 
 

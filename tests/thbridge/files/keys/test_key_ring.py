@@ -63,7 +63,7 @@ def test_a_name_is_used_once(ring: KeyRing) -> None:
 
 @pytest.mark.parametrize("name", ["", "Maria", "../x", "a b", "a" * 33, "\u00e4"])
 def test_a_name_that_is_none(ring: KeyRing, name: str) -> None:
-    with pytest.raises(BadFile, match="is no name of a key"):
+    with pytest.raises(BadFile, match="is not a valid name of a key"):
         ring.add(name, [Right.WATCH], "one secret", None)
     assert not ring.folder.exists()
 

@@ -137,7 +137,7 @@ def test_a_costmap_without_plugins_has_the_map_obstacles_and_inflation(tmp_path:
     layers = (value.static_layer, value.obstacle_layer, value.inflation_layer)
     assert [layer.enabled for layer in layers] == [True, True, True]
     assert [source.name for source in value.obstacle_layer.observation_sources] == ["scan"]
-    assert f"{costmap} leaves out plugins, which Nav2 takes by default: static_layer, obstacle_layer" in told(found)
+    assert f"{costmap} leaves out plugins, so Nav2's default is used: static_layer, obstacle_layer" in told(found)
     assert "obstacle_layer.scan leaves out max_obstacle_height, which is 0 m in Nav2" in told(found)
 
 
@@ -223,7 +223,7 @@ def test_controllers_that_are_not_here_are_named(tmp_path: Path) -> None:
     [
         ("bt_navigator:\n  ros__parameters: {a: 1}\n", "no node of this file of ROS 2 has a counterpart here"),
         ("amcl:\n  ros__parameters: {max_beams: many}\n", "line 2"),
-        ("amcl:\n  ros__parameters: {robot_model_type: ackermann}\n", "'ackermann' is no model of motion"),
+        ("amcl:\n  ros__parameters: {robot_model_type: ackermann}\n", "'ackermann' is not a motion model"),
     ],
 )
 def test_faults_are_told_with_their_place(tmp_path: Path, text: str, message: str) -> None:
@@ -237,7 +237,9 @@ def test_faults_are_told_with_their_place(tmp_path: Path, text: str, message: st
 def test_plugins_that_are_no_list_are_a_fault(tmp_path: Path, written: str) -> None:
     """The robot would drive without its map."""
     text = f"global_costmap:\n  global_costmap:\n    ros__parameters:\n      plugins: {written}\n"
-    with pytest.raises(BadFile, match=r"line 4, global_costmap\.plugins: no list of layers\. Write such as \[static_"):
+    with pytest.raises(
+        BadFile, match=r"line 4, global_costmap\.plugins: not a list of layers\. Write such as \[static_"
+    ):
         read(tmp_path, text)
 
 
@@ -279,5 +281,5 @@ def test_a_planner_that_is_not_here_is_named_also_alone_in_its_file(tmp_path: Pa
 @pytest.mark.parametrize("node", ["amcl", "planner_server"])
 def test_nodes_of_two_robots_are_a_fault(tmp_path: Path, node: str) -> None:
     text = "".join(f"robot{number}:\n  {node}:\n    ros__parameters: {{}}\n" for number in (1, 2))
-    with pytest.raises(BadFile, match=rf"line 5: {node} stands there for a second robot\. Write the nodes of one"):
+    with pytest.raises(BadFile, match=rf"line 5: {node} appears again for a second robot\. Write the nodes of one"):
         read(tmp_path, text)

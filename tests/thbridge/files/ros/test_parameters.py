@@ -257,16 +257,16 @@ def test_names_that_ros_does_not_read_either(tmp_path: Path) -> None:
     ("text", "told"),
     [
         ("min_particles: 100\nmax_particels: 500\n", "/0.yaml, line 2, amcl.max_particels: unknown key. The nearest"),
-        ("max_particels: 500\n", "The nearest right name is max_particles"),
+        ("max_particels: 500\n", "The nearest name is max_particles"),
         ("amcl:\n  kld_err: high\n", "/0.yaml, line 2, amcl.kld_err: 'high' is not a number"),
         ("amcl: {kld_err: '0.1'}\n", "in quotes is text, not a number"),
         ("NavfnROS: {allow_unknown: 1}\n", "neither true nor false"),
         ("robot_descriptoin: {a: 1}\n", "/0.yaml, line 1, robot_descriptoin: unknown key"),
-        ("- a\n- b\n", "no section of 'name: value' lines"),
+        ("- a\n- b\n", "it is not a section with lines 'name: value'"),
         ("amcl: {kld_err: !thing 3}\n", "a tag (!)"),
         ("amcl: {update_min_a: deg(x)}\n", "'x' is no angle"),
         ("amcl: {update_min_a: rad(1/0)}\n", "is no angle"),
-        ("amcl: {<<: 3}\n", "no section to merge"),
+        ("amcl: {<<: 3}\n", "not a section that can be merged"),
     ],
 )
 def test_a_fault_is_told_with_its_place(tmp_path: Path, text: str, told: str) -> None:
@@ -307,7 +307,7 @@ def test_settings_of_the_usual_behaviours(tmp_path: Path) -> None:
 
 
 def test_a_recovery_behaviour_without_a_type_must_be_ours(tmp_path: Path) -> None:
-    assert "'dance' is no choice here" in fault(
+    assert "'dance' is not a valid choice" in fault(
         tmp_path, "recovery_behaviors: [{name: dance}]\nplanner_patience: 3.0\n"
     )
 
@@ -423,7 +423,7 @@ def test_the_defaults_that_hunts_do_not_have_are_told_by_section(tmp_path: Path)
         "move_base",
     ]
     assert told[0] == (
-        "amcl: left out, so as in ROS (and in hunts): max_particles 5000 (1000), kld_err 0.01 (0.05),"
+        "amcl: left out, so ROS's default holds (hunts' in brackets): max_particles 5000 (1000), kld_err 0.01 (0.05),"
         " laser_max_beams 30 (60), laser_sigma_hit 0.2 (0.1)"
     )
     assert "track_unknown_space false (true)" in told[1]
@@ -486,7 +486,7 @@ def test_what_ros_does_not_read_either_is_told_and_no_fault(tmp_path: Path, text
         ("plugins: [{name: walls, type: 'costmap_2d::StaticLayer'}]\nwals: {use_maximum: true}\n", "wals: unknown key"),
         (
             "base_local_planner: teb_local_planner/TebLocalPlannerROS\nplanner_patience: 1.0\n",
-            "'teb_local_planner/TebLocalPlannerROS' is no choice here",
+            "'teb_local_planner/TebLocalPlannerROS' is not a valid choice",
         ),
     ],
 )
@@ -533,7 +533,7 @@ def test_what_a_launch_file_fills_in_is_told_so(tmp_path: Path) -> None:
 
 def test_a_list_of_sources_is_one_fault(tmp_path: Path) -> None:
     text = "local_costmap:\n  obstacle_layer:\n    observation_sources: [scan]\n    scan: {topic: /scan}\n"
-    assert fault(tmp_path, text).endswith("observation_sources: no text. Write names with blanks between.")
+    assert fault(tmp_path, text).endswith("observation_sources: no text. Write names separated by blanks.")
 
 
 NODES_OF_A_ROBOT = "{amcl: {max_particles: 700}, move_base: {TrajectoryPlannerROS: {max_vel_x: 0.4}}}"
@@ -590,7 +590,9 @@ def test_what_other_launch_files_fill_in_is_told_so(tmp_path: Path, written: str
 def test_plugins_without_types_are_a_fault(tmp_path: Path, written: str) -> None:
     """The robot would drive without its map."""
     told = fault(tmp_path, f"global_costmap:\n  plugins: {written}\n")
-    assert "line 2, global_costmap.plugins: no list of layers with name and type. Write such as [{name: walls" in told
+    assert (
+        "line 2, global_costmap.plugins: not a list of layers with name and type. Write such as [{name: walls" in told
+    )
 
 
 def test_a_misspelled_parameter_next_to_sections_is_a_fault(tmp_path: Path) -> None:

@@ -32,8 +32,8 @@ def test_rows_come_in_the_order_asked_for(tmp_path, text):
 @pytest.mark.parametrize(
     ("text", "told"),
     [
-        ("", "there is no row of numbers"),
-        ("x,y,yaw\n", "there is no row of numbers"),
+        ("", "it has no rows of numbers"),
+        ("x,y,yaw\n", "it has no rows of numbers"),
         ("x,y\n1,2\n", "line 1: the header is 'x,y'. Write x,y,yaw"),
         ("x y yaw\n1 2 3\n", "line 1: the header is 'x y yaw'"),
         ("x;y\n1;2\n", "line 1: the header is 'x,y'. Write x,y,yaw"),

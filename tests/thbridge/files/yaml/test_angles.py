@@ -89,7 +89,7 @@ def test_an_angle_is_no_length() -> None:
 def test_a_rate_that_looks_like_degrees_is_told_and_counts_as_radians(key: str) -> None:
     loaded = load_text(PATH, key, RobotParameters)
     (doubt,) = loaded.doubts
-    assert "15 rad/s is 2.4 turns a second. Write 0.2618 if degrees a second are meant" in str(doubt)
+    assert "15 rad/s is 2.4 turns per second. Write 0.2618 if degrees per second are meant" in str(doubt)
 
 
 @pytest.mark.parametrize("rate", ["1", "2.84", "4.0", "6.28"])

@@ -129,11 +129,11 @@ def test_obstacles_that_walk(tmp_path: Path) -> None:
     [
         ("", "there are no things"),
         ("things: 3", "a list is needed"),
-        ("thing: []", "thing: unknown key. The nearest right name is things"),
+        ("thing: []", "thing: unknown key. The nearest name is things"),
         ("things: [{name: a}]", "things[0].shape: missing"),
-        ("things: [{name: a, shape: ball, at: [0, 0, 0]}]", "things[0].shape: 'ball' is no choice here"),
+        ("things: [{name: a, shape: ball, at: [0, 0, 0]}]", "things[0].shape: 'ball' is not a valid choice"),
         ("things: [{name: a, shape: person}]", "things[0]: neither `at` nor `path`"),
-        ("things:\n- {name: a, shape: person, path: [[0, 0]]}", "line 2, things[0].path: one point is no path"),
+        ("things:\n- {name: a, shape: person, path: [[0, 0]]}", "line 2, things[0].path: a path needs two points"),
         ("things: [{name: a, shape: person, path: [[0, 0], [90, 0]]}]", "path[1]: (90, 0) is outside the map"),
         ("things: [{name: a, shape: person, at: [0, 0, 0], vanishes: 0}]", "vanishes: 0 is not after it appears"),
         ("things: [{name: a, shape: person, at: [0, 0, .nan]}]", "things[0].at[2]"),
@@ -173,4 +173,7 @@ def test_defaults_of_ros_are_told(tmp_path: Path) -> None:
     assert {"name": "amcl.max_particles", "value": 5000, "hunts": 1000} in outcome["ros_defaults"]
     assert outcome["notices"] == []
     done = drive(*CORRIDOR, "--goal", "0.5", "0", "--params", str(file))
-    assert "amcl: left out, so as in ROS (and in hunts): max_particles 5000 (1000)" in done.stderr.replace("\n", " ")
+    assert (
+        "amcl: left out, so ROS's default holds (hunts' in brackets): max_particles 5000 (1000)"
+        in done.stderr.replace("\n", " ")
+    )

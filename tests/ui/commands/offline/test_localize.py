@@ -202,7 +202,7 @@ def test_a_wrong_parameter_is_told_with_its_place(folder: Path, tmp_path: Path) 
     wrong.write_text("max_particles: 900\nupdate_min_dd: 0.5\n")
     done = run(folder, *start(), "--params", str(wrong))
     assert done.exit_code == 2
-    assert "line 2, amcl.update_min_dd: unknown key. The nearest right name is update_min_d" in done.stderr
+    assert "line 2, amcl.update_min_dd: unknown key. The nearest name is update_min_d" in done.stderr
 
 
 def test_the_time_offset_of_odometry_is_reported_and_corrected(tmp_path: Path) -> None:

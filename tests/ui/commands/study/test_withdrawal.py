@@ -80,7 +80,7 @@ def test_nothing_is_left_of_who_withdraws_and_all_that_is_of_others(study: Path,
 
     said = " ".join(output_of("study", "withdraw", study, gone, "--yes").split())
 
-    assert f"{outside / 'notes' / 'people.txt'} is none of the export's files, and names {gone}. Delete that." in said
+    assert f"{outside / 'notes' / 'people.txt'} is not one of the export's files, and names {gone}. Delete it." in said
     (outside / "notes" / "people.txt").unlink()
     assert traces(tmp_path, words) == []
     for export, before in zip((inside, outside), others, strict=True):
@@ -88,7 +88,7 @@ def test_nothing_is_left_of_who_withdraws_and_all_that_is_of_others(study: Path,
         assert before.keys() == after.keys()
         for name, table in after.items():
             pd.testing.assert_frame_equal(table, before[name])
-        assert f"{export}: this export is made anew, without {gone}" in said
+        assert f"{export}: this export was written again, without {gone}" in said
     assert (outside / "analysis.py").read_text() == "# mine\n"
     assert f"{outside / 'mine.txt'} is none of the export's files" in said
     assert f"{backup}: this backup is brought up to date" in said

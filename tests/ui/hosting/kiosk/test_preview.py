@@ -86,7 +86,7 @@ def test_all_steps_are_shown_if_none_is_named_and_the_study_keeps_nothing(tmp_pa
 @pytest.mark.parametrize(
     ("arguments", "reason"),
     [
-        (("nothing",), "there is no step nothing. Name one of consent_1, practice"),
+        (("nothing",), "the study has no step nothing. Name one of consent_1, practice"),
         (("first", "adviser"), "there is no condition adviser. Name one of: dialogue.condition=supervisor; "),
         (("first", "", "3"), "there is no group 3. Name one of: robots=1; robots=2"),
     ],

@@ -54,7 +54,7 @@ def test_steps_are_moved_by_keys_alone(window: StudyWindow, qtbot: QtBot) -> Non
     settled(window, qtbot)
     assert labels(window)[2:4] == ["3: check (understood.yaml)", "4: practice"]
     qtbot.waitUntil(lambda: button(window, "Move 3: check (understood.yaml) up").hasFocus())
-    assert "no step before is called practice" in " ".join(map(str, window.editor.draft.faults))
+    assert "no earlier step has the name practice" in " ".join(map(str, window.editor.draft.faults))
     QTest.keyClicks(window.focusWidget(), " ")
     settled(window, qtbot)
     assert labels(window)[1] == "2: check (understood.yaml)"

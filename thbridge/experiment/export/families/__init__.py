@@ -1,1 +1,1 @@
-"""Tables of an export, a module a family: columns with units, meanings, and the functions of their values."""
+"""Tables of an export, one module for each family: columns with units, meanings, and functions for their values."""

@@ -1,4 +1,4 @@
-"""Attempts at steps, gathered from the log: what most tables are made of, and the columns that they share."""
+"""Attempts at steps, gathered from the log. Most tables are made from them and share their columns."""
 
 from collections import defaultdict
 from collections.abc import Iterable, Mapping
@@ -29,14 +29,14 @@ class ItemTimes:
     """Times of an item within one attempt at a step, nanoseconds of the program's clock.
 
     Attributes:
-        shown: when it was shown first; None: it was not.
-        touched: when the person began to answer.
-        given: when they went on from it.
-        changes: how often the answer was changed before.
-        pasted: characters that were pasted into it.
-        answer: the one given; None: none.
-        timed_out: it was closed by its time limit, with the answer so far.
-        options: answers of a choice in the order shown; empty where all participants see the same order.
+        shown: time at which it was first shown, or None.
+        touched: time at which the person began to answer, or None.
+        given: time at which the person continued to the next item, or None.
+        changes: number of changes of the answer before that.
+        pasted: number of characters pasted into it.
+        answer: the answer given, or None.
+        timed_out: True if its time limit closed it, with the answer so far.
+        options: answers of a choice in the order shown; empty if all participants see the same order.
     """
 
     shown: int | None = None
@@ -51,26 +51,26 @@ class ItemTimes:
 
 @dataclass(slots=True)
 class Attempt:
-    """One time that a person went through a step.
+    """One attempt of a person at a step.
 
     Attributes:
         step: the step.
-        number: of the attempt, from 1.
-        began: wall time.
-        began_ns: by the program's clock.
-        ended: wall time; empty while it is under way.
-        ended_ns: by the program's clock; None likewise.
-        outcome: how it ended; None while it has not.
-        resumed: how often a program went on with it that another one had begun.
-        broken_off: how many games were begun in it and not gone on with.
-        read_again: how often the instructions were opened again in it.
-        away_ns: how long another window had keys and clicks.
-        away: how often.
-        left_ns: since when it has; None: it has not.
-        items: the times of its items, in the order in which they came.
-        game: what the log has of the game that was played; None: none was.
-        consent: what it has of the answer to the question for consent, likewise.
-        consent_at: wall time of that answer; empty: there is none.
+        number: number of the attempt, from 1.
+        began: wall time of its beginning.
+        began_ns: time of its beginning by the program's clock.
+        ended: wall time of its end; empty until then.
+        ended_ns: time of its end by the program's clock, or None until then.
+        outcome: outcome of the attempt, or None until its end.
+        resumed: number of times that another program resumed it.
+        broken_off: number of games that were begun in it and abandoned.
+        read_again: number of times that the instructions were opened again.
+        away_ns: time for which another window had the keyboard focus.
+        away: number of times that another window took the focus.
+        left_ns: time at which the focus was lost, or None if the window has it.
+        items: times of its items, in the order in which they came.
+        game: the log's data about the played game, or None.
+        consent: the log's data about the answer to the question for consent, or None.
+        consent_at: wall time of that answer; empty if there is none.
     """
 
     step: PlannedStep
@@ -93,12 +93,12 @@ class Attempt:
 
     @property
     def duration(self) -> float | None:
-        """Time in the step, s; None while it is under way, and where it was resumed: each process has its own clock."""
+        """Time in the step, s. None before its end, and after a resume, because each process has its own clock."""
         return None if self.resumed else between(self.began_ns, self.ended_ns)
 
 
 def between(begin: int | None, end: int | None) -> float | None:
-    """Return the time between two readings of a clock in nanoseconds, s; None where one is missing."""
+    """Return the time between two clock readings in nanoseconds, s; None if one is missing."""
     return None if begin is None or end is None else (end - begin) / 1e9
 
 
@@ -157,7 +157,7 @@ def _gathered(run: Run, events: Iterable[LoggedEvent]) -> list[Attempt]:
     return found
 
 
-# Columns that tables share
+# Columns that several tables share
 
 
 class OfRun(Protocol):
@@ -192,12 +192,12 @@ class AttemptSubject:
 
 
 def run_columns(design: ExperimentDesign) -> tuple[ValuedColumn[OfRun], ...]:
-    """Return the columns with which each row begins that belongs to a person."""
+    """Return the first columns of each row that belongs to a person."""
     return (
         text("participant", "id of the person", lambda row: row.run.participant),
         flag(
             "counts",
-            "whether the row is data: the run is complete and was not excluded, and the step is neither practice nor "
+            "whether the row is data: the run is complete and not excluded, and the step is neither practice nor a "
             "check",
             lambda row: row.run.state is RunState.COMPLETE,
         ),
@@ -206,7 +206,7 @@ def run_columns(design: ExperimentDesign) -> tuple[ValuedColumn[OfRun], ...]:
 
 
 def attempt_columns(design: ExperimentDesign) -> tuple[ValuedColumn[OfAttempt], ...]:
-    """Return the columns with which each row begins that belongs to a step."""
+    """Return the first columns of each row that belongs to a step."""
     participant, counts, *factors = run_columns(design)
 
     def is_data(row: OfAttempt) -> bool:
@@ -223,14 +223,14 @@ def attempt_columns(design: ExperimentDesign) -> tuple[ValuedColumn[OfAttempt], 
         *_within_columns(design),
         whole("step", "number of the step in the person's order, from 1", lambda row: row.attempt.step.number, least=1),
         text("name", "name of the step in the experiment's file", lambda row: row.attempt.step.name),
-        text("kind", "what is done in the step", lambda row: str(row.attempt.step.entry.step)),
+        text("kind", "kind of the step", lambda row: str(row.attempt.step.entry.step)),
         whole(
             "attempt",
-            "how often the person had come to this step, this time counted",
+            "number of the person's attempt at this step, from 1",
             lambda row: row.attempt.number,
             least=1,
         ),
-        whole("trial", "number of the trial in the person's order, from 1; none in other steps", trial, least=1),
+        whole("trial", "number of the trial in the person's order, from 1; empty for other steps", trial, least=1),
     )
 
 
@@ -247,7 +247,7 @@ def _between_columns(design: ExperimentDesign) -> tuple[ValuedColumn[OfRun], ...
 def _within_columns(design: ExperimentDesign) -> tuple[ValuedColumn[OfAttempt], ...]:
     def column(factor: str) -> ValuedColumn[OfAttempt]:
         levels = tuple(dict.fromkeys(condition.levels[factor] for condition in design.conditions))
-        meaning = "level of a factor within people; none outside of conditions"
+        meaning = "level of a factor within people; empty outside of conditions"
         described = ColumnDescription(factor, "string", "", meaning, role=FactorRole.WITHIN, levels=levels)
 
         def level(row: OfAttempt) -> CellValue:
@@ -260,5 +260,5 @@ def _within_columns(design: ExperimentDesign) -> tuple[ValuedColumn[OfAttempt], 
 
 
 def seed_of(design: ExperimentDesign, attempt: Attempt) -> int | None:
-    """Return the seed of the game of a trial; None of any other step."""
+    """Return the seed of a trial's game; None for any other step."""
     return None if attempt.step.trial is None else drawn_seed(design, attempt.step.trial)

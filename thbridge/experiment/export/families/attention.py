@@ -1,8 +1,8 @@
-"""Tables of robots and of fluency: who waited for whom in a game.
+"""Tables of robots and of fluency: waiting times of people and robots in a game.
 
-The person waits while no robot waits for them. A robot waits for the person while it stands, answers, is theirs to
-command, and can be sent somewhere or stands before a treasure that is not decided. A robot acts while it is under way
-to a room. Sources: Hoffman, Evaluating fluency in human-robot collaboration (2019); Olsen and Goodrich, Metrics for
+The person waits while no robot waits for them. A robot waits for the person if it stands, answers, is under their
+command, and can be sent somewhere or stands at an undecided treasure. A robot acts while it drives to a room. Sources:
+Hoffman, Evaluating fluency in human-robot collaboration (2019); Olsen and Goodrich, Metrics for
 evaluating human-robot interactions (2003).
 """
 
@@ -54,15 +54,15 @@ _OF_A_ROOM = (PropertyTold, TreasureLeft, TreasureTakenUp)
 
 @dataclass(slots=True)
 class RobotStand:
-    """A time that a robot stood, from its arrival, or the beginning of the game, to its departure.
+    """A time for which a robot stood, from its arrival (or the beginning of the game) to its departure.
 
     Attributes:
         robot: index in the team.
-        began: when it came to stand, s.
-        first_act: when the person first did or said something about it; None: never.
-        last_act: when they last did.
-        departed: when it left; None: the game ended before.
-        by_person: True when the person sent it.
+        began: time at which it stopped, s.
+        first_act: time at which the person first acted on it or talked to it, or None.
+        last_act: time at which the person last did so, or None.
+        departed: time at which it left, or None if the game ended before.
+        by_person: True if the person sent it.
     """
 
     robot: int
@@ -73,7 +73,7 @@ class RobotStand:
     by_person: bool = False
 
     def act(self, time: float) -> None:
-        """Take an act of the person."""
+        """Record an act of the person."""
         self.first_act, self.last_act = time if self.first_act is None else self.first_act, time
 
 
@@ -83,12 +83,12 @@ class RobotAttention:
 
     Attributes:
         stands: the times that it stood.
-        drives: how long each of its moves took, s.
-        arrived: rooms that it reached.
-        failed: moves that did not reach their room.
-        spent: energy.
-        under_way: how long it was, s.
-        waiting: how long it waited for the person, s.
+        drives: duration of each of its moves, s.
+        arrived: number of rooms that it reached.
+        failed: number of moves that did not reach their room.
+        spent: energy that it spent.
+        under_way: time for which it drove, s.
+        waiting: time for which it waited for the person, s.
     """
 
     stands: list[RobotStand] = field(default_factory=list)
@@ -101,12 +101,12 @@ class RobotAttention:
 
     @property
     def attention(self) -> list[float]:
-        """Time that it stood, each time, before the person did something about it, s."""
+        """Time of each stand until the person first acted on the robot, s."""
         return [each.first_act - each.began for each in self.stands if each.first_act is not None]
 
     @property
     def interaction(self) -> list[float]:
-        """From the person's first act to its departure, each time that they sent it, s."""
+        """Time from the person's first act to the robot's departure, for each departure by the person, s."""
         return [
             each.departed - each.first_act
             for each in self.stands
@@ -115,7 +115,7 @@ class RobotAttention:
 
     @property
     def delays(self) -> list[float]:
-        """From the robot's arrival to the person's first act, and from their last act to its departure, s."""
+        """Times from the robot's arrival to the person's first act, and from the last act to its departure, s."""
         sent = [each for each in self.stands if each.by_person and each.departed is not None]
         known = ((each.began, each.first_act, each.last_act, each.departed) for each in sent)
         return [
@@ -131,10 +131,10 @@ class AttentionFigures:
     """Figures of a game.
 
     Attributes:
-        robots: of each robot.
-        duration: of the game, s.
-        person_waited: how long no robot waited for the person, s.
-        both: how long a robot was under way while another one waited for the person, s.
+        robots: figures of each robot.
+        duration: duration of the game, s.
+        person_waited: time for which no robot waited for the person, s.
+        both: time for which one robot drove while another waited for the person, s.
     """
 
     robots: tuple[RobotAttention, ...]
@@ -147,8 +147,8 @@ def figures_of(recording: GameRecording, decisions: Iterable[GameDecision]) -> A
     """Return the figures of a game.
 
     Args:
-        recording: of the game.
-        decisions: those of the game, which tell who sent robots.
+        recording: recording of the game.
+        decisions: decisions of the game; they show who sent robots.
     """
     by = {(each.robot, each.done): each.by for each in decisions if each.matter == "select-room"}
     robots = tuple(RobotAttention([RobotStand(robot, 0.0)]) for robot in range(recording.robots))
@@ -158,7 +158,7 @@ def figures_of(recording: GameRecording, decisions: Iterable[GameDecision]) -> A
     for each in recording.happenings:
         match each:
             case TimedUtterance(time, said):
-                # What robots that do not argue say first answers the person's wish.
+                # In a script, the first sentence of a robot answers a request of the person.
                 opens = not argues and said.dialogue not in talks
                 talks.add(said.dialogue)
                 if said.speaker == "human" or opens:
@@ -186,7 +186,7 @@ def figures_of(recording: GameRecording, decisions: Iterable[GameDecision]) -> A
 
 
 def _acted_on(each: TimedEvent) -> Iterator[int]:
-    """Yield the robot that the person acted on, if the event is an act of theirs."""
+    """Yield the robot that the person acted on, if the event is an act of the person."""
     if isinstance(each.event, _OF_A_ROBOT) and each.event.robot is not None:
         yield each.event.robot
     elif isinstance(each.event, _OF_A_ROOM) and (robot := each.before.decider(each.event.room)) is not None:
@@ -194,7 +194,7 @@ def _acted_on(each: TimedEvent) -> Iterator[int]:
 
 
 def _integrate(recording: GameRecording, robots: Sequence[RobotAttention]) -> tuple[float, float]:
-    """Add up how long robots were under way, waited and spent; return how long the person waited, and both acted."""
+    """Add up driving, waiting and energy of robots; return how long the person waited, and how long both acted."""
     waited = both = 0.0
     events = [*recording.events]
     ends = [*(later.time for _, later in pairwise(events)), recording.duration]
@@ -212,7 +212,7 @@ def _integrate(recording: GameRecording, robots: Sequence[RobotAttention]) -> tu
 
 
 def waits_for_person(state: GameState, robot: int) -> bool:
-    """Return True while a robot waits for the person; see above."""
+    """Return True while a robot waits for the person; see the module."""
     here = state.robots[robot]
     if state.ended or here.bound_for is not None or here.is_silent or here.command.by is not Commander.PARTICIPANT:
         return False
@@ -242,14 +242,14 @@ def robots(design: ExperimentDesign, trial: RecordedTrial, game: AttentionFigure
         "a robot in a trial",
         (
             *attempt_columns(design),
-            whole("robot", "counts from 1", lambda row: number_of(row.robot), least=1),
-            count("rooms_reached", "rooms that it reached", lambda row: row.figures.arrived),
-            count("moves_failed", "moves that did not reach their room", lambda row: row.figures.failed),
-            count("collisions", "times that it touched a wall or another robot", lambda row: row.collisions),
-            number("energy_spent", "", "energy, in the game's units", lambda row: row.figures.spent),
+            whole("robot", "number of the robot, from 1", lambda row: number_of(row.robot), least=1),
+            count("rooms_reached", "number of rooms that it reached", lambda row: row.figures.arrived),
+            count("moves_failed", "number of moves that did not reach their room", lambda row: row.figures.failed),
+            count("collisions", "number of times that it touched a wall or another robot", lambda row: row.collisions),
+            number("energy_spent", "", "spent energy, in the game's units", lambda row: row.figures.spent),
             seconds(
                 "under_way_s",
-                "from each event departed to the next arrived or failed, or the end",
+                "time from each event departed to the next arrived or failed, or to the end of the game",
                 lambda row: row.figures.under_way,
             ),
             share(
@@ -259,27 +259,29 @@ def robots(design: ExperimentDesign, trial: RecordedTrial, game: AttentionFigure
             ),
             seconds(
                 "waiting_s",
-                "how long it stood, answered, was the participant's to command, and could be sent somewhere or had an "
-                "undecided treasure before it",
+                "time for which it stood, answered, was under the participant's command, and could be sent somewhere "
+                "or was at "
+                "an undecided treasure",
                 lambda row: row.figures.waiting,
             ),
             count(
-                "stands", "times that it came to stand, the beginning among them", lambda row: len(row.figures.stands)
+                "stands", "number of times that it stood, including the beginning", lambda row: len(row.figures.stands)
             ),
             seconds(
                 "attention_s",
                 "mean wait for attention: from started, arrived or failed to the person's first act about the robot "
-                "(sentence, request for advice, picture, name, property, departure); of stands with one",
+                "(sentence, request for advice, picture, name, property, departure), over stands with such an act",
                 lambda row: _mean(row.figures.attention),
             ),
             seconds(
                 "interaction_s",
-                "mean time from the person's first act about the standing robot to departed; of departures by them",
+                "mean time from the person's first act about the standing robot to departed, over departures by the "
+                "person",
                 lambda row: _mean(row.figures.interaction),
             ),
             seconds(
                 "neglect_s",
-                "mean time that it worked by itself: from departed to arrived or failed",
+                "mean time that it worked without the person: from departed to arrived or failed",
                 lambda row: _mean(row.figures.drives),
             ),
         ),
@@ -299,12 +301,12 @@ class _FluencySubject:
     game: AttentionFigures
 
     def all_of(self, name: str) -> list[float]:
-        """Figures of all robots together."""
+        """Return the figures of all robots together."""
         return [value for robot in self.game.robots for value in getattr(robot, name)]
 
     @property
     def fan_out(self) -> float | None:
-        """Neglect time over interaction time, and one."""
+        """Neglect time divided by interaction time, plus one."""
         neglect, interaction = _mean(self.all_of("drives")), _mean(self.all_of("interaction"))
         return None if neglect is None or not interaction else neglect / interaction + 1.0
 
@@ -313,47 +315,51 @@ def fluency(design: ExperimentDesign, trial: RecordedTrial, game: AttentionFigur
     """Return the row of a trial's fluency."""
     table: TableOf[_FluencySubject] = TableOf(
         "fluency",
-        "a trial: who waited for whom (Hoffman 2019)",
+        "a trial: waiting times of the person and the robots (Hoffman 2019)",
         (
             *attempt_columns(design),
             seconds(
                 "game_s",
-                "from the event started to ended, or to the end of the recording; simulated time, as all times here",
+                "time from the event started to ended, or to the end of the recording; all times here are simulated",
                 lambda row: row.game.duration,
             ),
             share(
                 "human_idle",
                 "share of the game in which no robot waited for the person: each was under way, did not answer, was "
-                "another's to command, or could not be sent anywhere and had no undecided treasure before it",
+                "under "
+                "another command, or could not be sent anywhere and was not at an undecided treasure",
                 lambda row: _over(row.game.person_waited, row.game.duration),
             ),
             share(
                 "robot_idle",
-                "share of the game in which a robot was not under way (departed to arrived or failed); mean of all",
+                "share of the game in which a robot was not under way (departed to arrived or failed), mean over all "
+                "robots",
                 lambda row: _mean(
                     [1.0 - each.under_way / row.game.duration for each in row.game.robots if row.game.duration]
                 ),
             ),
             share(
                 "concurrent_activity",
-                "share of the game in which a robot was under way while another one waited for the person",
+                "share of the game in which one robot was under way while another waited for the person",
                 lambda row: _over(row.game.both, row.game.duration),
             ),
             number(
                 "functional_delay",
                 "",
-                "sum, over the duration of the game, of the times from a robot's event started, arrived or failed to "
-                "the person's first act about it, and from their last act to its departed; of departures by the "
-                "person; with several robots it may be above 1",
+                "sum of the times from a robot's event started, arrived or failed to the person's first act about it, "
+                "and from "
+                "their last act to its departed, divided by the duration of the game; only departures by the person "
+                "count; with "
+                "several robots it may be above 1",
                 lambda row: _over(math.fsum(row.all_of("delays")), row.game.duration),
             ),
-            seconds("attention_s", "as in robots, over all of them", lambda row: _mean(row.all_of("attention"))),
-            seconds("interaction_s", "as in robots, over all of them", lambda row: _mean(row.all_of("interaction"))),
-            seconds("neglect_s", "as in robots, over all of them", lambda row: _mean(row.all_of("drives"))),
+            seconds("attention_s", "as in robots, over all robots", lambda row: _mean(row.all_of("attention"))),
+            seconds("interaction_s", "as in robots, over all robots", lambda row: _mean(row.all_of("interaction"))),
+            seconds("neglect_s", "as in robots, over all robots", lambda row: _mean(row.all_of("drives"))),
             number(
                 "fan_out",
                 "",
-                "neglect_s over interaction_s, and 1 (Olsen and Goodrich 2003); none without interaction",
+                "neglect_s divided by interaction_s, plus 1 (Olsen and Goodrich 2003); empty without interaction",
                 lambda row: row.fan_out,
                 1,
             ),

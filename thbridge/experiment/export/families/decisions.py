@@ -1,4 +1,4 @@
-"""Table of decisions: what a robot advised, what was chosen and when, and whether the person relied rightly."""
+"""Table of decisions: robots' advice, the person's choice and its time, and whether reliance was appropriate."""
 
 import re
 from collections.abc import Iterator, Sequence
@@ -57,21 +57,21 @@ class GameDecision:
     Attributes:
         robot: index in the team.
         matter: "select-room", "take-picture" or "take-treasure".
-        by: "person", "robot" (it decided alone), "ground station" or "researcher".
-        shown: when the options were there, s since the beginning of the game.
-        chosen: when the choice was made.
-        done: when it was carried out.
-        options: what could be chosen then; empty where it is not a choice among few.
+        by: who decided: "person", "robot" (alone), "ground station" or "researcher".
+        shown: time since the beginning of the game at which the options appeared, s.
+        chosen: time of the choice, s.
+        done: time at which the choice was carried out, s.
+        options: possible choices at that time; empty if it is not a choice among a few.
         choice: the room, the name, "picture", or "left".
-        advice: the room, or name, that the robot advised; empty: none.
-        advised: when; None: never.
-        advice_from: "asked" (an event advised), or "argued" (the robot asserted it); empty: none.
-        confidence: stated with it; None: none was.
-        is_right: whether the advice was; None: not known.
-        first_choice: what the person proposed before the robot said what it thought; empty: nothing.
-        refused: True when the robot rejected or denied what the person proposed.
-        dialogues: number of dialogues about it.
-        points: of a name.
+        advice: the room or name that the robot advised; empty if there was no advice.
+        advised: time of the advice, s, or None.
+        advice_from: "asked" (an event advised), or "argued" (the robot asserted it); empty without advice.
+        confidence: confidence stated with the advice, or None.
+        is_right: True if the advice was right, or None if unknown.
+        first_choice: the person's proposal before the robot gave its opinion; may be empty.
+        refused: True if the robot rejected or denied the person's proposal.
+        dialogues: number of dialogues about the decision.
+        points: points for a name.
     """
 
     robot: int
@@ -94,28 +94,29 @@ class GameDecision:
 
     @property
     def agreed(self) -> bool | None:
-        """True when the choice is what was advised; None without advice, and of what the person did not decide."""
+        """True if the choice is the advice. None without advice, and if the person did not decide."""
         return self.choice == self.advice if self.advice and self.by == "person" else None
 
     @property
     def is_appropriate(self) -> bool | None:
-        """True when right advice was taken, or wrong advice was not; None where either is not known."""
+        """True if right advice was taken or wrong advice was not. None if the choice or the advice's rightness is
+        unknown."""
         return None if self.agreed is None or self.is_right is None else self.agreed == self.is_right
 
     @property
     def disagreed(self) -> bool | None:
-        """True when the robot rejected the person's first choice, or advised another; None without a first choice."""
+        """True if the robot rejected the first choice, or advised something else. None without a first choice."""
         return (self.refused or self.advice not in {"", self.first_choice}) if self.first_choice else None
 
     @property
     def switched(self) -> bool | None:
-        """True when the person left the first choice with which the robot disagreed; None: it did not."""
+        """True if the person gave up the first choice after the robot disagreed. None if it did not disagree."""
         return self.choice != self.first_choice if self.disagreed and self.by == "person" else None
 
 
 @dataclass(slots=True)
 class _Matter:
-    """Matter of a robot, and what has been said of it since it came up."""
+    """An open decision about a robot, and what has been said about it so far."""
 
     shown: float
     advice: str = ""
@@ -131,20 +132,20 @@ class _Matter:
     refused_last: str = ""
 
     def argued(self, time: float, advice: str, *, is_right: bool | None) -> None:
-        """The robot has asserted what is to be chosen; what it was asked for stands."""
+        """Record that the robot has asserted a choice. Advice that it was asked for takes precedence."""
         if self.advice_from != "asked":
             self.advice, self.advised, self.advice_from, self.is_right = advice, time, "argued", is_right
 
 
 @dataclass(slots=True)
 class _Opening:
-    """Moment at which a dialogue was opened: what its robot's planner knew."""
+    """State at the opening of a dialogue, as known to its robot's planner."""
 
     state: GameState
     discussed: tuple[Discussed, ...]
 
     def planned(self, planner: TeamPlanner, robot: int) -> str | None:
-        """Return the room that a robot would suggest if it never erred, as people count; None: none."""
+        """Return the room that a robot without errors would suggest, as people count rooms, or None."""
         advice = Adviser(planner).advise(self.state, self.discussed, robot)
         return None if isinstance(advice, RequestRefused) else str(advice.planned.people)
 
@@ -153,9 +154,9 @@ def decisions_of(recording: GameRecording, planner: TeamPlanner = TeamPlanner.JO
     """Yield the decisions of a game that were carried out, in order.
 
     Args:
-        recording: of the game.
-        planner: by which its robots plan. A room that one argues for is right when it is the one that it would have
-            suggested, had it been asked when the dialogue was opened.
+        recording: recording of the game.
+        planner: the robots' planner. A room that a robot argues for is right if the robot would have suggested it when
+            the dialogue was opened.
     """
     open_: dict[tuple[int, str], _Matter] = {}
     openings: dict[int, _Opening] = {}
@@ -170,7 +171,7 @@ def decisions_of(recording: GameRecording, planner: TeamPlanner = TeamPlanner.JO
     def made(each: TimedEvent, robot: int, matter: str, choice: str, points: int | None = None) -> GameDecision:
         about = open_.pop((robot, matter), _Matter(each.time))
         command = each.before.robots[robot].command.by
-        # A robot that has the last word, and rejected a room, goes where it wants.
+        # A robot that has the last word, and rejected a room, drives to the room it wants.
         is_alone = about.alone or about.refused_last not in {"", choice}
         by = "robot" if is_alone else "person" if command is Commander.PARTICIPANT else str(command)
         rooms = rules.affordable(each.before, robot) if matter == "select-room" else ()
@@ -247,7 +248,7 @@ def decisions_of(recording: GameRecording, planner: TeamPlanner = TeamPlanner.JO
                     about.spoke, about.refused_last = time, ""
                 elif said.move == "reject" and said.scenario == "select-room":
                     about.refused_last = str(said.room)
-                # Robots that do not argue ask about the room that the person has chosen, or suggest one.
+                # Robots that do not argue ask about the person's chosen room, or suggest one.
                 proposed = opens and not argues and said.scenario == "select-room" and said.room is not None
                 if proposed and advised_at.get(said.robot) != time and not about.first_choice and not about.advice:
                     about.first_choice = str(said.room)
@@ -279,7 +280,7 @@ def _denied(move: DialogueMoveRecord) -> bool:
 
 
 def _come_up(open_: dict[tuple[int, str], _Matter], robot: int, time: float) -> None:
-    """After the treasure where a robot stands the next room comes up, unless it has been talked about already."""
+    """Open the decision on the next room after that on the treasure, unless it has already been discussed."""
     about = open_.get((robot, "select-room"))
     if about is not None and not about.talks and not about.advice:
         open_[robot, "select-room"] = _Matter(time)
@@ -319,48 +320,56 @@ def decisions(design: ExperimentDesign, trial: RecordedTrial, made: Sequence[Gam
         (
             *attempt_columns(design),
             whole("decision", "number in the trial, from 1", lambda row: row.number, least=1),
-            whole("robot", "that it is about; counts from 1", lambda row: number_of(row.made.robot), least=1),
+            whole(
+                "robot", "number of the robot that it is about, from 1", lambda row: number_of(row.made.robot), least=1
+            ),
             text("matter", "select-room, take-picture or take-treasure", lambda row: row.made.matter),
             text("decided_by", "person, robot (alone), ground station or researcher", lambda row: row.made.by),
             text(
                 "options",
-                "rooms to which the robot could be sent at the choice, by their numbers; none of other matters",
+                "numbers of the rooms to which the robot could be sent at that time; empty for other matters",
                 lambda row: "; ".join(row.made.options) or None,
             ),
-            text("advice", "room or name that the robot advised; none: no advice", lambda row: row.made.advice or None),
+            text(
+                "advice", "room or name that the robot advised; empty: no advice", lambda row: row.made.advice or None
+            ),
             text(
                 "advice_from",
-                "asked: the robot was asked, or offered it (event advised); argued: it asserted it in a dialogue game",
+                "asked: the robot was asked or made an offer (event advised); argued: it asserted it in a dialogue "
+                "game",
                 lambda row: row.made.advice_from or None,
             ),
-            share("confidence", "stated with the advice", lambda row: row.made.confidence),
+            share("confidence", "confidence stated with the advice", lambda row: row.made.confidence),
             flag(
                 "advice_right",
-                "whether the advised room is the one of the robot's planner (of argued: planned anew from the recorded "
-                "game, as when the dialogue began), or the advised name is the treasure's; none: not recorded",
+                "whether the advised room is that of the robot's planner (for argued: computed again from the recorded "
+                "game at "
+                "the beginning of the dialogue), or the advised name is the treasure's; empty: not recorded",
                 lambda row: row.made.is_right,
             ),
             text(
                 "first_choice",
-                "what the person proposed before the robot advised anything",
+                "the person's proposal before the robot advised anything",
                 lambda row: row.made.first_choice or None,
             ),
             flag(
                 "disagreed",
-                "whether the robot rejected or denied the first choice, or advised another; none: no first choice",
+                "whether the robot rejected or denied the first choice, or advised another; empty: no first choice",
                 lambda row: row.made.disagreed,
             ),
-            text("choice", "room, name, picture, or left: the treasure was given up", lambda row: row.made.choice),
+            text("choice", "room, name, picture, or left (the treasure was given up)", lambda row: row.made.choice),
             seconds(
                 "shown_s",
-                "simulated time since the game began at which the decision was there: of a room from started, arrived, "
-                "failed, or the end of the decision on the treasure where the robot stands; of a treasure from arrived",
+                "simulated time since the game began at which the decision arose; for a room: started, arrived, "
+                "failed, or the "
+                "end of the decision on the treasure where the robot stands; for a treasure: arrived",
                 lambda row: row.made.shown,
             ),
             seconds(
                 "decision_s",
-                "simulated time from then to the choice: the person's last sentence about it, or the act itself where "
-                "nothing was said",
+                "simulated time from shown_s to the choice: to the person's last sentence about it, or, if nothing was "
+                "said, "
+                "to the act itself",
                 lambda row: row.made.chosen - row.made.shown,
             ),
             seconds(
@@ -370,22 +379,23 @@ def decisions(design: ExperimentDesign, trial: RecordedTrial, made: Sequence[Gam
             ),
             seconds(
                 "shown_wall_s",
-                f"shown_s in real time; without the time until another program went on with the game, and within "
-                f"{TOLERANCE:g} s; none of rehearsals and of games of earlier releases",
+                f"shown_s in real time, accurate to {TOLERANCE:g} s, without the time until another program resumed "
+                f"the game; "
+                f"empty for rehearsals and for games of earlier releases",
                 lambda row: row.trial.wall(0.0, row.made.shown),
             ),
             seconds(
                 "decision_wall_s",
-                "decision_s in real time, likewise",
+                "decision_s in real time, with the same limits",
                 lambda row: row.trial.wall(row.made.shown, row.made.chosen),
             ),
             seconds(
                 "after_advice_wall_s",
-                "after_advice_s in real time, likewise",
+                "after_advice_s in real time, with the same limits",
                 lambda row: None if row.made.advised is None else row.trial.wall(row.made.advised, row.made.chosen),
             ),
             flag(
-                "agreed", "whether the person chose what was advised; none without advice", lambda row: row.made.agreed
+                "agreed", "whether the person chose what was advised; empty without advice", lambda row: row.made.agreed
             ),
             flag(
                 "appropriate",
@@ -394,11 +404,11 @@ def decisions(design: ExperimentDesign, trial: RecordedTrial, made: Sequence[Gam
             ),
             flag(
                 "switched",
-                "whether the person left a first choice with which the robot disagreed; none: it did not disagree",
+                "whether the person gave up a first choice after the robot disagreed; empty: it did not disagree",
                 lambda row: row.made.switched,
             ),
-            count("dialogues", "dialogues about it", lambda row: row.made.dialogues),
-            whole("points", "of a name that was given", lambda row: row.made.points),
+            count("dialogues", "number of dialogues about it", lambda row: row.made.dialogues),
+            whole("points", "points for a name that was given", lambda row: row.made.points),
         ),
     )
     return table.of(_Numbered(trial, number, each) for number, each in enumerate(made, start=1))

@@ -1,4 +1,4 @@
-"""Described tables: each column has its unit, its meaning, and the function that makes its value of a row's subject."""
+"""Described tables: each column has a unit, a meaning, and the function that computes its values."""
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
@@ -10,10 +10,10 @@ import numpy as np
 from thbridge.files.tables.table_files import Column, OptionalColumn, Values
 
 CellValue = str | int | float | bool | None
-"""Value in a table; None: there is none."""
+"""Value in a table, or None if there is none."""
 Row = dict[str, CellValue]
 Subject_contra = TypeVar("Subject_contra", contravariant=True)
-"""What a row is made of."""
+"""Object that a row describes."""
 
 
 class FactorRole(StrEnum):
@@ -26,18 +26,18 @@ class FactorRole(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class ColumnDescription:
-    """Description of a column, as the dictionary has it.
+    """Description of a column for the data dictionary.
 
     Attributes:
         name: unique in its table.
         kind: "string", "time" (a date and time in UTC as ISO 8601), "float64", "int64" or "bool"; any value may be
             missing.
         unit: "s", or empty.
-        meaning: a phrase for people.
-        least: least possible value; None: not known.
-        greatest: greatest possible value, likewise.
-        role: in the design.
-        levels: of a factor, in the design's order.
+        meaning: meaning as a phrase for people.
+        least: least possible value, or None if unknown.
+        greatest: greatest possible value, or None if unknown.
+        role: role in the design.
+        levels: levels of a factor, in the design's order.
     """
 
     name: str
@@ -57,7 +57,7 @@ class ColumnDescription:
 
 @dataclass(frozen=True, slots=True)
 class ValuedColumn(Generic[Subject_contra]):
-    """A column and the function that makes its value."""
+    """A column and the function that computes its values."""
 
     described: ColumnDescription
     value: Callable[[Subject_contra], CellValue]
@@ -103,7 +103,7 @@ def number(
 
 
 def seconds(name: str, meaning: str, value: Callable[[Subject_contra], float | None]) -> ValuedColumn[Subject_contra]:
-    """Return a column of times that have passed, s."""
+    """Return a column of durations, s."""
     return number(name, "s", meaning, value, 0)
 
 
@@ -114,13 +114,13 @@ def share(name: str, meaning: str, value: Callable[[Subject_contra], float | Non
 
 @dataclass(frozen=True, slots=True)
 class ExperimentTable:
-    """A table of an experiment, or a piece of one.
+    """A table of an experiment, or a part of one.
 
     Attributes:
-        name: of its file.
-        meaning: of its rows, as a phrase.
-        columns: described.
-        rows: a value for each column.
+        name: name of its file.
+        meaning: meaning of a row, as a phrase.
+        columns: descriptions of its columns.
+        rows: rows with a value for each column.
     """
 
     name: str
@@ -135,12 +135,12 @@ class ExperimentTable:
 
 @dataclass(frozen=True, slots=True)
 class TableOf(Generic[Subject_contra]):
-    """A table to be made of subjects, each of which gives a row.
+    """A table that is made from subjects, with one row for each.
 
     Attributes:
-        name: of its file.
-        meaning: of its rows, as a phrase.
-        columns: in their order.
+        name: name of its file.
+        meaning: meaning of a row, as a phrase.
+        columns: columns in their order.
     """
 
     name: str

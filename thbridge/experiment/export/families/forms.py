@@ -1,4 +1,4 @@
-"""Tables of answers, item by item, and of the scores that follow from them."""
+"""Tables of answers, item by item, and of the scores computed from them."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -39,22 +39,22 @@ class _GivenItem:
 
     @property
     def answer(self) -> Answer | None:
-        """The answer given; None: none."""
+        """The answer given, or None."""
         return _answer(self.times.answer)
 
 
 @dataclass(frozen=True, slots=True)
 class GivenScore:
-    """A score of a form that was filled in.
+    """A score of a completed form.
 
     Attributes:
-        run: of the person.
-        attempt: at the form.
+        run: run of the person.
+        attempt: attempt at the form.
         subscale: name of the score.
-        items: of it.
-        value: None where too few of them were answered.
-        answered: how many were, with a number.
-        scoring: how items make it.
+        items: items of the score.
+        value: the score, or None if too few items were answered.
+        answered: number of items that were answered with a number.
+        scoring: rule by which items make the score.
     """
 
     run: Run
@@ -67,7 +67,8 @@ class GivenScore:
 
     @property
     def share(self) -> float | None:
-        """The score from 0 (the least that its items allow) to 1, the same for means and sums; None without a score."""
+        """The score, scaled from 0 (the least that its items allow) to 1, for means and sums alike; None without a
+        score."""
         if self.value is None:
             return None
         count = len(self.items) if self.scoring is Scoring.MEAN else 1
@@ -98,10 +99,10 @@ def answers(design: ExperimentDesign, subjects: Sequence[AttemptSubject]) -> Exp
         (
             *attempt_columns(design),
             text("item", "id of the item in its form", lambda row: row.item.id),
-            text("scale", "how it is answered", lambda row: str(row.item.scale)),
+            text("scale", "kind of answer", lambda row: str(row.item.scale)),
             text(
                 "answer",
-                "the answer as given; of several options, joined by semicolons; none: not answered",
+                "the answer as given; several options are joined by semicolons; empty: not answered",
                 lambda row: None if row.answer is None else _words(row.answer),
             ),
             flag(
@@ -109,47 +110,49 @@ def answers(design: ExperimentDesign, subjects: Sequence[AttemptSubject]) -> Exp
                 "whether it was answered as not applicable",
                 lambda row: row.times.answer == NOT_APPLICABLE and row.item.not_applicable,
             ),
-            number("value", "", "the answer as a number, as given; none where it is no number", value),
+            number("value", "", "the answer as a number, as given; empty if it is not a number", value),
             number(
                 "keyed",
                 "",
-                "the number that counts for the score: reversed where the form's key says so",
+                "the number that counts for the score: reversed if the form's key says so",
                 lambda row: _known(keyed(row.item, row.answer)) if row.item.score else None,
             ),
-            flag("right", "whether the answer is right; none of items without a right answer", is_right),
+            flag("right", "whether the answer is right; empty for items without a right answer", is_right),
             flag("attention", "whether the item only checks attention", lambda row: row.item.attention),
             flag(
                 "timed_out",
-                "whether the time limit closed it, with the answer so far; else an item without an answer is missing",
+                "whether the time limit closed it, with the answer so far; otherwise an item without an answer is "
+                "missing",
                 lambda row: row.times.timed_out,
             ),
             text(
                 "options_shown",
-                "the answers of a choice in the order in which the person saw them, joined by semicolons; none where "
-                "all people see the form's order",
+                "the answers of a choice in the order in which the person saw them, joined by semicolons; empty if all "
+                "people "
+                "see the form's order",
                 lambda row: "; ".join(row.times.options) or None,
             ),
             seconds(
                 "seen_s",
-                "from the item being shown to its answer",
+                "time from the display of the item to its answer",
                 lambda row: between(row.times.shown, row.times.given),
             ),
             seconds(
                 "hesitation_s",
-                "from the item being shown to the first touch",
+                "time from the display of the item to the first touch",
                 lambda row: between(row.times.shown, row.times.touched),
             ),
-            count("changes", "how often the answer was changed before it was given", lambda row: row.times.changes),
-            count("pasted", "characters that were pasted into it", lambda row: row.times.pasted),
+            count("changes", "number of changes before the answer was given", lambda row: row.times.changes),
+            count("pasted", "number of characters that were pasted into it", lambda row: row.times.pasted),
         ),
     )
     return table.of(items())
 
 
 def attention_checks(design: ExperimentDesign, subjects: Sequence[AttemptSubject]) -> dict[str, list[bool]]:
-    """Return for each participant, by id, whether each attention check that they answered was passed, in order.
+    """Return for each participant, by id, the result of each attention check that they reached: True if passed.
 
-    A check that was closed without an answer is failed; one that was not reached does not count.
+    A check that was closed without an answer is failed. A check that was not reached does not count.
     """
     passed: dict[str, list[bool]] = {}
     for subject, form in _with_forms(design, subjects):
@@ -182,13 +185,13 @@ def scores(design: ExperimentDesign, given: Sequence[GivenScore]) -> ExperimentT
     """Return the table of scores."""
     table: TableOf[GivenScore] = TableOf(
         "scores",
-        "a score of a form that was filled in",
+        "a score of a completed form",
         (
             *attempt_columns(design),
             text("subscale", "name of the score in its form", lambda row: row.subscale),
-            number("score", "", "by the form's key; none where too few items were answered", lambda row: row.value),
-            count("items", "items of the score", lambda row: len(row.items)),
-            count("answered", "items of it that were answered with a number", lambda row: row.answered),
+            number("score", "", "score by the form's key; empty if too few items were answered", lambda row: row.value),
+            count("items", "number of items of the score", lambda row: len(row.items)),
+            count("answered", "number of its items that were answered with a number", lambda row: row.answered),
         ),
     )
     return table.of(given)
@@ -215,5 +218,5 @@ def _words(answer: Answer) -> str:
 
 
 def _known(value: float) -> float | None:
-    """None for NaN."""
+    """Return None for NaN, and any other value unchanged."""
     return None if math.isnan(value) else value

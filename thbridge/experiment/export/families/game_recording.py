@@ -1,4 +1,4 @@
-"""The recording of a trial's game, read for tables: events, utterances and moves with their times, and its course."""
+"""The recording of a trial's game, read for tables: its events, utterances and moves with their times."""
 
 from collections import Counter
 from collections.abc import Iterator
@@ -21,7 +21,7 @@ from thbridge.ros.names import DIALOGUE_MOVES, DIALOGUE_STATES, GAME_EVENTS, UTT
 
 _TOPICS = (GAME_EVENTS, UTTERANCES, DIALOGUE_MOVES, DIALOGUE_STATES)
 _NOT_OF_THE_GAME = frozenset({"collision", "appeared", "vanished", "died", "revived", "carried", "authored"})
-"""Kinds of recorded events that are no events of the hunt."""
+"""Kinds of recorded events that are not events of the hunt."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,8 +29,8 @@ class TimedEvent:
     """An event of the hunt.
 
     Attributes:
-        time: since the beginning of the game, s.
-        event: what happened.
+        time: time since the beginning of the game, s.
+        event: the event.
         before: state of the game before it.
         after: state after it.
     """
@@ -43,7 +43,7 @@ class TimedEvent:
 
 @dataclass(frozen=True, slots=True)
 class TimedUtterance:
-    """Something said, and when, seconds since the beginning of the game."""
+    """An utterance, and its time in seconds since the beginning of the game."""
 
     time: float
     said: UtteranceRecord
@@ -51,7 +51,7 @@ class TimedUtterance:
 
 @dataclass(frozen=True, slots=True)
 class TimedMove:
-    """A move in a dialogue game, and when, seconds since the beginning of the game."""
+    """A move in a dialogue game, and its time in seconds since the beginning of the game."""
 
     time: float
     move: DialogueMoveRecord
@@ -62,11 +62,11 @@ Happening = TimedEvent | TimedUtterance | TimedMove
 
 @dataclass(frozen=True, slots=True)
 class RecordedTrial:
-    """A trial with what was recorded of its game.
+    """A trial with the recording of its game.
 
     Attributes:
         trial: the trial.
-        recording: of its game.
+        recording: recording of its game.
     """
 
     trial: Trial
@@ -83,7 +83,7 @@ class RecordedTrial:
         return self.trial.attempt
 
     def wall(self, begin: float, end: float | None) -> float | None:
-        """Return the real time between two moments of the game; None if it is not known. All are seconds."""
+        """Return the real time between two moments of the game, or None if unknown. All times are in seconds."""
         if end is None:
             return None
         start, stop = (self.trial.wall(self.recording.began + moment) for moment in (begin, end))
@@ -92,14 +92,14 @@ class RecordedTrial:
 
 @dataclass(slots=True)
 class GameRecording:
-    """Parts of a game's recording that tables need; of a recording with several games, of the last.
+    """Parts of a game's recording that tables need. If a recording has several games, only the last one is kept.
 
     Attributes:
         happenings: events, utterances and moves, in order.
-        collisions: of each robot, by its index.
-        duration: from the beginning to the end of the game, or of the recording, s.
+        collisions: number of collisions of each robot, by its index.
+        duration: time from the beginning to the end of the game, or of the recording, s.
         games: dialogue games.
-        began: when the game began, s of simulated time since the first tick of the recording.
+        began: time at which the game began, s of simulated time since the first tick of the recording.
     """
 
     happenings: list[Happening] = field(default_factory=list)
@@ -115,7 +115,7 @@ class GameRecording:
 
     @property
     def utterances(self) -> Iterator[TimedUtterance]:
-        """Everything that was said."""
+        """All utterances."""
         return (each for each in self.happenings if isinstance(each, TimedUtterance))
 
     @property
@@ -133,7 +133,7 @@ def read_game(bag: Path) -> GameRecording:
     """Read a game.
 
     Raises:
-        BadFile: there is no game that this version reads.
+        BadFile: the recording has no game that this version can read.
     """
     builder = _Builder()
     try:
@@ -147,7 +147,7 @@ def read_game(bag: Path) -> GameRecording:
 
 
 class _Builder:
-    """Takes the messages of a recording."""
+    """Builder of a `GameRecording` from messages."""
 
     def __init__(self) -> None:
         self._begin_ns = 0
@@ -157,9 +157,9 @@ class _Builder:
         self._ended: float | None = None
 
     def take(self, message: RawMessage) -> None:
-        """Take a message. Raises ValueError when it cannot be read."""
+        """Process a message. Raises ValueError if it cannot be read."""
         if message.md5 != types.plain_definition(message.msgtype).md5:
-            raise ValueError(f"{message.topic} holds another release's {message.msgtype}")
+            raise ValueError(f"{message.topic} has a {message.msgtype} of another release")
         time = (message.stamp_ns - self._begin_ns) / 1e9
         match message.msgtype:
             case types.GAME_EVENT:
@@ -197,7 +197,7 @@ class _Builder:
         self._recording.happenings.append(TimedEvent(time, event, before, self._state))
 
     def recording(self, end_ns: int | None) -> GameRecording:
-        """Return what was taken. Raises ValueError when there was no game."""
+        """Return the recording so far. Raises ValueError if there was no game."""
         if self._state is None:
             raise ValueError("it has no game")
         end = 0.0 if end_ns is None else (end_ns - self._begin_ns) / 1e9

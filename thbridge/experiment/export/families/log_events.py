@@ -18,7 +18,7 @@ from thbridge.experiment.progress import Progress
 from thbridge.experiment.store.events import LoggedEvent, RunState
 
 LEFT_OUT = frozenset({"external_id", "code"})
-"""What is said of events but never exported: people could be found by it."""
+"""Data of events that is never exported, because it could identify people."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,19 +37,21 @@ def log_events(progress: Progress, events: Sequence[LoggedEvent]) -> ExperimentT
         (
             whole(
                 "sequence",
-                "number of the event in the log; those missing were deleted by withdrawals",
+                "number of the event in the log; missing numbers were deleted by withdrawals",
                 lambda row: row.entry.sequence,
                 least=1,
             ),
             text("kind", "what happened", lambda row: row.entry.event.kind),
-            text("actor", "who did it", lambda row: row.entry.event.actor),
-            text("participant", "id of the person; none: nobody's", lambda row: row.entry.event.participant or None),
-            flag("counts", "whether it belongs to a run that is complete and was not excluded", lambda row: row.counts),
+            text("actor", "who caused it", lambda row: row.entry.event.actor),
+            text(
+                "participant",
+                "id of the person; empty if it is about no person",
+                lambda row: row.entry.event.participant or None,
+            ),
+            flag("counts", "whether it belongs to a run that is complete and not excluded", lambda row: row.counts),
             count("step", "number of the step, from 1; 0: none", lambda row: row.entry.event.step),
             text("condition", "condition of the step", lambda row: row.entry.event.condition or None),
-            count(
-                "cause", "sequence of the event that it follows from; 0: from none", lambda row: row.entry.event.cause
-            ),
+            count("cause", "sequence of the event that caused it; 0: none", lambda row: row.entry.event.cause),
             time(
                 "wall",
                 "date and time, UTC; wall clocks jump, so order by sequence",
@@ -57,25 +59,25 @@ def log_events(progress: Progress, events: Sequence[LoggedEvent]) -> ExperimentT
             ),
             whole(
                 "monotonic_ns",
-                "clock of the program that saw it; of no meaning beside another program's",
+                "clock of the program that logged it; not comparable between programs",
                 lambda row: row.entry.event.clocks.monotonic_ns,
                 "ns",
             ),
             number(
                 "simulated_s",
                 "s",
-                "simulated time; none outside of games",
+                "simulated time; empty outside of games",
                 lambda row: row.entry.event.clocks.simulated,
             ),
             number(
                 "lsl_s",
                 "s",
-                "clock of the Lab Streaming Layer, for recordings of other devices; none where no markers were sent",
+                "clock of the Lab Streaming Layer, for recordings of other devices; empty if no markers were sent",
                 lambda row: row.entry.event.clocks.lsl,
             ),
             text(
                 "data",
-                f"what else there is to say, as JSON; without {' and '.join(sorted(LEFT_OUT))}",
+                f"further data, as JSON; without {' and '.join(sorted(LEFT_OUT))}",
                 lambda row: json.dumps(
                     {name: value for name, value in (row.entry.event.data or {}).items() if name not in LEFT_OUT},
                     ensure_ascii=False,

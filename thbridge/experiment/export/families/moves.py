@@ -1,4 +1,4 @@
-"""Tables of what was said in games, and of dialogue games."""
+"""Tables of utterances in games, and of dialogue games."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -23,7 +23,7 @@ from thbridge.ros.messages.session_records import DialogueMoveRecord, UtteranceR
 
 @dataclass(frozen=True, slots=True)
 class _SaidMove:
-    """An utterance, or a move of a dialogue game that followed by itself."""
+    """An utterance, or a move of a dialogue game that followed automatically."""
 
     run: Run
     attempt: Attempt
@@ -41,12 +41,12 @@ class _SaidMove:
 
     @property
     def locution(self) -> str:
-        """Word for the move."""
+        """Name of the move."""
         return self.said.locution if isinstance(self.said, DialogueMoveRecord) else self.said.move
 
 
 def moves(design: ExperimentDesign, trial: RecordedTrial) -> ExperimentTable:
-    """Return the rows of what was said in a trial."""
+    """Return the rows of a trial's utterances and moves."""
     table: TableOf[_SaidMove] = TableOf(
         "moves",
         "a move in a dialogue of a trial",
@@ -55,19 +55,22 @@ def moves(design: ExperimentDesign, trial: RecordedTrial) -> ExperimentTable:
             seconds("time_s", "simulated time since the game began", lambda row: row.time),
             whole("talk", "number of the dialogue, from 1", lambda row: row.talk),
             whole(
-                "robot", "that speaks or is addressed; counts from 1", lambda row: number_of(row.said.robot), least=1
+                "robot",
+                "number of the robot that speaks or is addressed, from 1",
+                lambda row: number_of(row.said.robot),
+                least=1,
             ),
             text("speaker", "robot or human", lambda row: row.said.speaker),
             text("author", "who decided on it: robot, person or wizard", lambda row: row.said.author),
             text(
                 "matter",
-                "select-room, take-picture or take-treasure; none of moves that followed by themselves",
+                "select-room, take-picture or take-treasure; empty for moves that followed automatically",
                 lambda row: row.said.scenario if isinstance(row.said, UtteranceRecord) else None,
             ),
-            text("locution", "what it does, such as ask, assert, challenge or continue", lambda row: row.locution),
+            text("locution", "kind of move, such as ask, assert, challenge or continue", lambda row: row.locution),
             text(
                 "game",
-                "name of the dialogue game; none outside of one",
+                "name of the dialogue game; empty outside of one",
                 lambda row: None if row.move is None else row.move.game,
             ),
             whole(
@@ -82,24 +85,26 @@ def moves(design: ExperimentDesign, trial: RecordedTrial) -> ExperimentTable:
             ),
             flag(
                 "booked",
-                "whether it followed by itself from the move before it",
+                "whether it followed automatically from the move before it",
                 lambda row: row.move is not None and row.move.is_booked,
             ),
-            text("text", "the sentence; none of a move that followed by itself", lambda row: row.said.text or None),
-            count("words", "in the sentence", lambda row: len(row.said.text.split())),
+            text(
+                "text", "the sentence; empty for a move that followed automatically", lambda row: row.said.text or None
+            ),
+            count("words", "number of words in the sentence", lambda row: len(row.said.text.split())),
             flag(
                 "misheard",
-                "whether the robot took it for another move",
+                "whether the robot misunderstood it as another move",
                 lambda row: row.move is not None and bool(row.move.heard),
             ),
             flag(
                 "repeated",
-                "whether the person says the same in the same dialogue once more, as in repeated questions",
+                "whether the person says the same again in the same dialogue, as in repeated questions",
                 lambda row: row.is_repeated,
             ),
             seconds(
                 "reply_s",
-                "simulated time since the other side's last sentence in this dialogue; none of a first one",
+                "simulated time since the other side's last sentence in this dialogue; empty for a first one",
                 lambda row: row.waited,
             ),
             seconds(
@@ -163,15 +168,19 @@ def dialogue_games(design: ExperimentDesign, trial: RecordedTrial) -> Experiment
         "a dialogue game of robots that argue",
         (
             *attempt_columns(design),
-            whole("robot", "counts from 1", lambda row: number_of(row.played.robot), least=1),
+            whole("robot", "number of the robot, from 1", lambda row: number_of(row.played.robot), least=1),
             whole("talk", "number of the dialogue that it belongs to", lambda row: row.played.talk),
-            whole("game_number", "from 1, unique among those of its robot", lambda row: row.played.number, least=1),
+            whole("game_number", "number from 1, unique for its robot", lambda row: row.played.number, least=1),
             count("parent", "number of the game that waits for it; 0: none", lambda row: row.played.parent),
-            text("game", "its name, such as persuasion", lambda row: row.played.kind),
+            text("game", "name of the dialogue game, such as persuasion", lambda row: row.played.kind),
             text("topic", "what it is about", lambda row: row.played.topic),
             text("opener", "robot or human", lambda row: row.played.opener),
-            text("end", "such as agreement; unfinished: it went on when the game ended", lambda row: row.played.end),
-            count("moves", "without those that followed by themselves", lambda row: row.played.moves),
+            text(
+                "end",
+                "such as agreement; unfinished: it was still open when the game ended",
+                lambda row: row.played.end,
+            ),
+            count("moves", "number of moves, without those that followed automatically", lambda row: row.played.moves),
             count(
                 "challenges",
                 "depth: challenges in it and in the games that wait for it",
@@ -179,13 +188,15 @@ def dialogue_games(design: ExperimentDesign, trial: RecordedTrial) -> Experiment
             ),
             text(
                 "gave_in",
-                "side that accepted in the end what it had held out against; none: nobody",
+                "side that finally accepted what it had opposed; empty: neither side",
                 lambda row: row.played.gave_in or None,
             ),
-            seconds("began_s", "simulated time since the game began, of its first move", lambda row: row.played.began),
-            seconds("ended_s", "of its last move", lambda row: row.played.ended),
+            seconds("began_s", "simulated time of its first move since the game began", lambda row: row.played.began),
+            seconds("ended_s", "simulated time of its last move since the game began", lambda row: row.played.ended),
             seconds(
-                "replied_s", "that the person took for their moves, without the first", lambda row: row.played.replied
+                "replied_s",
+                "time that the person took for their moves, without the first",
+                lambda row: row.played.replied,
             ),
         ),
     )

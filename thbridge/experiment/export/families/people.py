@@ -1,4 +1,4 @@
-"""Tables of people and of the steps that they went through."""
+"""Tables of people and of their steps."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -30,13 +30,13 @@ class _Person:
     def consent(self) -> Attempt | None:
         """The answered question for consent."""
         asked = [each for each in self.attempts if each.step.entry.step is StepKind.CONSENT]
-        # Who says no goes at once, so that the step does not end.
+        # A person who declines leaves at once, so the step has no end.
         answered = [each for each in asked if each.consent is not None or each.outcome is StepOutcome.DONE]
         return answered[-1] if answered else None
 
     @property
     def agreed(self) -> bool | None:
-        """Their answer; None: they were not asked."""
+        """The person's answer, or None if they were not asked."""
         if self.consent is None:
             return None
         told = {} if self.consent.consent is None else self.consent.consent
@@ -44,14 +44,14 @@ class _Person:
 
     @property
     def debriefed(self) -> bool | None:
-        """True once they have read a debriefing to its end; None where the study has none."""
+        """True once the person has read a debriefing to its end; None if the study has none."""
         if all(step.entry.step is not StepKind.DEBRIEF for step in self.run.plan):
             return None
         read = (each.outcome is StepOutcome.DONE for each in self.attempts if each.step.entry.step is StepKind.DEBRIEF)
         return any(read)
 
     def told_of_consent(self, name: str) -> str | None:
-        """Return what the log has of their answer."""
+        """Return a value that the log has for the person's answer, or None."""
         told = None if self.consent is None or self.consent.consent is None else self.consent.consent.get(name)
         return None if told is None else str(told)
 
@@ -74,11 +74,11 @@ def participants(
         (
             *run_columns(design),
             text("state", "under way, complete, declined, left or excluded", lambda row: str(row.run.state)),
-            text("reason", "for leaving or being excluded", lambda row: row.run.reason or None),
+            text("reason", "reason for leaving or being excluded", lambda row: row.run.reason or None),
             count("place", "number of the place, from 0", lambda row: row.run.place.number),
             text(
                 "cell",
-                "combination of levels of all factors between people; none where nothing differs between them",
+                "combination of levels of all factors between people; empty if no factor differs between them",
                 lambda row: design.cells[row.run.place.cell].name or None,
             ),
             text("order", "conditions in the order in which this person meets them", order),
@@ -88,8 +88,8 @@ def participants(
                 "date and time of the last step's end, UTC",
                 lambda row: row.attempts[-1].ended or None if row.attempts else None,
             ),
-            seconds("duration_s", "time in all steps, by the program's clock; none where one was resumed", duration),
-            flag("agreed", "whether the person agreed to take part; none: not asked", lambda row: row.agreed),
+            seconds("duration_s", "time in all steps, by the program's clock; empty if a step was resumed", duration),
+            flag("agreed", "whether the person agreed to take part; empty: not asked", lambda row: row.agreed),
             time(
                 "agreed_at",
                 "date and time of the answer, UTC",
@@ -97,15 +97,17 @@ def participants(
             ),
             text(
                 "consent_sha256",
-                "SHA-256 of the text that the person answered to; none where the log does not have it",
+                "SHA-256 of the text that the person agreed to or declined; empty if the log does not have it",
                 lambda row: row.told_of_consent("version"),
             ),
             count(
-                "attention_checks", "attention checks in forms that the person answered", lambda row: len(row.attention)
+                "attention_checks", "number of attention checks that the person reached", lambda row: len(row.attention)
             ),
-            count("attention_passed", "those of them with the right answer", lambda row: sum(row.attention)),
+            count("attention_passed", "number of these with the right answer", lambda row: sum(row.attention)),
             flag(
-                "debriefed", "whether the person read a debriefing; none: the study has none", lambda row: row.debriefed
+                "debriefed",
+                "whether the person read a debriefing; empty: the study has none",
+                lambda row: row.debriefed,
             ),
         ),
     )
@@ -118,24 +120,28 @@ def steps(design: ExperimentDesign, subjects: Sequence[AttemptSubject]) -> Exper
     """Return the table of attempts at steps."""
     table: TableOf[AttemptSubject] = TableOf(
         "steps",
-        "a time that a person went through a step",
+        "an attempt of a person at a step",
         (
             *attempt_columns(design),
             text(
                 "outcome",
-                "done, failed, passed over or lost; none while it is under way",
+                "done, failed, passed over or lost; empty while it is under way",
                 lambda row: None if row.attempt.outcome is None else str(row.attempt.outcome),
             ),
             time("began", "date and time, UTC", lambda row: row.attempt.began),
             seconds(
                 "duration_s",
-                "time in the step, by the program's clock: of a text that of reading it; none where it was resumed",
+                "time in the step, by the program's clock (for a text: reading time); empty if it was resumed",
                 lambda row: row.attempt.duration,
             ),
-            count("read_again", "how often the instructions were read again in it", lambda row: row.attempt.read_again),
-            count("resumed", "how often another program went on with it", lambda row: row.attempt.resumed),
-            count("away", "how often another window had keys and clicks", lambda row: row.attempt.away),
-            seconds("away_s", "how long it had them", lambda row: row.attempt.away_ns / 1e9),
+            count(
+                "read_again",
+                "number of times that the instructions were read again",
+                lambda row: row.attempt.read_again,
+            ),
+            count("resumed", "number of times that another program resumed it", lambda row: row.attempt.resumed),
+            count("away", "number of times that another window took the focus", lambda row: row.attempt.away),
+            seconds("away_s", "time for which other windows had the focus", lambda row: row.attempt.away_ns / 1e9),
         ),
     )
     return table.of(subjects)

@@ -1,4 +1,4 @@
-"""Table of reliance: how often right advice was taken and wrong advice refused, and stated trust beside it."""
+"""Table of reliance: shares of right advice that was taken and of wrong advice that was refused, and stated trust."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ from thbridge.experiment.export.families.trials import Trial
 from thbridge.experiment.progress import Run
 
 TRUST = "trust"
-"""Subscale that states trust."""
+"""Name of the subscale that states trust."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,11 +20,11 @@ class RelianceSubject:
     """Reliance in a trial.
 
     Attributes:
-        run: of the person.
-        attempt: at the trial.
-        set_rate: share of advice that the study had err.
-        advised: decisions of the person on advice.
-        trust: stated after it, 0 to 1; None: not.
+        run: run of the person.
+        attempt: attempt at the trial.
+        set_rate: share of wrong advice that the study sets.
+        advised: decisions of the person with advice.
+        trust: trust that was stated afterwards, 0 to 1, or None.
     """
 
     run: Run
@@ -34,7 +34,7 @@ class RelianceSubject:
     trust: float | None
 
     def shares(self, name: str, *, right: bool | None = None) -> float | None:
-        """Return the share of decisions for which this is so, among those on right or wrong advice."""
+        """Return the share of decisions with this property; `right` limits it to right or wrong advice."""
         of_them = [each for each in self.advised if right is None or each.is_right is right]
         known = [value for each in of_them if (value := getattr(each, name)) is not None]
         return sum(known) / len(known) if known else None
@@ -47,13 +47,13 @@ class RelianceSubject:
 
     @property
     def error_rate(self) -> float | None:
-        """Share of advice that was wrong, where that is known."""
+        """Share of wrong advice, among advice known to be right or wrong."""
         right = self.shares("is_right")
         return None if right is None else 1.0 - right
 
     @property
     def calibration(self) -> float | None:
-        """Stated trust less the share of right advice."""
+        """Stated trust minus the share of right advice."""
         return None if self.trust is None or self.error_rate is None else self.trust - (1.0 - self.error_rate)
 
 
@@ -65,7 +65,7 @@ def reliance_of(
     Args:
         design: the experiment.
         trial: the trial.
-        made: its decisions.
+        made: decisions of the trial.
         scores: all scores of the person.
     """
     step, rate = trial.attempt.step, None
@@ -87,10 +87,12 @@ def reliance(design: ExperimentDesign, subjects: Sequence[RelianceSubject]) -> E
         "a trial: how the person relied on the robots' advice",
         (
             *attempt_columns(design),
-            count("advised", "decisions of the person on advice, of any matter", lambda row: len(row.advised)),
+            count(
+                "advised", "number of decisions of the person with advice, of any matter", lambda row: len(row.advised)
+            ),
             count(
                 "advised_known",
-                "those of them whose advice is known to be right or wrong",
+                "number of these with advice that is known to be right or wrong",
                 lambda row: sum(each.is_right is not None for each in row.advised),
             ),
             share("agreed", "share of advice that was taken", lambda row: row.shares("agreed")),
@@ -100,15 +102,15 @@ def reliance(design: ExperimentDesign, subjects: Sequence[RelianceSubject]) -> E
             share("refused_when_wrong", "share of wrong advice that was not taken", lambda row: row.refused_wrong),
             share(
                 "appropriate",
-                "appropriate reliance: right advice taken and wrong advice refused, over all known advice",
+                "appropriate reliance: share of known advice that was right and taken, or wrong and refused",
                 lambda row: row.shares("is_appropriate"),
             ),
             share(
                 "switched",
-                "share of first choices with which a robot disagreed that the person left",
+                "share of first choices that the person gave up after a robot disagreed",
                 lambda row: row.shares("switched"),
             ),
-            share("error_rate_set", "share of advice that the study had err", lambda row: row.set_rate),
+            share("error_rate_set", "share of wrong advice that the study sets", lambda row: row.set_rate),
             share("error_rate", "share of known advice in this trial that was wrong", lambda row: row.error_rate),
             share(
                 "trust",
@@ -118,8 +120,9 @@ def reliance(design: ExperimentDesign, subjects: Sequence[RelianceSubject]) -> E
             number(
                 "calibration",
                 "",
-                "trust less the share of right advice: above 0 more trust than the advice deserved; none where either "
-                "is not known",
+                "trust minus the share of right advice: above 0, there was more trust than the advice deserved; empty "
+                "if either "
+                "is unknown",
                 lambda row: row.calibration,
                 -1,
                 1,

@@ -1,4 +1,4 @@
-"""Table of trials, and whether their recordings are still what was recorded."""
+"""Table of trials, including whether their recordings are unchanged."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -33,7 +33,7 @@ class RecordingState(StrEnum):
 
     AS_RECORDED = "as recorded"
     CHANGED = "changed"
-    """Its hash is not the one in the log."""
+    """Its hash differs from the one in the log."""
     MISSING = "missing"
     NONE = "none"
     """No game was played, or none to its end."""
@@ -41,11 +41,11 @@ class RecordingState(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Trial:
-    """A game that a person was to play, in a trial or for practice.
+    """A game that a person was to play, in a trial or in practice.
 
     Attributes:
-        run: of the person.
-        attempt: at its step.
+        run: run of the person.
+        attempt: attempt at the game's step.
         recording: state of its recording.
     """
 
@@ -55,13 +55,13 @@ class Trial:
 
     @property
     def bag(self) -> str | None:
-        """Path of its recording in the study's folder; None without one."""
+        """Path of its recording in the study's folder, or None."""
         told = self.told("bag")
         return None if told is None else str(told)
 
     def wall(self, simulated: float) -> float | None:
-        """Return the real time, s since the first tick, at a moment of simulated time; None if the log has none."""
-        # Sums of times may miss a tick by a bit, also the last one.
+        """Return the real time, s since the first tick, at a simulated time; None if the log has none."""
+        # Sums of times may differ from a tick's time by rounding, even at the last tick.
         return real_time(self.course, round(simulated, 3))
 
     @property
@@ -75,12 +75,12 @@ class Trial:
         return course
 
     def told(self, name: str) -> JsonValue:
-        """Return what the log has of the game."""
+        """Return a value that the log has for the game, or None."""
         return None if self.attempt.game is None else self.attempt.game.get(name)
 
 
 def trials_of(subjects: Sequence[AttemptSubject], root: Path) -> list[Trial]:
-    """Return the games of all attempts, and look at their recordings in the study's folder."""
+    """Return the games of all attempts, after checking their recordings in the study's folder."""
     games = {StepKind.TRIAL, StepKind.PRACTICE}
     return [
         Trial(subject.run, subject.attempt, _state(subject.attempt, root))
@@ -124,24 +124,26 @@ def trials(design: ExperimentDesign, subjects: Sequence[Trial]) -> ExperimentTab
 
     table: TableOf[Trial] = TableOf(
         "trials",
-        "a game of a person; those of practice are marked by kind and counts",
+        "a game of a person; the columns kind and counts show which games are practice",
         (
             *attempt_columns(design),
             text("condition", "levels of all factors within people", condition),
             text(
                 "cell",
-                "combination of levels of all factors between people; none where nothing differs between them",
+                "combination of levels of all factors between people; empty if no factor differs between them",
                 lambda row: design.cells[row.run.place.cell].name or None,
             ),
-            whole("seed", "of all that is chance in the game", lambda row: seed_of(design, row.attempt)),
+            whole("seed", "random seed of the game", lambda row: seed_of(design, row.attempt)),
             whole("score", "points at the end", lambda row: told_count(row, "score")),
             text(
                 "over",
-                "why the game ended: all-visited, no-move-left or given-up; none: it was ended by the time limit",
+                "reason for the end: all-visited, no-move-left or given-up; empty: the time limit ended it",
                 lambda row: told_text(row, "over"),
             ),
-            count("rooms_visited", "rooms that robots reached", lambda row: told_count(row, "rooms_visited")),
-            count("identified", "treasures named, rightly or wrongly", lambda row: told_count(row, "identified")),
+            count("rooms_visited", "number of rooms that robots reached", lambda row: told_count(row, "rooms_visited")),
+            count(
+                "identified", "number of treasures named, rightly or wrongly", lambda row: told_count(row, "identified")
+            ),
             seconds(
                 "sim_seconds",
                 "simulated time from start to end of the game",
@@ -149,52 +151,56 @@ def trials(design: ExperimentDesign, subjects: Sequence[Trial]) -> ExperimentTab
             ),
             seconds(
                 "wall_seconds",
-                "real time from start to end of the game, without the time until another program went on with it; none "
-                "of rehearsals and of games of earlier releases",
+                "real time from start to end of the game, without the time until another program resumed it; empty for "
+                "rehearsals and for games of earlier releases",
                 lambda row: told_number(row, "wall_seconds"),
             ),
             seconds(
                 "most_lag_s",
-                "largest lag of simulated time behind real time (the machine was too slow); none likewise",
+                "largest lag of simulated time behind real time, on a machine that is too slow; empty as in "
+                "wall_seconds",
                 lambda row: told_number(row, "most_lag_seconds"),
             ),
             share(
                 "late_share",
-                f"share of the real time in which ticks ran more than {LATE:g} s after they were due; none likewise",
+                f"share of the real time in which ticks ran more than {LATE:g} s late; empty as in wall_seconds",
                 late_share,
             ),
-            number("energy_left", "", "energy left to all robots", lambda row: told_number(row, "energy_left")),
+            number(
+                "energy_left", "", "energy left to all robots together", lambda row: told_number(row, "energy_left")
+            ),
             time("began", "date and time, UTC", lambda row: row.attempt.began),
             seconds(
                 "duration_s",
-                "time in the step, by the program's clock; none where it was resumed",
+                "time in the step, by the program's clock; empty if it was resumed",
                 lambda row: row.attempt.duration,
             ),
-            count("resumed", "how often another program went on with it", lambda row: row.attempt.resumed),
+            count("resumed", "number of times that another program resumed it", lambda row: row.attempt.resumed),
             count(
                 "crashed",
-                "how many games were begun in it and not gone on with",
+                "number of games that were begun in it and abandoned",
                 lambda row: row.attempt.broken_off + (row.attempt.outcome is StepOutcome.LOST),
             ),
             flag(
                 "finished",
-                "whether the step came to its end",
+                "whether the step was finished",
                 lambda row: row.attempt.outcome is StepOutcome.DONE,
             ),
             text(
                 "bag",
-                "recording of the game, in the study's folder (split: NAME_0.bag, ...); none without one",
+                "recording of the game, in the study's folder (split: NAME_0.bag, ...); empty without one",
                 lambda row: row.bag,
             ),
             text(
                 "sha256",
-                "SHA-256 of the recording, as in the log; of a split one that of its files, one after the other",
+                "SHA-256 of the recording, as in the log; for a split one, of its files one after the other",
                 lambda row: told_text(row, "sha256"),
             ),
             text(
                 "recording",
-                "whether the recording is as recorded, changed or missing at this export; none: there is none. Tables "
-                "of games have rows only of those as recorded",
+                "state of the recording at this export: as recorded, changed, missing, or none. Tables of games only "
+                "have rows "
+                "of recordings that are as recorded",
                 lambda row: str(row.recording),
             ),
         ),

@@ -12,7 +12,7 @@ from thbridge.experiment.store.events import RunState
 
 
 def design_section(records: ExperimentRecords, people: str) -> Iterator[str]:
-    """Yield the lines of the section; `people` are "participants", or simulated ones."""
+    """Yield the lines of the section; `people` are "participants" or "simulated participants"."""
     design = records.design
     yield "### Conditions and design"
     yield ""
@@ -22,17 +22,17 @@ def design_section(records: ExperimentRecords, people: str) -> Iterator[str]:
         for manipulated, found in (("between", _between(design)), ("within", _within(design)))
         for factor, levels in found.items()
     ]
-    yield from table("Factors", ("Factor", "Varied", "Levels", "What the setting is"), factors)
+    yield from table("Factors", ("Factor", "Varied", "Levels", "Meaning of the setting"), factors)
     if factors:
         yield from paragraph(
-            "[What each level meant for the participants, how it follows from the hypotheses, and how you checked that "
-            "participants noticed it.]"
+            "[The meaning of each level for the participants, how it follows from the hypotheses, and how you checked "
+            "that participants noticed it.]"
         )
     yield from paragraph(_assignment(design, people), _order(design, people), _seeds(design))
     if factors:
         yield from paragraph(
-            "[Who knew the condition of a participant: the participants themselves, the experimenters, those who "
-            "analyzed the data; and what participants knew of the hypotheses.]"
+            "[Who knew a participant's condition: the participants themselves, the experimenters, those who analyzed "
+            "the data; and what participants knew of the hypotheses.]"
         )
     if len(design.orders) > 1:
         yield from table("Analyzed by group and order", ("Group", "Order of conditions", "n"), _places(records))
@@ -74,7 +74,7 @@ def _kind(design: ExperimentDesign) -> str:
 
 
 def _trials(design: ExperimentDesign) -> int:
-    """Number of games of each person."""
+    """Return the number of games of each person."""
     each = [entry.each_condition for entry in design.file.steps if entry.step is StepKind.TRIAL]
     return sum(len(design.conditions) if many else 1 for many in each)
 
@@ -86,10 +86,11 @@ def _assignment(design: ExperimentDesign, people: str) -> str:
     begins = "the participant" if file.begins is WhoBegins.PARTICIPANT else "the researcher"
     times = "once" if file.in_block == 1 else f"{file.in_block} times"
     return (
-        f"The program assigned {people} to groups at random in blocks of {len(design.cells) * file.in_block}; each "
-        f"group occurs {times} in a block, in an order drawn from seed {file.seed}. It made the assignment when "
-        f"{begins} started the run; the sequence follows from the seed in the study's file. The next participant took "
-        f"the group of a run that did not count."
+        f"The program assigned {people} to groups at random in blocks of {len(design.cells) * file.in_block}. Each "
+        f"group occurs {times} in a block, in an order drawn from seed {file.seed}. The assignment was made when "
+        f"{begins} started the run; the sequence follows from the seed in the study's file. If a run did not count, "
+        f"the "
+        f"next participant took its group."
     )
 
 
@@ -107,13 +108,13 @@ def _order(design: ExperimentDesign, people: str) -> str:
     )
     within = " within each group" if len(design.cells) > 1 else ""
     uneven = (
-        f" The {design.file.quota} planned runs{within} are no multiple of {orders}, so some orders occur once more."
+        f" The {design.file.quota} planned runs{within} are not a multiple of {orders}, so some orders occur once more."
         if design.file.quota % orders
         else ""
     )
     return (
-        f"The order of conditions was counterbalanced with {orders} orders from {square}. The program dealt the orders "
-        f"at random in blocks{within}, from seed {design.file.seed}.{uneven}"
+        f"The order of conditions was counterbalanced with {orders} orders from {square}. The program assigned the "
+        f"orders at random in blocks{within}, from seed {design.file.seed}.{uneven}"
     )
 
 
@@ -125,8 +126,8 @@ def _seeds(design: ExperimentDesign) -> str:
     if trials == 1:
         return f"The game of each participant had the same random seed ({seeds}), hence the same hidden treasures."
     return (
-        f"The random seed of a game, on which its hidden treasures depend, followed from the number of the game, not "
-        f"from its condition: {seeds}, in this order for everybody."
+        f"The random seed of a game, which determines its hidden treasures, depended on the number of the game and not "
+        f"on its condition: {seeds}, in this order for all participants."
     )
 
 

@@ -8,25 +8,25 @@ Spread = tuple[int, str, str, str]
 
 
 def paragraph(*sentences: str) -> list[str]:
-    """Return a paragraph of the sentences that are not empty; no lines if all are."""
+    """Return a paragraph of the sentences that are not empty, or no lines if all are empty."""
     said = " ".join(" ".join(each.split()) for each in sentences if each)
     return [said, ""] if said else []
 
 
 def listing(items: Iterable[str]) -> list[str]:
-    """Return a list; no lines without items."""
+    """Return a list, or no lines without items."""
     lines = [f"* {' '.join(item.split())}" for item in items]
     return [*lines, ""] if lines else []
 
 
 def table(caption: str, header: Sequence[str], rows: Iterable[Sequence[object]]) -> list[str]:
-    """Return a table under its caption; no lines without rows."""
+    """Return a table under its caption, or no lines without rows."""
     lines = [_row(row) for row in rows]
     return [f"*{caption}*", "", _row(header), f"|{'---|' * len(header)}", *lines, ""] if lines else []
 
 
 def _row(cells: Sequence[object]) -> str:
-    # Texts of researchers may have bars and several lines.
+    # Texts of researchers may contain bars and several lines.
     return f"| {' | '.join(' '.join(str(cell).replace('|', chr(92) + '|').split()) for cell in cells)} |"
 
 
@@ -43,12 +43,12 @@ def joined(words: Sequence[str], last: str = "and") -> str:
 
 
 def listed(answers: Iterable[str]) -> str:
-    """Return answers as a list in a sentence, without the periods at their ends."""
+    """Return answers as a list in a sentence, without their final periods."""
     return "; ".join(answer.removesuffix(".") for answer in answers)
 
 
 def sentence(text: str, gap: str) -> str:
-    """Return a text of the researcher's as a sentence with its stop; where it is empty, a gap in brackets."""
+    """Return the researcher's text as a sentence with a final period. If it is empty, return the gap in brackets."""
     said = text.strip()
     if not said:
         return f"[{gap}]"

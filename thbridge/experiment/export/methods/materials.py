@@ -13,9 +13,9 @@ def materials_section(records: ExperimentRecords, versions: Mapping[str, str], p
     """Yield the lines of the section.
 
     Args:
-        records: of the experiment.
-        versions: of the programs.
-        people: "participants", or simulated ones.
+        records: records of the experiment.
+        versions: versions of the programs.
+        people: "participants" or "simulated participants".
     """
     design = records.design
     yield "### Materials and apparatus"
@@ -29,7 +29,7 @@ def materials_section(records: ExperimentRecords, versions: Mapping[str, str], p
     yield from paragraph(
         f"The study ran on {software}. The robots and their surroundings were simulated. {shown} {language}",
         "[Computer, operating system, screen size and resolution, mouse or other input, sound, room, number of "
-        "stations, who was present, and the language of texts and forms.]",
+        "stations, people present, and the language of texts and forms.]",
     )
     differ = list(settings_that_differ(design))
     yield from table("Settings of the games that differ from the defaults", ("Key", "Default", "Here"), differ)
@@ -78,4 +78,4 @@ _CONDITIONS = {
     "adviser": "In the condition *adviser*, robots argued with the participant, who had the last word.",
     "autonomous": "In the condition *autonomous*, robots argued with the participant and had the last word.",
 }
-"""What participants meet in each condition of dialogues."""
+"""Sentence about each condition of dialogues."""

@@ -12,7 +12,7 @@ from thbridge.experiment.questionnaires.scoring import Answer, reliability_of
 from thbridge.experiment.store.events import RunState
 
 ITEMS_SHOWN = 40
-"""Items of a form that the text lists; of a longer one, its file has them."""
+"""Largest number of items of a form that the text lists. The form's file has the others."""
 
 
 def measures_section(records: ExperimentRecords) -> Iterator[str]:
@@ -34,7 +34,7 @@ def measures_section(records: ExperimentRecords) -> Iterator[str]:
     )
     if reliabilities:
         yield from paragraph(
-            "n is the number of participants who answered all items. Omega is that of one factor, fitted to the "
+            "n is the number of participants who answered all items. Omega is that of a single factor, fitted to the "
             "correlations of items by least squares."
         )
     if any(entry.step is StepKind.TRIAL for entry in steps):
@@ -48,7 +48,7 @@ def measures_section(records: ExperimentRecords) -> Iterator[str]:
 
 
 def _attention(records: ExperimentRecords, items: Sequence[Item]) -> Iterator[str]:
-    """Yield sentences on attention checks among the items of questionnaires, and on how many failed some."""
+    """Yield sentences on attention checks in questionnaires, and on the number of participants who failed some."""
     asked = [item for item in items if item.attention]
     if not asked:
         return
@@ -59,7 +59,7 @@ def _attention(records: ExperimentRecords, items: Sequence[Item]) -> Iterator[st
     yield f"{counted(len(asked), 'item')} of these only checked attention and counted for no score."
     yield (
         f"Of {counted(len(passed), 'participant')} analyzed who answered them, {failed} failed at least one "
-        f"({counted(total, 'failure')} in all)."
+        f"({counted(total, 'failure')} in total)."
     )
 
 
@@ -110,7 +110,7 @@ def _scorings(form: Form) -> Iterator[str]:
 
 
 def scale_words(item: Item) -> str:
-    """Return how an item is answered, in words."""
+    """Return the response scale of an item in words."""
     ends = f" ({item.low} to {item.high})" if item.low and item.high else ""
     if item.labels:
         ends = f" ({', '.join(item.labels)})"
@@ -141,7 +141,8 @@ def scale_words(item: Item) -> str:
 
 
 def _reliabilities(records: ExperimentRecords) -> Iterator[tuple[object, ...]]:
-    """Yield a row of each score, step and condition in which the form was filled in: so nobody counts twice."""
+    """Yield a row for each score, step and condition in which the form was filled in, so that no person counts
+    twice."""
     items_of: dict[tuple[str, str], tuple[Item, ...]] = {}
     given: dict[tuple[str, str, str], list[Mapping[str, Answer]]] = {}
     for score in records.scores:

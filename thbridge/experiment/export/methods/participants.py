@@ -1,4 +1,4 @@
-"""Participants: how many began, finished and left; characteristics, recruitment, sample size."""
+"""Participants: numbers of those who began, finished and left; characteristics, recruitment, sample size."""
 
 import statistics
 from collections import Counter
@@ -17,7 +17,7 @@ from thbridge.experiment.store.events import EventKind, RunState
 END_BY_RESEARCHER = "ended by the researcher"
 WITHDRAWN = "withdrawn"
 _AGE, _GENDER = {"age"}, {"gender", "sex"}
-"""Ids of items that ask for what a paper reports of its participants."""
+"""Ids of items with characteristics that a paper reports about its participants."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,8 +26,8 @@ class PersonOutcome:
 
     Attributes:
         fate: a key of `FATES`.
-        reason: in words; empty if none is needed.
-        cell: index of their group; None for those who withdrew.
+        reason: reason in words; empty if none is needed.
+        cell: index of the person's group, or None after a withdrawal.
     """
 
     fate: str
@@ -48,7 +48,7 @@ FATES = {
 
 
 def participants_section(records: ExperimentRecords, people: str) -> Iterator[str]:
-    """Yield the lines of the section; `people` are "participants", or simulated ones."""
+    """Yield the lines of the section; `people` are "participants" or "simulated participants"."""
     file, outcomes = records.design.file, outcomes_of(records)
     planned, is_full = records.design.allocation.size, records.progress.next_place() is NoPlace.FULL
     counts = Counter(outcome.fate for outcome in outcomes)
@@ -56,7 +56,7 @@ def participants_section(records: ExperimentRecords, people: str) -> Iterator[st
     yield "### Participants"
     yield ""
     yield from paragraph(
-        f"The plan asked for {planned} {people} with complete data. Of {len(outcomes)} {people} who began, "
+        f"The plan required {planned} {people} with complete data. Of {len(outcomes)} {people} who began, "
         f"{joined([*ends[1:], ends[0]])}.",
         "" if is_full else "Data collection was not complete at the time of this export.",
         _dates(records),
@@ -73,12 +73,12 @@ def participants_section(records: ExperimentRecords, people: str) -> Iterator[st
 
 
 def _ended(number: int, words: str) -> str:
-    """Return how people ended: "2 were excluded", "1 was excluded"."""
+    """Return the number of people with an outcome in words: "2 were excluded", "1 was excluded"."""
     return f"{number} {words.replace('were ', 'was ') if number == 1 else words}"
 
 
 def outcomes_of(records: ExperimentRecords) -> list[PersonOutcome]:
-    """Return the outcome of everybody who began; each has exactly one."""
+    """Return the outcomes of all people who began, one for each."""
     ended_by = {
         entry.event.participant: entry.event.actor
         for entry in records.events
@@ -93,7 +93,7 @@ def outcomes_of(records: ExperimentRecords) -> list[PersonOutcome]:
 
 
 def _flow(records: ExperimentRecords, outcomes: Sequence[PersonOutcome]) -> list[str]:
-    """Lines of the table of outcomes; with several groups, of each group as well."""
+    """Return the lines of the table of outcomes; with several groups, also by group."""
     cells = records.design.cells if len(records.design.cells) > 1 else ()
 
     def numbers(some: Sequence[PersonOutcome]) -> tuple[int | str, ...]:
@@ -106,7 +106,7 @@ def _flow(records: ExperimentRecords, outcomes: Sequence[PersonOutcome]) -> list
         own = [outcome for outcome in outcomes if outcome.fate == fate]
         for reason in sorted({outcome.reason for outcome in own}):
             rows.append((words, reason, *numbers([outcome for outcome in own if outcome.reason == reason])))
-    rows.append(("Began, in all", "", *numbers(outcomes)))
+    rows.append(("Began, in total", "", *numbers(outcomes)))
     lines = table("Flow of participants", ("Outcome", "Reason", *(cell.name for cell in cells), "n"), rows)
     if cells and records.withdrawn:
         lines += paragraph("The groups of those who withdrew are deleted with their data.")
@@ -138,7 +138,7 @@ def _dates(records: ExperimentRecords) -> str:
 
 
 def _characteristics(records: ExperimentRecords) -> Iterator[str]:
-    """Yield sentences on age and gender, where a form asks for them by these ids; else what is to be filled in."""
+    """Yield sentences on age and gender if a form has items with these ids, and a gap for everything else."""
     ages: dict[str, float] = {}
     genders: dict[str, str] = {}
     asked = {
@@ -179,17 +179,18 @@ def sample_size_section(records: ExperimentRecords) -> Iterator[str]:
         f"The planned sample size was {design.allocation.size}{each}.",
         sentence(
             file.sample_size_reason,
-            "Why this number: a power analysis with the effect size that it assumes and its source, the precision "
+            "Reason for this number: a power analysis with the effect size that it assumes and its source, the "
+            "precision "
             "wanted, or the resources available. `thbridge study power` estimates power by rehearsals.",
         ),
-        "The program was set to admit people until this number of complete runs that count was reached, and to give "
-        "the place of a run that did not count to the next participant.",
-        "[Whether anybody looked at the data before its collection ended.]",
+        "The program was set to admit people until this number of complete runs that count was reached. If a run did "
+        "not count, its place was given to the next participant.",
+        "[Whether anyone looked at the data before its collection ended.]",
     )
 
 
 def consent_versions(records: ExperimentRecords) -> Counter[str]:
-    """Return how many of those analyzed agreed to each version of the consent text, by its digest."""
+    """Return the number of analyzed people who agreed to each version of the consent text, by its digest."""
     return Counter(
         str(subject.attempt.consent.get("version", "not recorded"))
         for subject in records.subjects

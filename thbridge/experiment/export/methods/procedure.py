@@ -1,4 +1,4 @@
-"""Procedure: the steps of a participant in their order, consent, checks with attempts and failures, durations."""
+"""Procedure: the steps of a participant in order, consent, checks with attempts and failures, durations."""
 
 import itertools
 from collections.abc import Iterator, Sequence
@@ -23,7 +23,7 @@ from thbridge.experiment.store.events import RunState, StepOutcome
 
 
 def procedure_section(records: ExperimentRecords, people: str) -> Iterator[str]:
-    """Yield the lines of the section; `people` are "participants", or simulated ones."""
+    """Yield the lines of the section; `people` are "participants" or "simulated participants"."""
     design = records.design
     yield "### Procedure"
     yield ""
@@ -43,7 +43,7 @@ def procedure_section(records: ExperimentRecords, people: str) -> Iterator[str]:
         "The step of a game includes its start and the page with its result."
         if kinds & {StepKind.PRACTICE, StepKind.TRIAL}
         else "",
-        "After a failed check, steps that were repeated count each time." if repeated else "",
+        "If steps were repeated after a failed check, each repetition counts." if repeated else "",
         "Steps that a crash interrupted have no duration."
         if any(subject.attempt.resumed for subject in records.subjects)
         else "",
@@ -100,15 +100,15 @@ def _step(design: ExperimentDesign, index: int, entry: StepEntry) -> str:
 
 
 def _practice(design: ExperimentDesign, index: int, entry: StepEntry) -> str:
-    """Return in which settings practice is played, and what must be done in it."""
+    """Return the settings of a practice game, and what participants must do in it, in words."""
     own = [f"{key}: {value}" for key, value in practice_settings(design, index)]
-    but = f", but for {', '.join(own)}" if own else ""
+    but = f", except for {', '.join(own)}" if own else ""
     demands = [
         f"{number:g} {_DONE[PracticeTerm(term)]}{'' if number == 1.0 else 's'}"
         for term, number in ((term, float(each)) for term, each in entry.at_least.items())
         if number > 0.0
     ]
-    done = f"; participants could go on after at least {joined(demands)}" if demands else ""
+    done = f"; participants could continue after at least {joined(demands)}" if demands else ""
     each = entry.each_condition and len(design.conditions) > 1
     first = "first " if len(design.conditions) > 1 else ""
     which = "that condition" if each else f"the participant's {first}condition"
@@ -122,7 +122,7 @@ _DONE = {
     PracticeTerm.IDENTIFIED: "named treasure",
     PracticeTerm.DIALOGUES: "dialogue",
 }
-"""Words for one of each thing that practice asks for."""
+"""Word for one unit of each term that practice requires."""
 
 
 def _consent(records: ExperimentRecords, people: str) -> Iterator[str]:
@@ -142,7 +142,7 @@ def _consent(records: ExperimentRecords, people: str) -> Iterator[str]:
     when = "before any data was collected" if asked < first_data else "after data had been collected"
     yield from paragraph(
         f"Consent was asked for on screen, {when}; for those who did not agree, the study ended there.",
-        f"The text had one version for all of those analyzed, of SHA-256 {texts}." if len(versions) == 1 else "",
+        f"The text had the same version for all of those analyzed, with SHA-256 {texts}." if len(versions) == 1 else "",
         f"The text was changed during the study; versions by their SHA-256, with n: {texts}."
         if len(versions) > 1
         else "",
@@ -155,15 +155,15 @@ def _check(records: ExperimentRecords, index: int, entry: StepEntry, people: str
     asked = [item for item in form.items if item.is_checked]
     needed = len(asked) if entry.right is None else entry.right
     tries = "once" if entry.attempts == 1 else f"up to {entry.attempts} times"
-    again = f", after a failure from the step {entry.repeat} on" if entry.repeat and entry.attempts > 1 else ""
+    again = f", repeating from the step {entry.repeat} after a failure" if entry.repeat and entry.attempts > 1 else ""
     failed = (
         "Participants who failed the last attempt were excluded."
         if entry.failed is Failed.EXCLUDE
-        else "Participants who failed the last attempt went on; the data marks them."
+        else "Participants who failed the last attempt continued; the data marks them."
     )
     yield from paragraph(
-        f"The check *{form.title}* had {counted(len(asked), 'question')} with a right answer; it was passed with "
-        f"{needed} right. It could be tried {tries}{again}. {failed}",
+        f"The check *{form.title}* had {counted(len(asked), 'question')} with a right answer; {needed} right answers "
+        f"were needed to pass. It could be tried {tries}{again}. {failed}",
         *_results(records, index, people),
     )
     rows = [(item.text, scale_words(item), _right(item.correct, item.correct_by_condition)) for item in asked]
@@ -172,7 +172,7 @@ def _check(records: ExperimentRecords, index: int, entry: StepEntry, people: str
     )
     if any(item.correct_by_condition for item in asked) and design.conditions:
         yield from paragraph(
-            "Where a right answer depends on the condition, it is the one of the participant's condition."
+            "If a right answer depends on the condition, it is the one for the participant's condition."
         )
 
 
@@ -183,7 +183,7 @@ def _right(correct: str | None, by_condition: object) -> str:
 
 
 def _results(records: ExperimentRecords, index: int, people: str) -> Iterator[str]:
-    """Yield how many passed a check at which attempt; of one for each condition, over all conditions."""
+    """Yield the number of people who passed a check, by attempt; for a check in each condition, over all conditions."""
     tried: dict[tuple[str, int], list[StepOutcome]] = {}
     for subject in records.subjects:
         step, outcome = subject.attempt.step, subject.attempt.outcome
@@ -222,7 +222,7 @@ def _durations(records: ExperimentRecords) -> Sequence[tuple[str, *Spread]]:
 
 
 def _whole(records: ExperimentRecords) -> list[float]:
-    """Time of each of those analyzed in all steps, where no step was interrupted."""
+    """Return the total time in all steps of each analyzed person without an interrupted step."""
     of_person: dict[str, list[float | None]] = {}
     for subject in records.subjects:
         if subject.run.state is RunState.COMPLETE:

@@ -22,8 +22,8 @@ def quality_section(records: ExperimentRecords) -> Iterator[str]:
     yield "### Data collection and quality of measurements"
     yield ""
     yield from paragraph(
-        "Every event went to a log on disk before the next page was shown; chained SHA-256 digests verify that the log "
-        "is complete and unchanged.",
+        "Every event was logged on disk before the next page was shown; chained SHA-256 digests verify that the log is "
+        "complete and unchanged.",
         *_games(games),
     )
     yield from paragraph(*_pace(records, games))
@@ -43,7 +43,7 @@ def _games(games: list[Trial]) -> Iterator[str]:
     else:
         yield f"Of {len(games)} games of those analyzed, {whole} have an intact recording."
     if resumed := sum(trial.attempt.resumed > 0 for trial in games):
-        yield f"A crash interrupted {counted(resumed, 'game')}, which went on from where it was."
+        yield f"A crash interrupted {counted(resumed, 'game')}, which later resumed where it had stopped."
     if again := sum(trial.attempt.broken_off > 0 for trial in games):
         yield f"In {counted(again, 'step')} a game was broken off, and another one was played in its place."
 
@@ -61,10 +61,10 @@ def _pace(records: ExperimentRecords, games: list[Trial]) -> Iterator[str]:
             f"{counted(len(lags), 'game')} {statistics.median(lags):.1f} s)."
         )
     else:
-        yield "The log has no real time of these games; their times are simulated."
+        yield "The log has no real time for these games; their times are simulated."
     if bound is not None:
         slow = sum(run.state is RunState.EXCLUDED and "behind real time" in run.reason for run in records.runs)
-        yield f"Runs with a game more than {bound:g} s behind did not count; that excluded {slow}."
+        yield f"Runs with a game that was more than {bound:g} s behind did not count; this excluded {slow}."
 
 
 def _lengths(games: list[Trial]) -> Iterator[tuple[object, ...]]:
@@ -79,7 +79,7 @@ def _distraction(records: ExperimentRecords) -> Iterator[str]:
     away = [attempt for attempt in own if attempt.away]
     if away:
         seconds = sum(attempt.away_ns for attempt in away) / 1e9
-        yield f"In {counted(len(away), 'step')} participants turned to another window, for {seconds:.0f} s in all."
+        yield f"In {counted(len(away), 'step')} participants turned to another window, for {seconds:.0f} s in total."
     pasted = sum(times.pasted > 0 for attempt in own for times in attempt.items.values())
     if pasted:
         yield f"Text was pasted into {counted(pasted, 'answer')}."
@@ -107,8 +107,8 @@ def exclusions_section(records: ExperimentRecords) -> Iterator[str]:
         yield from listing(file.exclusions)
     else:
         yield from paragraph(
-            "[Rules by which the researchers excluded runs or answers, and whether they were set before the data was "
-            "seen; or that there were none.]"
+            "[Rules by which the researchers excluded runs or answers, and whether the rules were set before the data "
+            "was seen; or that there were none.]"
         )
     yield from paragraph("Practice games and checks did not count as data.", *_missing(records))
     yield from paragraph("[How outliers, missing answers and violated assumptions of the tests were handled.]")
@@ -132,9 +132,9 @@ def _missing(records: ExperimentRecords) -> Iterator[str]:
             optional += answer is None and not item.required
             inapplicable += item.not_applicable and answer == NOT_APPLICABLE
     if asked:
-        could = f" ({optional} of them to items that participants could leave out)" if optional else ""
+        could = f" ({optional} of them for items that participants could leave out)" if optional else ""
         yield (
-            f"Of {counted(asked, 'answer')} to questionnaires, {empty} were empty{could} and {inapplicable} not "
+            f"Of {counted(asked, 'answer')} to questionnaires, {empty} were empty{could} and {inapplicable} were not "
             f"applicable."
         )
     scores = [score for score in records.scores if score.run.state is RunState.COMPLETE]

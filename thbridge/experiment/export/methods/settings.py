@@ -13,11 +13,11 @@ if TYPE_CHECKING:
     from _typeshed import DataclassInstance
 
 _NO_SETTINGS = ("seed", "server.", "watch.", "open_to", "keys")
-"""Beginnings of keys that no participant notices: seeds have a sentence of their own, others are of the network."""
+"""Prefixes of keys that participants do not notice. Seeds have their own sentence; the others concern the network."""
 
 
 def settings_that_differ(design: ExperimentDesign) -> Iterator[tuple[str, str, str]]:
-    """Yield key, default, and value of each setting that is not the default in a game; where it varies, all values."""
+    """Yield key, default, and value of each setting that is not the default in some game; if it varies, all values."""
     default = _flat(Study())
     found = [_flat(study) for cell in design.cells for study in cell.studies]
     for key in dict.fromkeys(key for settings in (default, *found) for key in settings):
@@ -40,20 +40,20 @@ def practice_settings(design: ExperimentDesign, index: int) -> Iterator[tuple[st
 
 
 def same_in_all(design: ExperimentDesign, key: str) -> str:
-    """Return the value of a setting in all games; where it varies, all values."""
+    """Return the value of a setting in all games; if it varies, all values."""
     values = (value_at(study, key) for cell in design.cells for study in cell.studies)
     return " or ".join(dict.fromkeys(_plain(as_yaml(value)) for value in values))
 
 
 def _plain(value: str) -> str:
-    """Return a number without an empty fraction, anything else as it is."""
+    """Return a number without an empty fraction, and any other text unchanged."""
     return value.removesuffix(".0")
 
 
 def meaning_of(key: str, levels: Sequence[str]) -> str:
-    """Return the meaning of a key of studies, without values that are none of these levels.
+    """Return the meaning of a study key, listing only the values that are among these levels.
 
-    A factor that sets several keys has a gap to fill in.
+    For a factor that sets several keys, return a gap to fill in.
     """
     section: object = StudyFile()
     meaning = ""
@@ -71,7 +71,7 @@ def meaning_of(key: str, levels: Sequence[str]) -> str:
 
 
 def _flat(study: Study) -> Mapping[str, str]:
-    """Return the settings of a study by their keys, as files have them."""
+    """Return the settings of a study by their keys, in the form of study files."""
     return dict(_values(StudyFile.of(study), ""))
 
 
@@ -83,7 +83,7 @@ def _values(section: object, path: str) -> Iterator[tuple[str, str]]:
         if isinstance(value, Mapping):
             like = dict(_values(getattr(section, field.metadata["like"]), ""))
             for number, entry in value.items():
-                # Of one robot's own settings, those that it does not share with the others.
+                # A robot with its own settings lists only those that differ from the others.
                 own = ((name, told) for name, told in _values(entry, "") if like.get(name) != told)
                 yield from ((f"{key}.{number}.{name}", told) for name, told in own)
         elif dataclasses.is_dataclass(value):

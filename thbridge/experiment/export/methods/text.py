@@ -17,11 +17,11 @@ from thbridge.experiment.export.tables import ExperimentRecords
 
 
 def methods_text(records: ExperimentRecords, versions: Mapping[str, str], registered: str) -> str:
-    """Return the text; what neither the design nor the log says is a gap in [brackets] to be filled in.
+    """Return the text. Information that is in neither the design nor the log is a gap in [brackets] to be filled in.
 
     Args:
-        records: of the experiment.
-        versions: of the programs.
+        records: records of the experiment.
+        versions: versions of the programs.
         registered: sentence on the preregistration.
     """
     return "\n".join(_lines(records, versions, registered)).rstrip("\n") + "\n"

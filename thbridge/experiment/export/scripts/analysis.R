@@ -1,23 +1,23 @@
-# Compares the conditions of this export and draws them: Rscript analysis.R, with nothing but base R.
+# Compares the conditions of this export and draws them: Rscript analysis.R (needs only base R).
 #
 # Writes results/cells-r.csv (mean of each condition with a 95 % interval), results/tests-r.csv and a figure of each
 # outcome. Within people: paired t tests on complete people, with d = mean difference / its standard deviation, and the F
 # of aov(value ~ factor + Error(participant / factor)) for more than two levels. Between people: Welch's t tests on
 # people's means, with d by the pooled standard deviation. Interactions: Welch's t tests on differences within people.
-# p_holm is adjusted for all pairs of levels of one factor. analysis.py says the same in Python.
+# p_holm is adjusted for all pairs of levels of one factor. analysis.py does the same in Python.
 
 here <- dirname(sub("^--file=", "", grep("^--file=", commandArgs(FALSE), value = TRUE)[1]))
 outcomes_of <- list(
   trials = c("score", "rooms_visited"), reliance = "appropriate", fluency = c("human_idle", "concurrent_activity")
-) # columns that are compared beside all scores of forms; add yours
+) # columns that are compared in addition to all scores of forms; add yours
 
-# Texts as they were: those that spreadsheets would take for formulas have an apostrophe before them.
+# Restores texts that look like formulas to spreadsheets; the export puts an apostrophe before them.
 plain <- function(column) if (is.character(column)) sub("^'('*[=+@\t\r-])", "\\1", column) else column
 plain_texts <- function(read) { read[] <- lapply(read, plain); read }
 
 dictionary <- plain_texts(read.csv(file.path(here, "dictionary.csv"), colClasses = "character"))
 
-# A table with the rows that are data, its columns of their types: factors, numbers, booleans, times.
+# Returns a table with the rows that are data; columns have their types: factors, numbers, booleans, times.
 read_table <- function(name) {
   word <- if (grepl("_", name)) gsub(" ", "", tools::toTitleCase(gsub("_", " ", name))) else name
   file <- list.files(file.path(here, "data"), paste0("_description-", word, "_data.csv$"), full.names = TRUE)
@@ -61,7 +61,7 @@ all_outcomes <- function() {
   found
 }
 
-# The rows of people who have a value in each condition, one row a person and condition.
+# Returns the rows of people who have a value in each condition, one row for each person and condition.
 complete_rows <- function(rows, within, between) {
   by <- rows[c("participant", rev(within), rev(between))]
   means <- aggregate(list(value = rows$value), by, mean)
@@ -74,7 +74,7 @@ cell_names <- function(rows, levels) {
   if (length(levels) == 0) rep("", nrow(rows)) else do.call(paste, c(unname(lapply(rows[levels], as.character)), sep = "; "))
 }
 
-# Mean and interval of each condition: within people without their differences (Cousineau and Morey).
+# Returns mean and interval of each condition; within people without differences between them (Cousineau and Morey).
 cells <- function(name, rows, within, between) {
   conditions <- max(table(rows$participant))
   spread <- rows$value
@@ -222,7 +222,7 @@ for (name in names(found)) {
   told <- cells(name, rows, within, between)
   draw(name, rows, c(between, within), told)
   means <- rbind(means, told)
-  if (length(unique(rows$value)) < 2) next # All the same: nothing can be compared.
+  if (length(unique(rows$value)) < 2) next # All values are the same: nothing can be compared.
   for (factor in within) tests <- rbind(tests, within_tests(name, rows, factor))
   for (factor in between) tests <- rbind(tests, between_tests(name, rows, factor))
   for (inside in within) for (outside in between) tests <- rbind(tests, interactions(name, rows, inside, outside))
@@ -232,7 +232,7 @@ for (file in c("cells", "tests")) {
   path <- file.path(here, "results", paste0(file, "-r.csv"))
   if (is.null(lines)) {
     unlink(path)
-    cat("\n", file, ": none. Nobody has data in all conditions yet, or all values are the same.\n", sep = "")
+    cat("\n", file, ": none. No participant has data in all conditions yet, or all values are the same.\n", sep = "")
     next
   }
   numbers <- vapply(lines, is.numeric, TRUE)

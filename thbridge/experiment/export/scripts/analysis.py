@@ -1,10 +1,10 @@
-"""Compares the conditions of this export and draws them: `python analysis.py` (pandas, pyarrow, scipy, matplotlib).
+"""Compare the conditions of this export and draw them: `python analysis.py` (pandas, pyarrow, scipy, matplotlib).
 
-Writes results/cells.csv (mean of each condition with a 95 % interval), results/tests.csv and a figure of each outcome.
+Write results/cells.csv (mean of each condition with a 95 % interval), results/tests.csv and a figure of each outcome.
 Within people: paired t tests on complete people, with d = mean difference / its standard deviation, and the F of
 aov(value ~ factor + Error(participant / factor)) for more than two levels. Between people: Welch's t tests on people's
 means, with d by the pooled standard deviation. Interactions: Welch's t tests on differences within people. p_holm is
-adjusted for all pairs of levels of one factor. `analysis.R` says the same in R.
+adjusted for all pairs of levels of one factor. `analysis.R` does the same in R.
 """
 
 from itertools import combinations, product
@@ -17,7 +17,7 @@ try:
     import matplotlib.pyplot as plt
     import numpy as np
     import pandas as pd
-    import pyarrow  # noqa: F401 - pandas reads the tables by it
+    import pyarrow  # noqa: F401 - pandas reads the tables with it
     from scipy import stats
 except ImportError as missing:
     raise SystemExit(f"{missing.name} is missing. Run: pip install pandas pyarrow scipy matplotlib") from None
@@ -28,15 +28,15 @@ OUTCOMES = {
     "reliance": ["appropriate"],
     "fluency": ["human_idle", "concurrent_activity"],
 }
-"""Columns that are compared beside all scores of forms; add yours."""
+"""Columns that are compared in addition to all scores of forms; add yours."""
 
 dictionary = pd.read_csv(HERE / "dictionary.csv", keep_default_na=False)
-# Texts that spreadsheets would take for formulas have an apostrophe before them.
+# Texts that look like formulas to spreadsheets have an apostrophe before them.
 dictionary = dictionary.replace(r"^'('*[=+\-@\t\r])", r"\1", regex=True)
 
 
 def table(name: str) -> pd.DataFrame:
-    """Return a table with the rows that are data, its columns of their types: factors, numbers, booleans, times."""
+    """Return a table with the rows that are data; columns have their types: factors, numbers, booleans, times."""
     read = pd.read_parquet(HERE / "tables" / f"{name}.parquet")
     for column in dictionary[dictionary.table == name].itertuples():
         if column.factor:
@@ -55,7 +55,7 @@ def factors(name: str, role: str) -> list[str]:
 
 
 def outcomes() -> dict[str, pd.DataFrame]:
-    """Return the values of each outcome: a row a person and condition, with a column `value`."""
+    """Return the values of each outcome: a row for each person and condition, with a column `value`."""
     found = {}
     if "scores" in set(dictionary.table):
         for subscale, rows in table("scores").groupby("subscale"):
@@ -68,7 +68,7 @@ def outcomes() -> dict[str, pd.DataFrame]:
 
 
 def complete(rows: pd.DataFrame, within: list[str]) -> pd.DataFrame:
-    """Return the rows of people who have a value in each condition, one row a person and condition."""
+    """Return the rows of people who have a value in each condition, one row for each person and condition."""
     between_ = factors("scores" if "subscale" in rows else "trials", "between")
     rows = rows.groupby(["participant", *between_, *within], observed=True)["value"].mean().reset_index()
     wanted = np.prod([len(rows[factor].cat.categories) for factor in within], dtype=int)
@@ -76,7 +76,7 @@ def complete(rows: pd.DataFrame, within: list[str]) -> pd.DataFrame:
 
 
 def cells(name: str, rows: pd.DataFrame, within: list[str], between: list[str]) -> list[dict[str, object]]:
-    """Return mean and interval of each condition: within people without their differences (Cousineau and Morey)."""
+    """Return mean and interval of each condition; within people without their differences (Cousineau and Morey)."""
     conditions = max(1, rows.groupby("participant").size().max())
     group = rows.groupby(between, observed=True)["value"] if between else rows.assign(all=0).groupby("all")["value"]
     person = rows.groupby("participant")["value"].transform("mean")
@@ -94,7 +94,7 @@ def cells(name: str, rows: pd.DataFrame, within: list[str], between: list[str]) 
 
 
 def row(name: str, test: str, comparison: str, n: int, **told: float) -> dict[str, object]:
-    """Return a line of the table of tests."""
+    """Return a row of the table of tests."""
     empty = dict.fromkeys(("estimate", "low", "high", "statistic", "df", "df2", "p", "effect_size"), np.nan)
     return {"outcome": name, "test": test, "comparison": comparison, "n": n, **empty, **told}
 
@@ -121,7 +121,7 @@ def welch(name: str, test: str, comparison: str, one: pd.Series, other: pd.Serie
 
 
 def holm(tests: list[dict[str, object]]) -> list[dict[str, object]]:
-    """Adjust the p of a family of tests (Holm 1979); tests without a p are not of it."""
+    """Adjust the p of a family of tests (Holm 1979); tests without a p are left out."""
     order = sorted((test for test in tests if test["p"] == test["p"]), key=lambda test: test["p"])
     adjusted = np.maximum.accumulate([(len(order) - rank) * test["p"] for rank, test in enumerate(order)])
     for test in tests:
@@ -204,7 +204,7 @@ def main() -> None:
         draw(name, rows, within, told)
         means += told
         if rows.value.nunique() < 2:
-            continue  # All the same: nothing can be compared.
+            continue  # All values are the same: nothing can be compared.
         for factor in within:
             tests += within_tests(name, rows, factor)
         for factor in between:
@@ -215,7 +215,7 @@ def main() -> None:
         path = HERE / "results" / f"{file}-python.csv"
         if not lines:
             path.unlink(missing_ok=True)
-            print(f"\n{file}: none. Nobody has data in all conditions yet, or all values are the same.")
+            print(f"\n{file}: none. No participant has data in all conditions yet, or all values are the same.")
             continue
         frame = pd.DataFrame(lines)
         frame.to_csv(path, index=False, float_format="%.6g")
