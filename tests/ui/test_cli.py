@@ -334,7 +334,7 @@ def test_all_that_a_study_names_wrongly_is_told_at_once() -> None:
 
 def test_a_value_that_an_option_gives_is_not_told_as_one_of_the_file() -> None:
     Path("study.yaml").write_text("map: arena8\n")
-    assert "maps, nowhere: there is no map of this name" in refusal("play", "study.yaml", "--map", "nowhere")
+    assert "maps, nowhere: no map has this name" in refusal("play", "study.yaml", "--map", "nowhere")
 
 
 @pytest.mark.parametrize(
@@ -344,9 +344,9 @@ def test_a_value_that_an_option_gives_is_not_told_as_one_of_the_file() -> None:
         ("robots: three\n", "line 1, robots: 'three' is not a number"),
         ("robots: 0\n", "line 1, robots:"),
         ("seed: 1\nseed: 2\n", "line 2, seed:"),
-        ("map: nowhere\n", "study.yaml, line 1, map: there is no map of this name"),
+        ("map: nowhere\n", "study.yaml, line 1, map: no map has this name"),
         ("map: ./nowhere\n", "study.yaml, line 1, map: nowhere: there is no such folder"),
-        ("templates: nobody\n", "study.yaml, line 1, templates: there is no set of templates of this name"),
+        ("templates: nobody\n", "study.yaml, line 1, templates: no set of templates has this name"),
         ("game:\n  costs: none\n", "study.yaml, line 2, game.costs: none: there is no such file"),
         ("game:\n\tcosts: none\n", "line 2: a tab in the indentation"),
         ("map: warehouse12\ngame:\n  costs: COSTS\n", "9 nodes, but the map warehouse12 has 12 rooms"),

@@ -115,7 +115,7 @@ def open_folder(design: SweepDesign, root: Path) -> SweepFolder:
         for condition in design.conditions:
             with whole_file(folder.study(condition.number), folders=True) as file:
                 file.write(resolved(condition.study).encode())
-        told = {
+        contents = {
             "layout": LAYOUT,
             "digest": _digest_of(here),
             "versions": versions(plugins_of(*(condition.study for condition in design.conditions))),
@@ -124,7 +124,7 @@ def open_folder(design: SweepDesign, root: Path) -> SweepFolder:
         }
         # If several programs begin at once, one of them wins.
         with suppress(FileExistsError), whole_file(folder.manifest, folders=True, exclusive=True) as file:
-            file.write((json.dumps(told, indent=1) + "\n").encode())
+            file.write((json.dumps(contents, indent=1) + "\n").encode())
     _, there = _read(folder)
     if there != here:
         problem = f"{root} has the games of another design: {_difference(folder, design, there, here)}"
@@ -151,7 +151,7 @@ def read_manifest(root: Path) -> tuple[SweepFolder, SweepManifest]:
 def _described(design: SweepDesign) -> object:
     """Return everything that the results of a design depend on, in JSON types."""
     studies = {each.number: hashlib.sha256(resolved(each.study).encode()).hexdigest() for each in design.conditions}
-    told = {
+    contents = {
         "factors": design.factors,
         "levels": {each.number: each.levels for each in design.conditions},
         "seeds": design.seeds,
@@ -163,7 +163,7 @@ def _described(design: SweepDesign) -> object:
         "files": _digests(design),
         "studies": studies,
     }
-    return cast(object, json.loads(json.dumps(told)))
+    return cast(object, json.loads(json.dumps(contents)))
 
 
 def _digest_of(described: object) -> str:
@@ -227,14 +227,14 @@ def _read(folder: SweepFolder) -> tuple[_ManifestFile, Mapping[str, object]]:
     path, remedy = folder.manifest, "name the folder of a sweep, or restore this file"
     try:
         text = read_text(path, LARGEST_MANIFEST)
-        told: object = json_of(text)
+        contents: object = json_of(text)
     except json.JSONDecodeError as error:
         raise BadFile(path, f"not JSON ({error.msg})", remedy, line=error.lineno) from None
     except ValueError as error:
         raise BadFile(path, str(error), remedy) from None
     except BadFile as fault:
         raise BadFile(path, fault.problem, remedy) from None
-    if not isinstance(told, dict) or told.get("layout") != LAYOUT:
+    if not isinstance(contents, dict) or contents.get("layout") != LAYOUT:
         raise BadFile(path, "another release of this program began this sweep", "continue with that release")
     try:
         read = msgspec.json.decode(text, type=_ManifestFile)
@@ -244,7 +244,7 @@ def _read(folder: SweepFolder) -> tuple[_ManifestFile, Mapping[str, object]]:
         raise BadFile(path, "its conditions are not numbered from 1 without gaps", remedy, key="levels")
     if len(read.design.levels) * -(-len(read.design.seeds) // read.design.chunk) > MOST_CHUNKS:
         raise BadFile(path, f"it has more than {MOST_CHUNKS} chunks of games", remedy, key="seeds")
-    return read, cast(Mapping[str, object], told["design"])
+    return read, cast(Mapping[str, object], contents["design"])
 
 
 def _difference(folder: SweepFolder, design: SweepDesign, there: object, here: object) -> str:

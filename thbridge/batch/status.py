@@ -25,7 +25,7 @@ class SweepStatus:
     Attributes:
         games: number of games of the design.
         done: number of games with a result of any kind.
-        missing: number of games without one.
+        missing: number of games without a result.
         running: number of missing games that workers have begun, without those of dead workers of this machine.
         by_status: number of games by `GameStatus`.
         faults: sentences about games without a result.
@@ -106,7 +106,7 @@ def status_of(root: Path) -> SweepStatus:
         last_written=max(written)[0] if written else None,
         rate=rate,
         seconds_left=None if rate is None else round((manifest.games - done) / rate, 1),
-        versions={_told(each): count for each, count in versions.items()},
+        versions={_versions_text(each): count for each, count in versions.items()},
     )
 
 
@@ -139,9 +139,9 @@ def _rate(written: list[tuple[float, int]]) -> float | None:
     return round(sum(games for _, games in recent[1:]) / (recent[-1][0] - recent[0][0]), 4)
 
 
-def _told(versions: str) -> str:
+def _versions_text(versions: str) -> str:
     try:
-        told = msgspec.json.decode(versions, type=dict[str, str])
+        named = msgspec.json.decode(versions, type=dict[str, str])
     except (msgspec.MsgspecError, RecursionError):
         return "unknown versions"
-    return ", ".join(f"{name} {version}" for name, version in told.items())
+    return ", ".join(f"{name} {version}" for name, version in named.items())

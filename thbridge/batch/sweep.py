@@ -66,37 +66,37 @@ def run_sweep(
         BadFile: the folder cannot be written.
         EngineFailed: the engine cannot continue, or its workers die for a reason that lies in no single game.
     """
-    told, deaths = SweepProgress(), Counter[Path]()
+    done, deaths = SweepProgress(), Counter[Path]()
     for task in tasks_of(design, folder, shard.has):
-        told.games += len(task.chunk.seeds)
+        done.games += len(task.chunk.seeds)
         if retry and task.result.exists() and game_faults(task.result, task.chunk.condition):
             folder.verified(task.chunk).unlink(missing_ok=True)
             task.result.unlink()
         if task.result.exists():
-            told.before += len(task.chunk.seeds)
+            done.before += len(task.chunk.seeds)
             _verify(engine, task, None)
         else:
             folder.clear(task.chunk)
             engine.submit(task)
-    progress(told, ())
+    progress(done, ())
     for ended in engine.finished():
         if ended.outcome is None:
-            told.deaths += 1
+            done.deaths += 1
             deaths[ended.task.result] += 1
             _try_again(engine, ended, deaths[ended.task.result])
-            progress(told, () if ended.cause is None else (ended.cause,))
+            progress(done, () if ended.cause is None else (ended.cause,))
             continue
         outcome = ended.outcome
-        told.cpu_seconds += outcome.cpu_seconds
+        done.cpu_seconds += outcome.cpu_seconds
         if ended.task.again:
-            told.verified += outcome.games
-            told.differing += outcome.failed
+            done.verified += outcome.games
+            done.differing += outcome.failed
         else:
-            told.played += len(ended.task.chunk.seeds)
-            told.failed += outcome.failed
+            done.played += len(ended.task.chunk.seeds)
+            done.failed += outcome.failed
             _verify(engine, ended.task, ended.worker)
-        progress(told, outcome.faults if ended.cause is None else (ended.cause, *outcome.faults))
-    return told
+        progress(done, outcome.faults if ended.cause is None else (ended.cause, *outcome.faults))
+    return done
 
 
 def tasks_of(design: SweepDesign, folder: SweepFolder, wanted: Callable[[GameChunk], bool]) -> list[SweepTask]:

@@ -172,8 +172,8 @@ def _game(task: SweepTask, seed: int, *, recorded: bool, hashed: bool) -> GameRe
         raise
     except Exception as fault:
         place = traceback.extract_tb(fault.__traceback__)[-1]
-        told = f"{type(fault).__name__}: {fault} ({Path(place.filename).name}, line {place.lineno})"
-        return GameResult(seed, GameStatus.FAILED, told, worker=worker_name(), cpu_seconds=_since(began))
+        error = f"{type(fault).__name__}: {fault} ({Path(place.filename).name}, line {place.lineno})"
+        return GameResult(seed, GameStatus.FAILED, error, worker=worker_name(), cpu_seconds=_since(began))
     return GameResult(
         seed=seed,
         status=GameStatus.OUT_OF_TIME if measures.over is None else GameStatus.ENDED,

@@ -1,4 +1,4 @@
-"""The check of an experiment before people take part. It refuses faults of later commands, and faults that spoil
+"""The check of an experiment before people take part: it refuses faults of later commands and faults that spoil
 data."""
 
 from collections.abc import Mapping

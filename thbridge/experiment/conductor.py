@@ -153,7 +153,7 @@ class Conductor:
         self._log.delete(sequences_of(self._log.read(), participant), self._clocks())
         entries = self._log.read()
         self.progress = Progress(self._design).after(entries)
-        self._tell(entries[-1])
+        self._notify(entries[-1])
 
     def form(self, step: PlannedStep) -> Form:
         """Return the form of a step that has one."""
@@ -189,10 +189,10 @@ class Conductor:
         progress = self.progress.after([LoggedEvent(self.progress.sequence + 1, event)])
         (logged,) = self._log.append([event])
         self.progress = progress
-        self._tell(logged)
+        self._notify(logged)
         return logged
 
-    def _tell(self, logged: LogEntry) -> None:
+    def _notify(self, logged: LogEntry) -> None:
         if isinstance(logged, LoggedEvent):
             for listener in self.listeners:
                 listener(logged)

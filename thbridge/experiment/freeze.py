@@ -95,8 +95,8 @@ def freeze(folder: ExperimentFolder, versions: Mapping[str, str], wall: str) -> 
         remedy = "To register a changed experiment, move this file away first and say so in the registration"
         raise BadFile(folder.freeze, "the experiment is already frozen", remedy)
     found = fingerprint_of(folder, versions)
-    told = {"when": wall, "digest": found.digest, "files": dict(found.files), "versions": dict(found.versions)}
-    write_whole(folder.freeze, (json.dumps(told, indent=1) + "\n").encode())
+    contents = {"when": wall, "digest": found.digest, "files": dict(found.files), "versions": dict(found.versions)}
+    write_whole(folder.freeze, (json.dumps(contents, indent=1) + "\n").encode())
     return found
 
 
@@ -109,9 +109,9 @@ def deviations(folder: ExperimentFolder, versions: Mapping[str, str]) -> tuple[s
     if not folder.freeze.exists():
         return None
     try:
-        told = msgspec.json.decode(read_text(folder.freeze, _LARGEST), type=_FreezeFile)
-        frozen = Fingerprint(told.files, told.versions)
-        if frozen.digest != told.digest:
+        contents = msgspec.json.decode(read_text(folder.freeze, _LARGEST), type=_FreezeFile)
+        frozen = Fingerprint(contents.files, contents.versions)
+        if frozen.digest != contents.digest:
             raise ValueError
     except (BadFile, ValueError, RecursionError):
         raise BadFile(folder.freeze, "is damaged or was changed", "Restore the file that was registered") from None

@@ -110,8 +110,7 @@ class Run:
 
 
 class BadHistory(BadFile):
-    """A log that does not fit the experiment's files: steps, conditions or forms were changed after people took
-    part."""
+    """A log that does not fit the experiment's files, because these were changed after people took part."""
 
     def __init__(self, path: Path, problem: str) -> None:
         remedy = "Restore the files with which people took part; for changed files start another study"

@@ -162,47 +162,47 @@ def finish_withdrawal(
 ) -> Withdrawal:
     """Finish one of the withdrawals that have begun, with the log open; see `withdraw`."""
     participant = withdrawal.participant
-    told = Withdrawal(participant, withdrawal.code)
+    result = Withdrawal(participant, withdrawal.code)
     known = log.read()
     last = known[-1].sequence if known else 0
     if sequences := sequences_of(known, participant):
         log.delete(sequences, clocks())
     study.withdrawn_events.add(deleted_digests(study.log))
-    told.done.append(f"{study.log}: all events of {participant} are deleted.")
+    result.done.append(f"{study.log}: all events of {participant} are deleted.")
     entries = log.read()
-    told.left += _named_elsewhere(entries, participant)
-    _delete_recordings(study, told)
+    result.left += _named_elsewhere(entries, participant)
+    _delete_recordings(study, result)
     # Copies of the log that a restore left when it was killed before it replaced anything.
     shutil.rmtree(study.restoring, ignore_errors=True)
     for old in study.replaced():
-        _withdraw_from_replaced(old, told, clocks)
+        _withdraw_from_replaced(old, result, clocks)
     for export in known_exports(study):
         clear_remains(export)
     for export in exports_with(study, participant):
         if (of := last_event_of(export)) is not None and of > last:
-            told.failed.append(
+            result.failed.append(
                 f"{export}: it was made from a log with {of} events, but this log has {last}: this is an older copy of "
                 f"that study. The export still has data of {participant}: withdraw them there, too, or delete it."
             )
             continue
-        _remake(study, design, entries, export, versions, changed, told)
+        _remake(study, design, entries, export, versions, changed, result)
     for export in missing_exports(study):
-        told.failed.append(f"{export}: an export was written here, but it no longer exists.")
+        result.failed.append(f"{export}: an export was written here, but it no longer exists.")
     for backup in study.backups_known.paths():
         if not backup.is_dir():
-            told.failed.append(f"{backup}: a backup was written here, but it no longer exists.")
+            result.failed.append(f"{backup}: a backup was written here, but it no longer exists.")
             continue
         try:
-            told.left += back_up(study, backup)
-            told.done.append(f"{backup}: this backup is up to date again, without {participant}.")
+            result.left += back_up(study, backup)
+            result.done.append(f"{backup}: this backup is up to date again, without {participant}.")
         except BadFile as fault:
             if _may_hold(ExperimentFolder(backup), participant):
-                told.failed.append(f"{fault} {backup} may still have data of {participant}.")
+                result.failed.append(f"{fault} {backup} may still have data of {participant}.")
             else:
-                told.left.append(f"{fault} {backup} has no data of {participant}.")
-    if not told.failed:
+                result.left.append(f"{fault} {backup} has no data of {participant}.")
+    if not result.failed:
         study.pending_withdrawals.remove(withdrawal)
-    return told
+    return result
 
 
 def plain(word: str) -> str:
@@ -235,35 +235,35 @@ def _recordings(folder: ExperimentFolder, participant: str) -> Path | None:
     return None if fault_of_name(participant) else folder.recordings_of(participant)
 
 
-def _delete_recordings(folder: ExperimentFolder, told: Withdrawal) -> None:
+def _delete_recordings(folder: ExperimentFolder, result: Withdrawal) -> None:
     try:
-        recordings = _recordings(folder, told.participant)
+        recordings = _recordings(folder, result.participant)
         if recordings is None or not recordings.exists():
             return
         shutil.rmtree(recordings)
         sync_folder(recordings.parent)
     except BadFile as fault:
-        told.failed.append(str(fault))
+        result.failed.append(str(fault))
     except OSError as error:
-        told.failed.append(f"{recordings}: it cannot be deleted ({reason_of(error)}). Delete it yourself.")
+        result.failed.append(f"{recordings}: it cannot be deleted ({reason_of(error)}). Delete it yourself.")
     else:
-        told.done.append(f"{recordings}: deleted.")
+        result.done.append(f"{recordings}: deleted.")
 
 
-def _withdraw_from_replaced(old: ExperimentFolder, told: Withdrawal, clocks: Callable[[], Clocks]) -> None:
+def _withdraw_from_replaced(old: ExperimentFolder, result: Withdrawal, clocks: Callable[[], Clocks]) -> None:
     """Delete a participant's data from files that a backup has replaced."""
-    _delete_recordings(old, told)
+    _delete_recordings(old, result)
     if not old.log.exists():
         return
     try:
         with ExperimentLog(old.log) as log:
-            if sequences := sequences_of(log.read(), told.participant):
+            if sequences := sequences_of(log.read(), result.participant):
                 log.delete(sequences, clocks())
-                told.done.append(f"{old.log}: all events of {told.participant} are deleted.")
+                result.done.append(f"{old.log}: all events of {result.participant} are deleted.")
     except BadFile as fault:
-        if any(_names(path, told.participant) for path in old.log.parent.iterdir() if path.is_file()):
-            told.failed.append(
-                f"{fault} A backup has replaced this log. It may have data of {told.participant}: "
+        if any(_names(path, result.participant) for path in old.log.parent.iterdir() if path.is_file()):
+            result.failed.append(
+                f"{fault} A backup has replaced this log. It may have data of {result.participant}: "
                 f"copy what you need from it, and delete {old.root}."
             )
 
@@ -297,28 +297,28 @@ def _remake(
     export: Path,
     versions: Mapping[str, str],
     changed: Sequence[str] | None,
-    told: Withdrawal,
+    result: Withdrawal,
 ) -> None:
     if people_of(export) is None:
-        told.left.append(
+        result.left.append(
             f"{export}: an export was written here, and its manifest.json is missing or damaged. Check whether it has "
-            f"data of {told.participant}, and delete it."
+            f"data of {result.participant}, and delete it."
         )
         return
     try:
         others = remake_export(study, design, entries, export, versions, changed)
     except BadFile as fault:
-        told.failed.append(f"{fault} This export may still have data of {told.participant}.")
+        result.failed.append(f"{fault} This export may still have data of {result.participant}.")
         return
-    told.done.append(f"{export}: this export was written again, without {told.participant}. Run its scripts again.")
+    result.done.append(f"{export}: this export was written again, without {result.participant}. Run its scripts again.")
     for path in others:
-        named = [file for file in (path, *path.rglob("*")) if file.is_file() and _names(file, told.participant)]
-        told.left += [
-            f"{file} is not one of the export's files, and names {told.participant}. Delete it." for file in named
+        named = [file for file in (path, *path.rglob("*")) if file.is_file() and _names(file, result.participant)]
+        result.left += [
+            f"{file} is not one of the export's files, and names {result.participant}. Delete it." for file in named
         ]
         if not named:
-            told.left.append(
-                f"{path} is not one of the export's files. Check whether it has data of {told.participant}."
+            result.left.append(
+                f"{path} is not one of the export's files. Check whether it has data of {result.participant}."
             )
 
 

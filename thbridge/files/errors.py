@@ -15,7 +15,7 @@ _LONGEST = 1000
 
 
 def visible(text: str, keep: str = "") -> str:
-    """Return untrusted text with its control characters as escapes, such as \\x1b: they can clear screens and forge
+    """Return untrusted text with control characters as escapes such as \\x1b, because they can clear screens and forge
     lines.
 
     Args:

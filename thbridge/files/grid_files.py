@@ -76,9 +76,7 @@ class UnseenWalls:
 
 
 def unseen_walls(cells: Cells, pixels: NDArray[np.uint8], negate: bool) -> UnseenWalls | None:
-    """Check whether hardly any cell around a map's floor is occupied. Return None if there are walls, or unknown cells
-    in the shade of map savers.
-    """
+    """Check for walls around a map's floor. Return None if there are some, or unknown cells in map savers' shade."""
     free = np.pad(cells == FREE, 1)
     beside = free[:-2, 1:-1] | free[2:, 1:-1] | free[1:-1, :-2] | free[1:-1, 2:]
     edge = beside & ~free[1:-1, 1:-1]

@@ -12,8 +12,7 @@ MAP_TIMES = "mapTimes"
 
 
 def read_map_times(path: Path) -> CostMatrix:
-    """Read a travel cost matrix: the number of nodes, then one row of costs per node; 99 means that a move is
-    impossible.
+    """Read a travel cost matrix: the number of nodes, then one row of costs per node; 99 means an impossible move.
 
     Costs are whole or decimal numbers and may be above 99; see `CostMatrix.of_map_times`.
 

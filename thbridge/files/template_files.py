@@ -174,10 +174,9 @@ def read_template_set(folder: Path, replaced: Mapping[str, bytes] = MappingProxy
 
 
 def _alike(path: Path, kinds: Sequence[TreasureKind]) -> Iterator[BadFile]:
-    """Yield warnings about treasures that no property distinguishes from another, or that share a picture, each
-    once."""
+    """Yield a warning for each treasure that no property distinguishes from another, or that shares a picture."""
     for index, kind in enumerate(kinds):
-        found = next((told for other in kinds[:index] if (told := _confusion(other, kind)) is not None), None)
+        found = next((confusion for other in kinds[:index] if (confusion := _confusion(other, kind)) is not None), None)
         if found is not None:
             yield BadFile(path, *found)
 

@@ -390,8 +390,11 @@ def _wrong_in(wording: str, allowed: Mapping[str, str], *ways: Collection[str]) 
     if not wording.strip():
         yield "the wording is empty", "Write some words"
     if strange := next((sign for sign in wording if not sign.isprintable()), None):
-        told = f"{unicodedata.name(strange, 'a line break or control sign').lower()}, U+{ord(strange):04X}"
-        yield f"a character that cannot be printed: {told}", "Write one line of printable characters and plain blanks"
+        character = f"{unicodedata.name(strange, 'a line break or control sign').lower()}, U+{ord(strange):04X}"
+        yield (
+            f"a character that cannot be printed: {character}",
+            "Write one line of printable characters and plain blanks",
+        )
     if len(wording) > LONGEST_WORDING:
         yield f"{len(wording)} characters are too many", f"Write at most {LONGEST_WORDING}"
     fault = spelling_fault(wording, allowed)

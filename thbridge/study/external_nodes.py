@@ -4,7 +4,8 @@ from enum import StrEnum
 
 
 class ExternalNodes(StrEnum):
-    """ROS nodes that replace ours: move_base alone, or amcl as well. Our own move_base cannot use another amcl."""
+    """ROS nodes that replace ours: move_base alone, or amcl as well. An external amcl is of no use to our own
+    move_base."""
 
     NONE = "none"
     MOVE_BASE = "move_base"

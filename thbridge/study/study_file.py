@@ -82,8 +82,7 @@ class GameSection:
 
 @dataclass(frozen=True, slots=True)
 class ShowsSection:
-    """Optional parts of what participants see of robots and treasures. They always see estimated poses and
-    activities."""
+    """Optional parts of what participants see. They always see estimated poses and activities."""
 
     way: bool = param(True, "show the paths that robots are about to drive")
     uncertainty: bool = param(False, "show how certain robots are of their positions")
@@ -515,7 +514,7 @@ def _contradictions(loaded: Loaded[Study]) -> Iterator[BadFile]:
     rate, spread = study.dialogue.adviser_error_rate, study.dialogue.confidence_spread
     room = round(min(rate, 1.0 - rate), 9)
     if spread > room:
-        problem = f"suggestions would be wrong with probabilities from {rate - spread:g} to {rate + spread:g}"
+        problem = f"the probability of a wrong suggestion would be {rate - spread:g} to {rate + spread:g}"
         remedy = f"Write at most {room:g}, or change adviser_error_rate"
         yield loaded.fault("dialogue.confidence_spread", problem, remedy)
     for index, text in enumerate(study.open_to):

@@ -37,7 +37,7 @@ def test_another_seed_changes_nothing_else() -> None:
     [
         ("robots: 2\nseeed: 3\n", {}, "seeed: unknown key. The nearest name is seed.", 2, "seeed"),
         ("robots: 2\n", {"seed": -1}, "changes, line 1, seed: ", 1, "seed"),
-        ("robots: 2\nmap: nowhere\n", {}, "there is no map of this name", 2, "map"),
+        ("robots: 2\nmap: nowhere\n", {}, "no map has this name", 2, "map"),
         ("robots_from: ros\n", {}, "robots_from: this study is for real robots", None, "robots_from"),
     ],
 )

@@ -103,10 +103,10 @@ def test_the_study_in_docs_is_a_design(tmp_path: Path) -> None:
             "(condition 1 (robots=1, map=arena9)). ",
         ),
         ("factors: {robots: []}\n", "design.yaml, line 1, factors.robots: a factor needs levels. Write [LEVEL, "),
-        ("factors: {robots: [2, 2]}\n", "factors.robots: the level 2 stands twice. Keep one of the two."),
+        ("factors: {robots: [2, 2]}\n", "factors.robots: the level 2 is listed twice. Keep one of the two."),
         (
             "factors: {game.energy: [20, 20.0]}\n",
-            "factors.game.energy: the level 20 stands twice. Keep one of the two.",
+            "factors.game.energy: the level 20 is listed twice. Keep one of the two.",
         ),
         (
             "factors: {robots: {from: 1}}\n",
@@ -125,7 +125,7 @@ def test_the_study_in_docs_is_a_design(tmp_path: Path) -> None:
         ("base: {robots_from: ros}\n", "robots_from: a sweep simulates its robots. Write sim."),
         (
             "base: {game.energy: 20, game: {energy: 30}}\n",
-            "design.yaml, line 1, game.energy: stands twice. Keep one of the two.",
+            "design.yaml, line 1, game.energy: written twice. Keep one of the two.",
         ),
         (
             "base: {game: {energy: 20}}\nfactors: {game: [{energy: 10}, {energy: 30}]}\n",
@@ -139,7 +139,7 @@ def test_the_study_in_docs_is_a_design(tmp_path: Path) -> None:
             "factors:\n  energy: {low: {game.energy: 9}, high: {game.energy: 99}}\n  game: {a: {game: {energy: 5}}}\n",
             "design.yaml, line 3, game.energy: energy and game both set it.",
         ),
-        ("replicates: 100000000\n", "replicates: 100000000 games, and a sweep has 10000000 at most. Write fewer."),
+        ("replicates: 100000000\n", "replicates: 100000000 games, but a sweep has at most 10000000. Write fewer."),
         ("study: none.yaml\n", "none.yaml: there is no such file. Check the name and the folder."),
     ],
 )

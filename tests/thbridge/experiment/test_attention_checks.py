@@ -38,6 +38,6 @@ def test_methods_count_those_who_failed_and_no_score_has_an_attention_check(tmp_
     text = methods_text(records, {}, "Not registered.")
     assert "1 item of these only checked attention and counted for no score." in text
     failures = "1 failure" if failed == 1 else f"{failed} failures"
-    assert f"Of 20 participants analyzed who answered them, {failed} failed at least one ({failures} in all)." in text
+    assert f"Of 20 participants analyzed who answered them, {failed} failed at least one ({failures} in total)." in text
     assert "| look | Please choose 2 here. |" in text and "| attention check |" in text
     assert all([item.id for item in score.items] == ["calm", "glad"] for score in records.scores)

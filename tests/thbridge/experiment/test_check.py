@@ -246,7 +246,7 @@ def test_a_study_under_way_goes_on_with_faults_that_an_earlier_release_let_pass(
             "{step: debrief, when: {feelings.calm: '5'},",
             "steps[5].when: feelings.calm is not a choice of one answer",
         ),
-        ("{step: debrief,", "{step: debrief, only_at: {robots: 2},", "steps[5].only_at: robots is no factor"),
+        ("{step: debrief,", "{step: debrief, only_at: {robots: 2},", "steps[5].only_at: robots is not a factor"),
         (
             "{step: debrief,",
             "{step: debrief, only_at: {dialogue.condition: superviser},",
@@ -257,11 +257,15 @@ def test_a_study_under_way_goes_on_with_faults_that_an_earlier_release_let_pass(
             "{step: debrief, only_at: {dialogue.condition: supervisor},",
             "steps[5].only_at: each participant meets all levels of dialogue.condition",
         ),
-        ("attempts: 2", "attempts: 2, right: 3", "steps[2].right: 3 right answers are asked for, and 2 items have one"),
+        (
+            "attempts: 2",
+            "attempts: 2, right: 3",
+            "steps[2].right: the check asks for 3 right answers, but only 2 items have one",
+        ),
         (
             "repeat: practice}\n  - {step: trial, name: game, each_condition: true}",
             "repeat: practice, each_condition: true}\n  - {step: trial, name: game, each_condition: true}",
-            "steps[2].repeat: a participant who fails the check would do game again, which counts as data",
+            "steps[2].repeat: a participant who fails the check would repeat game, which counts as data",
         ),
     ],
 )
@@ -278,17 +282,21 @@ def test_what_would_spoil_data_is_refused_at_its_key(tmp_path: Path, old: str, n
             "line 4, items[0].correct: 'me' is not one of its answers. Write one of you, they",
         ),
         ("correct: you", "correct: you, several: true", "items[0].correct: an item with several answers"),
-        ("options: [energy, points]", "options: [energy, points, points]", "items[1].options: 'points' stands twice"),
+        (
+            "options: [energy, points]",
+            "options: [energy, points, points]",
+            "items[1].options: 'points' is listed twice",
+        ),
         (
             "options: [energy, points], correct: energy",
             "scale: number, maximum: 5, shuffle: false, correct: '7'",
             "items[1].correct: '7' is not one of its answers. Write a number from 0 to 5",
         ),
-        ("correct: you", "correct_by_condition: {robots=2: you}", "correct_by_condition: robots is no factor"),
+        ("correct: you", "correct_by_condition: {robots=2: you}", "correct_by_condition: robots is not a factor"),
         (
             "correct: you",
             "correct_by_condition: {dialogue.condition=supervisor: you}",
-            "there is no right answer at dialogue.condition=collaborator",
+            "the right answer at dialogue.condition=collaborator is missing",
         ),
         (
             "correct: you",
@@ -323,7 +331,7 @@ def test_an_answer_key_by_a_factor_that_was_removed_is_refused(tmp_path: Path) -
     understood = replaced("correct: you", by, FORMS["understood.yaml"])
     removed = replaced("within: {dialogue.condition: [supervisor, collaborator]}\n", "")
     said = refused(folder_of(tmp_path, removed, understood=understood))
-    assert "dialogue.condition is no factor. Write one `correct`: there are no factors." in said
+    assert "dialogue.condition is not a factor. Write one `correct`: there are no factors." in said
 
 
 def test_what_rehearsals_read_is_checked_as_well(tmp_path: Path) -> None:
@@ -356,7 +364,7 @@ def test_no_table_has_a_column_that_a_factor_may_be_called(tmp_path: Path) -> No
         ("{participant.shows.answers: false}", "{robots: 2}", "may bias the answers to feelings"),
         ("  - {step: debrief, text: debrief.txt}\n", "", "Nobody reads what the study was about"),
         ("  - {step: practice, name: practice}\n", "", "No practice comes before the first trial"),
-        ("quota: 4", "quota: 3", "Of 2 orders some come more often: the quota, 3, is no multiple"),
+        ("quota: 4", "quota: 3", "The quota, 3, is not a multiple of the 2 orders"),
         ("quota: 4", "quota: 4\norder: fixed", "All people meet the conditions in the same order"),
         ("quota: 4", "quota: 4\nseeds: [5, 5]", "Two trials have the same seed"),
         ("attempts: 2, repeat: practice", "attempts: 1", "understood: one wrong answer excludes a person at once"),

@@ -59,7 +59,7 @@ def test_all_faults_of_an_experiment_are_told_with_their_lines(tmp_path: Path) -
         "line 2, seeds: 1 seeds for 2 trials",
         "line 5, steps: no trial comes once for each condition",
         "line 6, steps[0]: consent without a text",
-        "line 7, steps[1].form: there is no form wrkload. Name a file, or one of preference, trust",
+        "line 7, steps[1].form: no form wrkload exists. Name a file, or one of preference, trust",
         "line 9, steps[3].when: no earlier step has the name nobody",
         "a check needs right answers",
     ):
@@ -69,7 +69,7 @@ def test_all_faults_of_an_experiment_are_told_with_their_lines(tmp_path: Path) -
 @pytest.mark.parametrize(
     ("line", "problem"),
     [
-        ("within: {robots: [1, 2], seed: [1, 2]}", "seed is no factor"),
+        ("within: {robots: [1, 2], seed: [1, 2]}", "seed cannot be a factor"),
         ("base: {robots: 3}\nwithin: {robots: [1, 2]}", "base and robots both set it"),
         ("within: {robts: [1, 2]}", "the nearest right name is robots"),
         ("between: {noise.preset: [none, worse]}", "worse"),

@@ -182,14 +182,14 @@ def test_everybody_who_began_is_in_the_flow_with_a_reason(course: Course) -> Non
         ("Excluded", r"knew the \| study (after completing the study)"),
     ):
         assert rows[row][-1] == 1
-    began = rows.pop(("Began, in all", ""))
+    began = rows.pop(("Began, in total", ""))
     assert began == [sum(numbers) for numbers in zip(*rows.values(), strict=True)]
     assert (began[2], sum(began[:2])) == (10, 9), "the group of who withdrew is deleted with their data"
 
 
 def test_checks_have_their_attempts_and_failures(course: Course) -> None:
     text = text_of(records_of(course.folder.read(), read_log(course.folder.log)))
-    assert "The check *Before we begin* had 1 question with a right answer; it was passed with 1 right." in text
+    assert "The check *Before we begin* had 1 question with a right answer; it took 1 right answer to pass." in text
     assert "It could be tried up to 2 times, repeating from the step practice on." in text
     assert "Participants who failed the last attempt were excluded." in text
     # Of ten who began, one declined, one is still reading, and one withdrew.

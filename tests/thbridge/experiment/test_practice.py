@@ -86,7 +86,7 @@ def test_keys_of_the_step_change_the_practice_game_alone(tmp_path: Path) -> None
         (", base: {game.energy: 1}", "steps[0].at_least.moves", "allow 0 of these"),
         (", at_least: {moves: 0.5}", "steps[0].at_least.moves", "not a whole number"),
         (", at_least: {jumps: 1}", "steps[0].at_least.jumps", "jumps is not counted in practice"),
-        (", at_least: {moves: some}", "steps[0].at_least.moves", "'some' is no number"),
+        (", at_least: {moves: some}", "steps[0].at_least.moves", "'some' is not a number"),
         (", at_least: {seconds: 60}, max_seconds: 60", "steps[0].at_least.seconds", "the game ends after 60 s"),
         (
             ", at_least: {dialogues: 1}, base: {dialogue.condition: supervisor}",

@@ -122,7 +122,7 @@ def test_effects_name_what_the_experiment_has(tmp_path: Path) -> None:
         read_people(file, ExperimentFolder(tmp_path).read())
     problems = [str(fault) for fault in told.value.faults]
     assert "line 2, effects[0].score: no form has a score wrkload" in problems[0]
-    assert "dialogue is no factor. Write one of dialogue.condition" in problems[1]
+    assert "dialogue is not a factor. Write one of dialogue.condition" in problems[1]
     assert "dialogue.condition has no level superviser" in problems[2]
 
 

@@ -35,7 +35,7 @@ def test_facts_may_share_a_line_and_have_comments(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("name", "text", "told"),
     [
-        ("a.apx", "arg(a).\narg(b)\n", ["line 2: there is no full stop after arg(b)."]),
+        ("a.apx", "arg(a).\narg(b)\n", ["line 2: the full stop after arg(b) is missing."]),
         ("a.apx", "arg(a).\natt(a b).\n", ["line 2: 'att(a b).' cannot be read. Write arg(NAME)."]),
         ("a.apx", "<p>\n" * 1000, [f"line {number}: '<p>' cannot be read." for number in range(1, 21)]),
         ("a.apx", f"({'a' * 100})", [f"line 1: '({'a' * 59}...' cannot be read."]),
@@ -48,10 +48,10 @@ def test_facts_may_share_a_line_and_have_comments(tmp_path: Path) -> None:
         (
             "a.apx",
             "arg(a).\natt(a,b).\natt(c,a).\n",
-            ["line 2: there is no argument b.", "line 3: there is no argument c."],
+            ["line 2: no argument b is defined.", "line 3: no argument c is defined."],
         ),
         ("a.tgf", "a\n#\na\n", ["line 3: 'a' is no attack."]),
-        ("a.tgf", "a\n#\na b\n", ["line 3: there is no argument b."]),
+        ("a.tgf", "a\n#\na b\n", ["line 3: no argument b is defined."]),
         (
             "a.tgf",
             "a\na b\n",

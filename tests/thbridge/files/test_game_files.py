@@ -31,14 +31,14 @@ FAULTS = [
     # Words.
     (PERSUASION, "turn: respondent", "turn: respondant", "line 11, stages[1].turn: 'respondant' is not a valid choice"),
     (PERSUASION, "of: topic", "of: topics", "line 9, stages[0].replies[0].of: 'topics' is not a valid choice"),
-    (PERSUASION, "say: challenge", "say: chalenge", "there is no locution chalenge. The nearest is challenge"),
-    (PERSUASION, "next: countered", "next: counterd", "line 15, stages[1].replies[2].next: there is no stage or end"),
-    (PERSUASION, "last: agreement", "last: agree", "there is no stage or end agree. The nearest is agreement"),
+    (PERSUASION, "say: challenge", "say: chalenge", "locution chalenge does not exist. The nearest is challenge"),
+    (PERSUASION, "next: countered", "next: counterd", "line 15, stages[1].replies[2].next: stage or end counterd does"),
+    (PERSUASION, "last: agreement", "last: agree", "stage or end agree does not exist. The nearest is agreement"),
     (PERSUASION, "about: literal", "about: thing", "line 3, about: 'thing' is not a valid choice"),
-    (PERSUASION, "opening: opening", "opening: start", "line 4, opening: there is no stage start"),
+    (PERSUASION, "opening: opening", "opening: start", "line 4, opening: stage start does not exist"),
     (PERSUASION, "name: persuasion", "name:", "line 2, name: no value"),
-    (PERSUASION, "name: persuasion", "name: ' '", "line 2, name: ' ' is no name"),
-    (PERSUASION, "name: announced", "name: ''", "stages[4].name: '' is no name"),
+    (PERSUASION, "name: persuasion", "name: ' '", "line 2, name: ' ' is not a valid name"),
+    (PERSUASION, "name: announced", "name: ''", "stages[4].name: '' is not a valid name"),
     (PERSUASION, "name: announced", "name: agreement", "agreement is the name of an end"),
     (PERSUASION, "name: announced", "name: challenged", "two stages have the name challenged"),
     (PERSUASION, "next: announced, last: agreement}", "next: announced, final: agreement}", "final: unknown key"),
@@ -67,7 +67,7 @@ FAULTS = [
     # Openings.
     (PERSUASION, "of: topic", "of: claim", "a game is opened with its topic, not claim"),
     (PERSUASION, "turn: initiator", "turn: respondent", "line 7, stages[0].turn: the initiator opens a game"),
-    (PERSUASION, OPENING, "{say: assert, of: topic, next: agreement}", "nobody can reply to the opening"),
+    (PERSUASION, OPENING, "{say: assert, of: topic, next: agreement}", "every opening ends the game without a reply"),
     (PERSUASION, f"\n      - {OPENING}", " []", "this stage has no replies"),
     # Ways through a table.
     (PERSUASION, f"      - {OPPOSITE}\n", "", "no reply leads to the stage countered"),
@@ -123,8 +123,13 @@ FAULTS = [
         "the argument as a whole comes before its support",
     ),
     # What is questioned.
-    (PERSUASION, "questioned: reconsidered", "questioned: reconsiderd", "there is no stage reconsiderd. The nearest"),
-    (PERSUASION, "questioned: reconsidered", "questioned: disagreement", "there is no stage disagreement"),
+    (
+        PERSUASION,
+        "questioned: reconsidered",
+        "questioned: reconsiderd",
+        "stage reconsiderd does not exist. The nearest",
+    ),
+    (PERSUASION, "questioned: reconsidered", "questioned: disagreement", "stage disagreement does not exist"),
     (
         PERSUASION,
         "next: disagreement, questioned",
@@ -144,16 +149,16 @@ FAULTS = [
         "nothing is refused here that could be questioned",
     ),
     # Games beside each other.
-    (PERSUASION, "name: persuasion", "name: inquiry", "line 2, name: inquiry.yaml has a game inquiry, too"),
+    (PERSUASION, "name: persuasion", "name: inquiry", "line 2, name: inquiry.yaml also has a game inquiry"),
     (INQUIRY, "about: rule", "about: literal", "which it replaces, is about a rule"),
     # Locutions.
-    (LOCUTIONS, "argued, news]", "arged, news]", "line 11, locutions[0].before[1]: there is no condition arged"),
-    (LOCUTIONS, "after: [claimed,", "after: [claimd,", "there is no effect claimd. The nearest is claimed"),
+    (LOCUTIONS, "argued, news]", "arged, news]", "line 11, locutions[0].before[1]: condition arged does not exist"),
+    (LOCUTIONS, "after: [claimed,", "after: [claimd,", "effect claimd does not exist. The nearest is claimed"),
     (LOCUTIONS, "before: [held, argued", "before: [held, not held, argued", "held and not held never hold together"),
     (LOCUTIONS, "content: literal", "content: litteral", "'litteral' is not a valid choice"),
-    (LOCUTIONS, "content: unknown", "content: literal", "locutions[2]: assert of a literal is there twice"),
+    (LOCUTIONS, "content: unknown", "content: literal", "locutions[2]: assert of a literal is defined twice"),
     (LOCUTIONS, "of: support", "of: claim", "locutions[8].of: 'claim' is not a valid choice"),
-    (LOCUTIONS, "of: support, ", "", "locutions[8]: propose of a rule is there twice"),
+    (LOCUTIONS, "of: support, ", "", "locutions[8]: propose of a rule is defined twice"),
     (
         LOCUTIONS,
         "before: [undecided]",
@@ -162,7 +167,7 @@ FAULTS = [
     ),
     (LOCUTIONS, "after: [believed, shown]", "after: [concluded]", "concluded is for content: rule; not for literal"),
     (LOCUTIONS, "after: [concluded]", "after: concluded", "a list is needed"),
-    (LOCUTIONS, "name: assert", "name: ''", "locutions[0].name: '' is no name"),
+    (LOCUTIONS, "name: assert", "name: ''", "locutions[0].name: '' is not a valid name"),
     (LOCUTIONS, "after: [claimed, shown, shown to be argued]", "after: [shown]", "accept of claim is never legal here"),
 ]
 

@@ -74,11 +74,13 @@ def test_an_image_that_is_not_there_is_looked_for_beside_the_file_and_that_is_to
     np.testing.assert_array_equal(file.grid.cells, CELLS)
     (doubt,) = file.doubts
     assert (doubt.key, doubt.line) == ("image", 1)
-    assert str(doubt).endswith(f"there is no file {image}, so map.pgm next to map.yaml is used. Write image: map.pgm.")
+    assert str(doubt).endswith(
+        f"file {image} does not exist, so map.pgm next to map.yaml is used. Write image: map.pgm."
+    )
 
 
 def test_an_image_that_is_nowhere_is_a_fault(folder: Path) -> None:
-    with pytest.raises(BadFile, match=r"map\.yaml, line 1, image: there is no file /home/x/other\.pgm\. Name the "):
+    with pytest.raises(BadFile, match=r"map\.yaml, line 1, image: file /home/x/other\.pgm does not exist\. Name the "):
         read_grid(written(folder, image="/home/x/other.pgm"))
 
 

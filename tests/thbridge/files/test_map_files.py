@@ -198,7 +198,7 @@ BROKEN: dict[str, tuple[Callable[[Path], object], str]] = {
     "no folder": (remove, "two: there is no such folder. Name a folder that contains map.yaml and rooms.yaml."),
     "no map.yaml": (lambda folder: (folder / "map.yaml").unlink(), "map.yaml: there is no such file."),
     "no rooms.yaml": (lambda folder: (folder / "rooms.yaml").unlink(), "rooms.yaml: there is no such file."),
-    "no image": (lambda folder: (folder / "map.pgm").unlink(), "map.yaml, line 1, image: there is no file "),
+    "no image": (lambda folder: (folder / "map.pgm").unlink(), "map.yaml, line 1, image: file "),
     "a misspelt key": (
         edit("map.yaml", "occupied_thresh", "occupied_tresh"),
         "map.yaml, line 5, occupied_tresh: unknown key. The nearest name is occupied_thresh.",
@@ -218,9 +218,9 @@ BROKEN: dict[str, tuple[Callable[[Path], object], str]] = {
     "a resolution of nothing": (edit("map.yaml", "0.1", "0"), "line 2, resolution: 0 is out of range."),
     "an image cut off": (
         image(b"P5\n80 40\n255\n" + bytes(1000)),
-        "map.pgm: the picture is cut off: its header says 80 x 40 pixels, but there are 12 rows only.",
+        "map.pgm: the image is cut off: its header says 80 x 40 pixels, but it has only 12 rows.",
     ),
-    "a text image cut off": (image(b"P2\n80 40\n255\n0 0 0\n"), "80 x 40 pixels, but there are 3 values only."),
+    "a text image cut off": (image(b"P2\n80 40\n255\n0 0 0\n"), "80 x 40 pixels, but it has only 3 values."),
     "a damaged header": (image(b"P5\n80 x\n"), "map.pgm: the PGM header is damaged."),
     "a header without end": (image(b"P5 80 # 40"), "map.pgm: the PGM header is damaged."),
     "an image of no size": (image(b"P5 0 40 255\n"), "map.pgm: the picture is 0 x 40 pixels."),
@@ -245,11 +245,11 @@ BROKEN: dict[str, tuple[Callable[[Path], object], str]] = {
     ),
     "a goal behind a wall": (
         draw(slice(0, 40), slice(30, 31), OCCUPIED),
-        "rooms.yaml, line 5, rooms[0].goal: no way 0.5 m wide leads from the start of robot 1 to room 1.",
+        "rooms.yaml, line 5, rooms[0].goal: no path that is 0.5 m wide leads from the start of robot 1 to room 1.",
     ),
     "a door too narrow": (
         draw(slice(5, 40), slice(49, 50), OCCUPIED),
-        "rooms.yaml, line 9, rooms[1].goal: no way 0.5 m wide leads from the start of robot 1 to room 2.",
+        "rooms.yaml, line 9, rooms[1].goal: no path that is 0.5 m wide leads from the start of robot 1 to room 2.",
     ),
     "a region beyond the map": (
         edit("rooms.yaml", "[8, 0], [8, 4]", "[9, 0], [9, 4]"),
@@ -269,7 +269,7 @@ BROKEN: dict[str, tuple[Callable[[Path], object], str]] = {
     ),
     "a number twice": (
         edit("rooms.yaml", "number: 2", "number: 1"),
-        "rooms.yaml, line 6, rooms[1].number: room 1 written twice, first in line 2.",
+        "rooms.yaml, line 6, rooms[1].number: room 1 is defined twice, first in line 2.",
     ),
     "a gap in the numbers": (
         edit("rooms.yaml", "number: 2", "number: 3"),
@@ -370,7 +370,7 @@ class TestBroken:
         edit("rooms.yaml", "[1.5, 2, 0]", "[3.5, 2, 0]")(folder)
         told = "\n".join(str(finding.fault) for finding in check_map(folder).findings)
         assert "negate: 7 is out of range" in told
-        assert "stands twice" in told
+        assert "is defined twice" in told
         assert "is not in the room's region" in told
 
     def test_faults_of_shape_place_and_way_are_told_in_one_round(self, folder: Path) -> None:
@@ -382,7 +382,7 @@ class TestBroken:
         assert "mapTimes, line 1, number of nodes: " in told
         assert "no room has the number 2" in told
         assert "rooms[0].goal: at (0.35, 2)" in told
-        assert "rooms[1].goal: no way 0.5 m wide leads from the start of robot 1 to room 3" in told
+        assert "rooms[1].goal: no path that is 0.5 m wide leads from the start of robot 1 to room 3" in told
 
     @pytest.mark.parametrize(
         ("change", "told"),

@@ -33,12 +33,12 @@ def test_a_path_is_taken_from_beside_the_file_that_names_it(resources: Resources
 @pytest.mark.parametrize(
     ("wanted", "told"),
     [
-        ("hal", r"maps, hal: there is no map of this name. The nearest name is hall; a path of your own needs a slash"),
+        ("hal", r"maps, hal: no map has this name. The nearest name is hall; a path of your own needs a slash"),
         ("cellar", r"The names are: attic, hall; a path of your own needs a slash, as in ./cellar"),
-        ("notes", r"there is no map of this name"),
-        ("", r"there is no map of this name"),
+        ("notes", r"no map has this name"),
+        ("", r"no map has this name"),
         ("./cellar", r"cellar: there is no such folder. Give the path of a map, or one of: attic, hall"),
-        ("./", r"there is no map.yaml in this folder. Give the path of a map, or one of: attic, hall"),
+        ("./", r"this folder has no map.yaml. Give the path of a map, or one of: attic, hall"),
     ],
 )
 def test_what_is_not_there_is_told_with_what_is(resources: Resources, wanted: str, told: str) -> None:

@@ -30,9 +30,9 @@ def lab(folder: Path, text: str, language: str = "en", name: str = "ours.yaml") 
 BROKEN = {
     "phrases: [{of: nxt, yes: [x]}]": ("line 1, phrases[0].of", "no predicate nxt", "The nearest is next"),
     "phrases: [{of: visited, yes: ['£rom£ is done']}]": ("phrases[0].yes[0]", "£rom£", "Write £room£"),
-    "phrases: [{of: visited, yes: ['it is done']}]": ("has to carry £room£", "Write £room£ into it"),
-    "phrases: [{of: plan, no: ['no £robot£ £room£ £rooms£']}]": ("has to carry £energy£",),
-    "phrases: [{of: plan, robot: self, no: ['no £to_room£']}]": ("has to carry £energy£ and £rooms£",),
+    "phrases: [{of: visited, yes: ['it is done']}]": ("must contain £room£", "Write £room£ into it"),
+    "phrases: [{of: plan, no: ['no £robot£ £room£ £rooms£']}]": ("must contain £energy£",),
+    "phrases: [{of: plan, robot: self, no: ['no £to_room£']}]": ("must contain £energy£ and £rooms£",),
     "phrases: [{of: visited, robot: self, yes: ['£room£']}]": ("visited is not about a robot", "Delete"),
     "phrases: [{of: visited, yes: ['£room£ is done.']}]": ("ends none", "Take away"),
     "phrases: [{of: visited, yes: ['£room£'], no: ['£room£']}]": ("the same words", "Deny it"),
@@ -44,11 +44,11 @@ BROKEN = {
     "phrases: [{of: visited, speaker: cat, yes: ['£room£']}]": ("'cat' is no choice", "robot or human"),
     "phrases: [{of: visited, yes: ['£room£']}, {of: visited, no: ['£room£ not']}]": ("the same stands in ours.yaml",),
     "moves: [{move: chalenge, speaker: human, say: ['£content£']}]": ("no locution chalenge", "nearest is challenge"),
-    "moves: [{move: challenge, speaker: human, say: ['Why?']}]": ("has to carry £content£",),
+    "moves: [{move: challenge, speaker: human, say: ['Why?']}]": ("must contain £content£",),
     "moves: [{move: challenge, speaker: human, say: []}]": ("it has no wording",),
-    "moves: [{move: challenge, speaker: human, of: next, say: ['Why £room£?']}]": ("has to carry £content£",),
+    "moves: [{move: challenge, speaker: human, of: next, say: ['Why £room£?']}]": ("must contain £content£",),
     "moves: [{move: challenge, speaker: human, of: next, holds: true, say: ['Why £room£?']}]": (
-        "has to carry £content£",
+        "must contain £content£",
     ),
     "moves: [{move: challenge, speaker: human, of: nex, say: ['£content£']}]": ("no predicate nex", "next"),
     "moves: [{move: challenge, speaker: human, condition: boss, say: ['£content£']}]": (
@@ -56,12 +56,12 @@ BROKEN = {
         "adviser",
     ),
     "moves: [{move: assert, content: argument, speaker: human, say: ['£content£']}]": ("£content£", "£conclusion£"),
-    "moves: [{move: assert, content: argument, speaker: human, say: ['£conclusion£']}]": ("has to carry £support£",),
+    "moves: [{move: assert, content: argument, speaker: human, say: ['£conclusion£']}]": ("must contain £support£",),
     "moves: [{move: challenge, content: rule, of: next, speaker: human, say: ['£content£']}]": (
         "one for all predicates",
     ),
     "moves: [{move: assert, content: argument, of: next, robot: self, holds: true, speaker: human, say: ['£room£']}]": (
-        "has to carry £support£",
+        "must contain £support£",
     ),
     "moves: [{move: challenge, speaker: human, of: visited, robot: self, say: ['£content£']}]": ("about no robot",),
     "moves: [{move: accept, speaker: human, say: ['£content£']}, {move: accept, speaker: human, say: ['£content£']}]": (
@@ -75,7 +75,7 @@ BROKEN = {
     "lines: [{say: [Back]}]": ("lines[0].key", "missing"),
     "frases: []": ("unknown key", "phrases"),
     "phrases: 3": ("a list is needed",),
-    "language: {title: Nederlands, falls_back_on: fr}": ("no language fr", "There are: de, en, nl"),
+    "language: {title: Nederlands, falls_back_on: fr}": ("language fr does not exist", "Write one of: de, en, nl"),
     "language: {title: Nederlands, falls_back_on: nl}": ("in a circle", "Write null"),
     "grammar: {room: x}": ("grammar", "missing"),
     "[": ("ours.yaml, line 1",),
@@ -99,13 +99,13 @@ GRAMMAR = (SHIPPED_LANGUAGES / "en" / "language.yaml").read_text(encoding="utf-8
 @pytest.mark.parametrize(
     ("right", "wrong", "told"),
     [
-        ("to_room: to room £number£", "to_room: to room", "has to carry £number£"),
+        ("to_room: to room £number£", "to_room: to room", "must contain £number£"),
         ("corridor: the corridor", "corridor: the £number£", "unknown reserved word £number£"),
         ("one_room: 1 room", "one_room: a room", "Write it with a 1"),
         ('decimal: "."', 'decimal: "x"', 'Write "." or ","'),
         ('last_or: " or "', r'last_or: "\n"', "the wording is empty"),
         ("{bottle: a bottle}", "{bottle: a £thing£}", "unknown reserved word £thing£"),
-        ("£premises£; then", "so;", "has to carry £premises£"),
+        ("£premises£; then", "so;", "must contain £premises£"),
         ("[not, ", "[no way, ", "'no way' is not one word"),
         ("bound:\n    [room, ", "bound:\n    ['*', room, ", "'*' is not one word"),
     ],
@@ -151,7 +151,7 @@ def test_a_language_that_lacks_words_and_falls_back_on_none_is_told(tmp_path: Pa
         check_words(tmp_path)
     sentence = str(told.value)
     assert sentence.startswith(str(tmp_path / "nl"))
-    for part in ("no phrase next with 'yes'", "no wording of accept with a rule", "no line why_now", "fall back"):
+    for part in ("phrase next with 'yes'", "accept with a rule has no wording", "line why_now", "fall back"):
         assert part in sentence
 
 
@@ -168,7 +168,7 @@ def test_a_language_of_its_own_needs_a_grammar(tmp_path: Path) -> None:
 def test_a_language_that_is_not_there_is_told_with_the_nearest(tmp_path: Path) -> None:
     with pytest.raises(BadFile, match=r"no language dee\. The nearest is de"):
         read_language(name="dee")
-    with pytest.raises(BadFile, match="no language in this folder"):
+    with pytest.raises(BadFile, match="this folder has no language"):
         check_words(tmp_path)
     with pytest.raises(BadFile, match="no such folder"):
         check_words(tmp_path / "words")
@@ -176,7 +176,7 @@ def test_a_language_that_is_not_there_is_told_with_the_nearest(tmp_path: Path) -
 
 def test_a_locution_of_a_lab_needs_words(tmp_path: Path) -> None:
     own = (*read_rulebook().locutions, Locution("concede", ContentKind.LITERAL))
-    with pytest.raises(BadFile, match=r"no wording of concede with a literal .* said by the robot"):
+    with pytest.raises(BadFile, match=r"concede with a literal has no wording .* said by the robot"):
         read_language(locutions=own)
     text = "moves:\n" + "".join(
         f"  - {{move: concede, speaker: {side}, say: ['I give in: £content£.']}}\n" for side in Side

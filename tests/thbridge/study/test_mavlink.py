@@ -50,11 +50,11 @@ mavlink:
 @pytest.mark.parametrize(
     ("mavlink", "key", "problem"),
     [
-        ("{udp: [14550]}", "mavlink.udp[0]", "'14550' is no address"),
-        ("{udp: ['127.0.0.1:0']}", "mavlink.udp[0]", "is no address"),
+        ("{udp: [14550]}", "mavlink.udp[0]", "'14550' is not an address"),
+        ("{udp: ['127.0.0.1:0']}", "mavlink.udp[0]", "is not an address"),
         ("{udp: ['a:1', 'b:2', 'a:1/1']}", "mavlink.udp[2]", "a:1 is in this list twice"),
         ("{udp: ['a:1/2', 'b:2/3']}", "mavlink.udp[1]", "there is no robot 3: the study has 2"),
-        ("{tcp: '::1:5760'}", "mavlink.tcp", "is no address"),
+        ("{tcp: '::1:5760'}", "mavlink.tcp", "is not an address"),
         ("{origin: [90, 0, 0]}", "mavlink.origin", "90 degrees north is not within -85 to 85"),
         ("{origin: [0, 181, 0]}", "mavlink.origin", "181 degrees east is not within -180 to 180"),
         ("{origin: [0, 0, 1e5]}", "mavlink.origin", "100000 m above sea level is not within -500 to 9000"),

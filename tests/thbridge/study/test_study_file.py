@@ -211,12 +211,12 @@ BROKEN = {
     ),
     "probabilities of error below 0": (
         "dialogue:\n  adviser_error_rate: 0.2\n  confidence_spread: 0.3\n",
-        "study.yaml, line 3, dialogue.confidence_spread: suggestions would be wrong with probabilities from -0.1 to 0.5. "
+        "study.yaml, line 3, dialogue.confidence_spread: the probability of a wrong suggestion would be -0.1 to 0.5. "
         "Write at most 0.2, or change adviser_error_rate.",
     ),
     "probabilities of error above 1": (
         "dialogue: {adviser_error_rate: 0.9, confidence_spread: 0.2}",
-        "study.yaml, line 1, dialogue.confidence_spread: suggestions would be wrong with probabilities from 0.7 to 1.1. "
+        "study.yaml, line 1, dialogue.confidence_spread: the probability of a wrong suggestion would be 0.7 to 1.1. "
         "Write at most 0.1, or change adviser_error_rate.",
     ),
     "a minimum above the default maximum": (

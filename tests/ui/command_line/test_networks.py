@@ -72,7 +72,7 @@ def test_a_door_with_keys_is_encrypted_and_needs_no_network() -> None:
 def test_networks_that_are_none_are_told() -> None:
     assert "--open-to: 'lab' is not a network" in refusal("server", "--open-to", "lab")
     Path("study.yaml").write_text("open_to: [10.0.0.0/24, 10.0.0.0/64]\n")
-    assert "study.yaml, line 1, open_to[1]: '10.0.0.0/64' is no network" in refusal("server", "study.yaml")
+    assert "study.yaml, line 1, open_to[1]: '10.0.0.0/64' is not a network" in refusal("server", "study.yaml")
 
 
 def test_who_is_let_in_is_told_and_recorded() -> None:

@@ -196,7 +196,7 @@ class TestNew:
     def test_a_map_of_another_machine_names_an_image_that_is_beside_it(self, here: Path) -> None:
         yaml = here / "two" / "map.yaml"
         yaml.write_text(yaml.read_text().replace("map.pgm", "/home/robot/maps/map.pgm"))
-        assert "there is no file" in maps("check", "two").stdout
+        assert "does not exist" in maps("check", "two").stdout
         assert maps("new", "two/map.yaml", "--to", "mine", "--no-times").exit_code == 0
 
     def test_bright_walls_are_for_negate(self, here: Path) -> None:

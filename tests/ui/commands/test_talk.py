@@ -107,7 +107,7 @@ def test_any_typing_is_taken_and_the_end_of_it_is_no_fault(lines: list[str]) -> 
         ((*EXAMPLE, "--exchange", 6), "--exchange: 6 does not exist. The example has exchanges 1 to 5."),
         ((*EXAMPLE, "--game", "chess"), "--game: there is no game chess. Choose one of "),
         ((*EXAMPLE, "--games", "nowhere"), "nowhere: there is no such folder."),
-        ((*EXAMPLE, "--language", "tlh"), "there is no language tlh."),
+        ((*EXAMPLE, "--language", "tlh"), "language tlh does not exist."),
     ],
 )
 def test_what_cannot_be_talked_about_is_told(options: tuple[object, ...], told: str) -> None:
@@ -148,7 +148,7 @@ def test_what_texts_of_a_language_are_missing_or_wrong_is_told(tmp_path: Path) -
     assert "texts are missing and are shown in English, first " in told
     assert "language de" not in told
     (tmp_path / "nl" / "texts" / "words.yaml").write_text("lest: ' en '\n")
-    assert "there is no text words.lest. The nearest is words.last" in talk("check", tmp_path, code=2)
+    assert "text words.lest does not exist. The nearest is words.last" in talk("check", tmp_path, code=2)
 
 
 def test_a_no_may_be_questioned_and_the_dialogue_that_has_ended_goes_on() -> None:

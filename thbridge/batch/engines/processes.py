@@ -126,14 +126,14 @@ class ProcessEngine(Generic[TaskT]):
         if task is None:
             raise EngineFailed("A worker returned a result without having a task.")
         try:
-            told = worker.pipe.recv()
+            answer = worker.pipe.recv()
         except (EOFError, OSError):
             self._bury(worker)
             return FinishedTask(task, None, worker.name)
         worker.task = None
-        if isinstance(told, Exception):
-            raise told
-        return FinishedTask(task, told, worker.name)
+        if isinstance(answer, Exception):
+            raise answer
+        return FinishedTask(task, answer, worker.name)
 
 
 def _serve(pipe: "Connection[TaskOutcome | Exception, BatchTask]") -> None:

@@ -49,7 +49,7 @@ def plan_of(design: ExperimentDesign, place: Place) -> tuple[PlannedStep, ...]:
 
 
 def _only(design: ExperimentDesign, entry: StepEntry) -> int | None:
-    """Return the condition of a step outside of all conditions: a trial belongs to the only condition, if there is
+    """Return the condition of a step outside of all conditions. A trial belongs to the condition if there is only
     one."""
     return 0 if entry.step is StepKind.TRIAL and len(design.conditions) == 1 else None
 

@@ -206,8 +206,7 @@ def _why_never_given(item: Item, answer: str) -> tuple[str, str] | None:
 
 
 def _of_answer_key(design: ExperimentDesign, entry: StepEntry, item: Item) -> Iterator[tuple[str, str]]:
-    """Yield problem and remedy of right answers by condition if a participant meets none or several of the
-    conditions."""
+    """Yield problem and remedy of right answers by condition if a participant meets none of these, or several."""
     factors = _levels_of(design)
     named = dict.fromkeys(key.partition("=")[0] for key in item.correct_by_condition)
     unknown = [factor for factor in named if factor not in factors]
@@ -216,7 +215,7 @@ def _of_answer_key(design: ExperimentDesign, entry: StepEntry, item: Item) -> It
         yield f"{unknown[0]} is not a factor", f"Write {known}"
         return
     if len(named) > 1:
-        yield f"the answers depend on several factors ({', '.join(named)})", "Write those of one factor"
+        yield f"the answers depend on several factors ({', '.join(named)})", "Use only one factor"
         return
     (factor,) = named
     levels = factors[factor]

@@ -65,38 +65,38 @@ def manifest_text(title: str, participants: Iterable[str], events: int) -> str:
         participants: ids of the people in the export.
         events: number of the last event in the log.
     """
-    told: dict[str, object] = {"title": title, "participants": sorted(participants), "events": events}
-    return json.dumps({**told, "sum": _sum(told)}, indent=1, ensure_ascii=False) + "\n"
+    contents: dict[str, object] = {"title": title, "participants": sorted(participants), "events": events}
+    return json.dumps({**contents, "sum": _sum(contents)}, indent=1, ensure_ascii=False) + "\n"
 
 
 def last_event_of(export: Path) -> int | None:
     """Return the number of the last event of the log in an export, or None if no manifest states it."""
-    last = _told(export).get("events")
+    last = _contents(export).get("events")
     return last if isinstance(last, int) else None
 
 
 def people_of(export: Path) -> frozenset[str] | None:
     """Return the ids of the people in an export, or None if no manifest states them."""
-    people = _told(export).get("participants")
+    people = _contents(export).get("participants")
     return frozenset(map(str, people)) if isinstance(people, list) else None
 
 
-def _told(export: Path) -> Mapping[str, object]:
+def _contents(export: Path) -> Mapping[str, object]:
     """Return the contents of a manifest; empty if it does not exist or is damaged."""
     try:
-        told = json_of(text_of(export / MANIFEST, content_of(export / MANIFEST, _LARGEST)))
+        contents = json_of(text_of(export / MANIFEST, content_of(export / MANIFEST, _LARGEST)))
         # With one wrong letter, an id would match no one, and a withdrawn person's data would stay. Older files have no
         # sum.
-        if "sum" in told and told.pop("sum") != _sum(told):
+        if "sum" in contents and contents.pop("sum") != _sum(contents):
             return {}
     except (OSError, BadFile, ValueError, TypeError, AttributeError):
         return {}
-    return cast(Mapping[str, object], told) if isinstance(told, dict) else {}
+    return cast(Mapping[str, object], contents) if isinstance(contents, dict) else {}
 
 
-def _sum(told: Mapping[str, object]) -> str:
+def _sum(contents: Mapping[str, object]) -> str:
     """Return a checksum of a manifest's contents."""
-    return hashlib.sha256(json.dumps(told, sort_keys=True).encode()).hexdigest()
+    return hashlib.sha256(json.dumps(contents, sort_keys=True).encode()).hexdigest()
 
 
 def _may_hold(export: Path, participant: str) -> bool:

@@ -44,27 +44,27 @@ def dataset_description(title: str, tables: Iterable[ExperimentTable], notes: Se
 
 def sidecar(table: ExperimentTable) -> str:
     """Return the text of the file next to a table's, which describes only that table's columns."""
-    told: JsonLd = {
+    described: JsonLd = {
         "@context": "https://schema.org",
         "@type": "Dataset",
         "name": table.name,
         "description": f"One row is {table.meaning}.",
         "variableMeasured": [_variable(column) for column in table.columns],
     }
-    return json.dumps(told, indent=2, ensure_ascii=False) + "\n"
+    return json.dumps(described, indent=2, ensure_ascii=False) + "\n"
 
 
 def _variable(column: ColumnDescription) -> JsonLd:
-    told: JsonLd = {"@type": "PropertyValue", "name": column.name, "description": column.meaning}
+    described: JsonLd = {"@type": "PropertyValue", "name": column.name, "description": column.meaning}
     if column.unit:
-        told["unitText"] = column.unit
+        described["unitText"] = column.unit
     if column.least is not None:
-        told["minValue"] = column.least
+        described["minValue"] = column.least
     if column.greatest is not None:
-        told["maxValue"] = column.greatest
+        described["maxValue"] = column.greatest
     if column.levels:
-        told["valueReference"] = list(column.levels)
-    return told
+        described["valueReference"] = list(column.levels)
+    return described
 
 
 def _word(text: str) -> str:

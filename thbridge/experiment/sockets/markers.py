@@ -122,7 +122,7 @@ class MarkerStream:
 
 def _sample(logged: LoggedEvent) -> str:
     event, clocks = logged.event, logged.event.clocks
-    told = {
+    sample = {
         "sequence": logged.sequence,
         "kind": event.kind,
         "participant": event.participant,
@@ -132,7 +132,7 @@ def _sample(logged: LoggedEvent) -> str:
         "monotonic_ns": clocks.monotonic_ns,
         "simulated": clocks.simulated,
     }
-    return json.dumps(told, ensure_ascii=False)
+    return json.dumps(sample, ensure_ascii=False)
 
 
 def _first_line(error: Exception) -> str:

@@ -32,7 +32,7 @@ class KnownFolders:
         Raises:
             BadFile: the list cannot be read or written.
         """
-        known, path = self._noted(), self._told(folder)
+        known, path = self._stored(), self._stored_path(folder)
         if path not in known:
             self._write([*known, path])
 
@@ -42,7 +42,7 @@ class KnownFolders:
         Raises:
             BadFile: the list cannot be read or written.
         """
-        known, path = self._noted(), self._told(folder)
+        known, path = self._stored(), self._stored_path(folder)
         if path not in known:
             return False
         self._write([each for each in known if each != path])
@@ -54,17 +54,17 @@ class KnownFolders:
         Raises:
             BadFile: the list cannot be read.
         """
-        return [self._root / path for path in self._noted()]
+        return [self._root / path for path in self._stored()]
 
     def _write(self, folders: list[str]) -> None:
         write_whole(self._list, (json.dumps(folders, indent=1, ensure_ascii=False) + "\n").encode())
 
-    def _told(self, folder: Path) -> str:
+    def _stored_path(self, folder: Path) -> str:
         """Return a path relative to the study's folder if it is inside, or else an absolute path."""
         path, root = folder.resolve(), self._root.resolve()
         return os.fspath(path.relative_to(root) if path.is_relative_to(root) else path)
 
-    def _noted(self) -> list[str]:
+    def _stored(self) -> list[str]:
         noted = read_json(self._list, list[str], f"not a list of {self._what}", _REMEDY) or []
         for path in noted:
             # Absolute paths may be anywhere; relative ones must stay in the study's folder.

@@ -61,8 +61,7 @@ def ros_defaults(
 
 
 def sentences_of(defaults: Sequence[RosDefault]) -> Iterator[str]:
-    """Yield a sentence for each section with such parameters; parameters that both costmaps share are in one
-    sentence."""
+    """Yield a sentence for each section with such parameters, and one for the parameters that both costmaps share."""
     lists: dict[str, list[str]] = {}
     shared = _shared(defaults)
     for default in defaults:

@@ -260,12 +260,12 @@ class _Translation:
             remedy = f"name a file with {', '.join(_NODES[:-1])} or {_NODES[-1]}"
             raise BadFile(self._path, "no node of this file of ROS 2 has a counterpart here", remedy)
         if others:
-            self._tell(f"nodes of ROS 2 without a counterpart here: {', '.join(sorted(set(others)))}")
+            self._add_notice(f"nodes of ROS 2 without a counterpart here: {', '.join(sorted(set(others)))}")
         if self._strange:
-            self._tell(f"no effect, because there is no counterpart here: {', '.join(self._strange)}")
+            self._add_notice(f"no effect, because there is no counterpart here: {', '.join(self._strange)}")
         return Section(tree.line, entries)
 
-    def _tell(self, sentence: str) -> None:
+    def _add_notice(self, sentence: str) -> None:
         self._notices.append(f"{self._path}: {sentence}")
 
     def _renamed(
@@ -287,8 +287,8 @@ class _Translation:
     ) -> list[Entry]:
         left_out = {name: value for name, value in defaults.items() if name not in written}
         if left_out:
-            told = ", ".join(f"{name}: {value}" for name, value in left_out.items())
-            self._tell(f"{node} leaves out parameters with these defaults of Nav2: {told}")
+            values = ", ".join(f"{name}: {value}" for name, value in left_out.items())
+            self._add_notice(f"{node} leaves out parameters with these defaults of Nav2: {values}")
         return [(_scalar(names.get(name, name), line), _scalar(value, line)) for name, value in left_out.items()]
 
     def _amcl(self, node: Scalar, parameters: Section) -> Section:
@@ -316,7 +316,7 @@ class _Translation:
             inner["plugins"] = Listing(parameters.line, [*names_of_all])
             given.insert(0, (_scalar("plugins", parameters.line), inner["plugins"]))
             listed = ", ".join(_COSTMAP_PLUGINS)
-            self._tell(f"{node.text} leaves out plugins, so Nav2's default is used: {listed}")
+            self._add_notice(f"{node.text} leaves out plugins, so Nav2's default is used: {listed}")
         listing = inner["plugins"]
         if not isinstance(listing, Listing):
             remedy = f"write for example [{', '.join(_COSTMAP_PLUGINS)}], or delete the line for these, Nav2's default"
@@ -366,7 +366,7 @@ class _Translation:
     def _source(self, place: str, source: Section) -> Section:
         if all(key.text != "max_obstacle_height" for key, _ in source.entries):
             height = "0 m in Nav2, so that it marks nothing higher; here heights are ignored"
-            self._tell(f"{place} leaves out max_obstacle_height, which is {height}")
+            self._add_notice(f"{place} leaves out max_obstacle_height, which is {height}")
         entries: list[Entry] = []
         for key, child in source.entries:
             if key.text in _SOURCE_ONLY:
@@ -404,7 +404,7 @@ class _Translation:
         if found is None and not {"planner_plugins", "GridBased"} & {key.text for key, _ in parameters.entries}:
             found = _scalar("GridBased", parameters.line), Section(parameters.line, [])
         if found is None:
-            self._tell("the global planner is navfn, because none of those in planner_plugins exists here")
+            self._add_notice("the global planner is navfn, because none of those in planner_plugins exists here")
             return
         key, own = found
         rest = Section(own.line, [entry for entry in own.entries if entry[0].text != "plugin"])
@@ -430,7 +430,7 @@ class _Translation:
         rest = Section(checker.line, [entry for entry in checker.entries if entry[0].text in _GOAL_CHECKER])
         tolerances = self._renamed(name, rest, _GOAL_CHECKER, _GOAL_CHECKER_DEFAULTS)
         if found is None:
-            self._tell(
+            self._add_notice(
                 "the local planner is DWAPlannerROS as in ROS 1, because none of those in controller_plugins exists "
                 "here"
             )
@@ -443,7 +443,9 @@ class _Translation:
         rest = Section(own.line, [entry for entry in written if entry[0].text not in silent])
         entries = [*self._renamed(key.text, rest, _DWB, _DWB_DEFAULTS)]
         if stands := [name for name in _DWB_STANDS if all(entry[0].text != name for entry in written)]:
-            self._tell(f"{key.text} leaves out {', '.join(stands)}, which are 0 in Nav2; here they are as in ROS 1")
+            self._add_notice(
+                f"{key.text} leaves out {', '.join(stands)}, which are 0 in Nav2; here they are as in ROS 1"
+            )
         # In Nav2 the goal checker decides when the robot has arrived.
         entries = [
             entry for entry in entries if entry[0].text not in {name.text for name, _ in tolerances}
@@ -464,12 +466,11 @@ class _Translation:
         return (names or [kind])[0], first if isinstance(first, Section) else Section(parameters.line, [])
 
     def _with_critics(self, planner: str, own: Section) -> list[Entry]:
-        """Return DWB's parameters with their effective weights: 0 for critics that are not listed, and else 1 by
-        default."""
+        """Return DWB's parameters with their effective weights: 0 for critics that are not listed, and 1 by default."""
         entries = [*_dotted(own)]
         listing = next((child for key, child in entries if key.text == "critics"), None)
         if not isinstance(listing, Listing):
-            self._tell(f"{planner} leaves out critics, without which DWB does not start; weights are as in ROS 1")
+            self._add_notice(f"{planner} leaves out critics, without which DWB does not start; weights are as in ROS 1")
             return entries
         listed = {item.text for item in listing.items if isinstance(item, Scalar)}
         obstacles = next((name for name in _OBSTACLES if name in listed), _OBSTACLES[0])
@@ -487,7 +488,7 @@ class _Translation:
             if weight not in present:
                 value = _SCALE if name in listed else "0.0"
                 why = f"critics {'list' if name in listed else 'leave out'} {name}"
-                self._tell(f"{planner}.{scale} is {value} in Nav2, because {why}")
+                self._add_notice(f"{planner}.{scale} is {value} in Nav2, because {why}")
                 weighed.append((_scalar(weight, own.line), _scalar(value, own.line)))
         return weighed
 

@@ -198,8 +198,7 @@ class RosFiles:
         return RosParameters(_with_layers(value, self.listed), tuple(_once(notices)), frozenset(written))
 
     def _about_planners(self, value: RobotParameters, written: Collection[str]) -> Iterator[str]:
-        """Yield a sentence for each planner that files describe but do not choose, because a launch file might choose
-        it."""
+        """Yield a sentence for each planner that files describe but do not choose; a launch file might choose it."""
         for key, kinds in PLANNERS.items():
             chosen = cast(str, getattr(value.move_base, key))
             for kind in kinds:
@@ -259,8 +258,7 @@ def _normal(path: Path, notices: list[str]) -> Section:
 
 
 def _of_one_robot(path: Path, tree: Section) -> Section:
-    """Return the entries of a file; those in a robot's namespace, as in a dump of all parameters, are moved out of
-    it."""
+    """Return the entries of a file; those in a robot's namespace, as in a dump of all parameters, move out of it."""
     robots = [(key, child) for key, child in tree.entries if isinstance(child, Section) and _has_nodes(child)]
     if not robots or any(key.text in SECTIONS for key, _ in tree.entries):
         return tree
@@ -278,8 +276,7 @@ def _has_nodes(tree: Section) -> bool:
 
 
 def _without_static_map(path: Path, tree: Section, listed: Collection[str], notices: list[str]) -> Section:
-    """Return the entries without `static_map` in costmaps that list their layers, because ROS does not read it
-    there."""
+    """Return the entries without `static_map` in costmaps that list their layers: ROS does not read it there."""
     sections: list[Entry] = []
     for key, child in tree.entries:
         kept = child
@@ -494,8 +491,7 @@ def _plugins(node: Node) -> Mapping[str, str]:
 
 
 def _joined(first: list[Entry], second: list[Entry]) -> list[Entry]:
-    """Merge two layers of one kind, with the observation sources of both; otherwise the first layer's values are
-    used."""
+    """Merge two layers of one kind, with the observation sources of both, and else with the first layer's values."""
     names = {key.text for key, _ in first}
     joined = list(first)
     for key, child in second:

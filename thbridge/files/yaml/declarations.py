@@ -48,8 +48,9 @@ def bounds(metadata: Metadata) -> tuple[float, float]:
 
 
 def metadata_of_items(metadata: Metadata, hints: Sequence[object]) -> Sequence[Metadata]:
-    """Return the metadata of each item of a list. A unit such as "m, m, rad" has one unit for each item; any other unit
-    is for all items.
+    """Return the metadata of each item of a list.
+
+    A unit such as "m, m, rad" has one unit for each item; any other unit is for all items.
 
     Args:
         metadata: metadata of the list.
@@ -83,8 +84,8 @@ def with_plugins(metadata: Metadata) -> Metadata:
 
 
 def allowed(hint: object, metadata: Metadata) -> str:
-    """Return a field's choices, or its range and unit: `amcl, ekf or truth`, `0 to 20 m/s`, `at least 1`; may be
-    empty."""
+    """Return a field's choices, or its range and unit: `amcl, ekf or truth`, `0 to 20 m/s`, `at least 1`; or
+    nothing."""
     choices = choices_of(hint, metadata)
     if choices:
         return " or ".join([", ".join(choices[:-1]), choices[-1]] if choices[1:] else choices)

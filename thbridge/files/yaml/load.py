@@ -316,9 +316,7 @@ class _Reader:
     def named_sections(
         self, node: Section, listed: str, named: Mapping[str, "DataclassInstance | None"], into: type, key: str
     ) -> object:
-        """Return the sections with names listed in a text, or else the default ones; sections that are not written keep
-        their values.
-        """
+        """Return the sections with names listed in a text, or else the default sections with the written changes."""
         written = {name.text: child for name, child in node.entries}
         names = written.get(listed)
         place = f"{key}.{listed}" if key else listed
@@ -422,8 +420,7 @@ def _words(node: Section, key: str) -> list[str]:
 
 
 def _named(node: Section, into: type, defaults: "DataclassInstance | None") -> Mapping[str, "DataclassInstance | None"]:
-    """Return the names of the further sections listed in a section, with default sections if the list is the
-    default."""
+    """Return the names of the further sections listed in a section. Names of the default list have default sections."""
     listed = sections_named_in(into)
     if any(name.text == listed for name, _ in node.entries):
         return dict.fromkeys(_words(node, listed))

@@ -245,7 +245,7 @@ def test_an_alias_within_its_own_anchor(tmp_path: Path) -> None:
 def test_a_name_that_stands_twice_has_its_last_value(tmp_path: Path) -> None:
     read_now = read(tmp_path, "kld_err: 0.1\nkld_z: 0.9\nkld_err: 0.2\n")
     assert read_now.value.amcl.kld_err == 0.2
-    assert any("line 3: kld_err stands twice" in notice for notice in read_now.notices)
+    assert any("line 3: kld_err appears twice" in notice for notice in read_now.notices)
 
 
 def test_names_that_ros_does_not_read_either(tmp_path: Path) -> None:
@@ -264,8 +264,8 @@ def test_names_that_ros_does_not_read_either(tmp_path: Path) -> None:
         ("robot_descriptoin: {a: 1}\n", "/0.yaml, line 1, robot_descriptoin: unknown key"),
         ("- a\n- b\n", "it is not a section with lines 'name: value'"),
         ("amcl: {kld_err: !thing 3}\n", "a tag (!)"),
-        ("amcl: {update_min_a: deg(x)}\n", "'x' is no angle"),
-        ("amcl: {update_min_a: rad(1/0)}\n", "is no angle"),
+        ("amcl: {update_min_a: deg(x)}\n", "'x' is not an angle"),
+        ("amcl: {update_min_a: rad(1/0)}\n", "is not an angle"),
         ("amcl: {<<: 3}\n", "not a section that can be merged"),
     ],
 )

@@ -102,4 +102,4 @@ def test_what_is_odd_in_a_map_is_told(room):
     room.write_text(room.read_text().replace("map.pgm", "/home/x/map.pgm"))
     told = scan("--map", room, "--pose", -0.5, 1.0, 0)
     assert told.exit_code == 0
-    assert "there is no file /home/x/map.pgm, so map.pgm next to map.yaml is used" in told.stderr
+    assert "file /home/x/map.pgm does not exist, so map.pgm next to map.yaml is used" in told.stderr

@@ -43,9 +43,9 @@ def test_a_new_study_may_be_in_german(tmp_path: Path) -> None:
 
 def test_a_quota_that_leaves_orders_uneven_is_told(folder: Path) -> None:
     file = folder / "experiment.yaml"
-    assert "some come more often" not in output_of("study", "check", folder)
+    assert "some orders come more often" not in output_of("study", "check", folder)
     file.write_text(file.read_text().replace("quota: 4", "quota: 3"))
-    assert "some come more often" in output_of("study", "check", folder)
+    assert "some orders come more often" in output_of("study", "check", folder)
 
 
 def test_nothing_is_left_of_somebody_who_withdraws(folder: Path, tmp_path: Path) -> None:
@@ -90,7 +90,7 @@ def test_files_that_a_game_lacks_are_told_before_anybody_comes(folder: Path, opt
     done = invoke("study", command, folder, *rest)
     assert done.exit_code == 2
     # Line 4 begins the section `base`.
-    assert f"{file}, line 4, map: there is no map of this name" in " ".join(done.output.split())
+    assert f"{file}, line 4, map: no map has this name" in " ".join(done.output.split())
 
 
 def test_somebody_who_never_took_part_cannot_withdraw(folder: Path, tmp_path: Path) -> None:

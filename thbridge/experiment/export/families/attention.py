@@ -158,7 +158,7 @@ def figures_of(recording: GameRecording, decisions: Iterable[GameDecision]) -> A
     for each in recording.happenings:
         match each:
             case TimedUtterance(time, said):
-                # In a script, the first sentence of a robot answers a request of the person.
+                # Robots that do not argue open a dialogue to answer a request of the person.
                 opens = not argues and said.dialogue not in talks
                 talks.add(said.dialogue)
                 if said.speaker == "human" or opens:

@@ -99,8 +99,7 @@ class GameDecision:
 
     @property
     def is_appropriate(self) -> bool | None:
-        """True if right advice was taken or wrong advice was not. None if the choice or the advice's rightness is
-        unknown."""
+        """True if right advice was taken, or wrong advice was not. None if it is unknown."""
         return None if self.agreed is None or self.is_right is None else self.agreed == self.is_right
 
     @property

@@ -67,8 +67,7 @@ class GivenScore:
 
     @property
     def share(self) -> float | None:
-        """The score, scaled from 0 (the least that its items allow) to 1, for means and sums alike; None without a
-        score."""
+        """The score, scaled from 0 (the least that its items allow) to 1, both for means and for sums, or None."""
         if self.value is None:
             return None
         count = len(self.items) if self.scoring is Scoring.MEAN else 1

@@ -39,8 +39,8 @@ class _Person:
         """The person's answer, or None if they were not asked."""
         if self.consent is None:
             return None
-        told = {} if self.consent.consent is None else self.consent.consent
-        return bool(told.get("agrees", self.consent.outcome is StepOutcome.DONE))
+        answer = {} if self.consent.consent is None else self.consent.consent
+        return bool(answer.get("agrees", self.consent.outcome is StepOutcome.DONE))
 
     @property
     def debriefed(self) -> bool | None:
@@ -52,8 +52,8 @@ class _Person:
 
     def told_of_consent(self, name: str) -> str | None:
         """Return a value that the log has for the person's answer, or None."""
-        told = None if self.consent is None or self.consent.consent is None else self.consent.consent.get(name)
-        return None if told is None else str(told)
+        answer = None if self.consent is None or self.consent.consent is None else self.consent.consent.get(name)
+        return None if answer is None else str(answer)
 
 
 def participants(

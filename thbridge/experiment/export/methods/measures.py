@@ -141,8 +141,7 @@ def scale_words(item: Item) -> str:
 
 
 def _reliabilities(records: ExperimentRecords) -> Iterator[tuple[object, ...]]:
-    """Yield a row for each score, step and condition in which the form was filled in, so that no person counts
-    twice."""
+    """Yield a row for each score, step and condition of a completed form, so that no person counts twice."""
     items_of: dict[tuple[str, str], tuple[Item, ...]] = {}
     given: dict[tuple[str, str, str], list[Mapping[str, Answer]]] = {}
     for score in records.scores:
@@ -160,5 +159,5 @@ def _reliabilities(records: ExperimentRecords) -> Iterator[tuple[object, ...]]:
         given.setdefault((score.subscale, step.name, condition), []).append(answers)
     for (subscale, name, condition), people in sorted(given.items()):
         found = reliability_of(items_of[subscale, name], people)
-        told = ("[too few]" if one != one else f"{one:.2f}" for one in (found.alpha, found.omega))  # noqa: PLR0124
-        yield (subscale, name, condition or "all", found.items, found.people, *told)
+        values = ("[too few]" if one != one else f"{one:.2f}" for one in (found.alpha, found.omega))  # noqa: PLR0124
+        yield (subscale, name, condition or "all", found.items, found.people, *values)

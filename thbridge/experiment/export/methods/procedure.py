@@ -95,8 +95,8 @@ def _step(design: ExperimentDesign, index: int, entry: StepEntry) -> str:
     }
     levels = joined([f"{factor}={level}" for factor, level in entry.only_at.items()])
     notes = [f"only at {levels}" if levels else "", f"only if {only}" if only else "", rule[entry.resume]]
-    told = "; ".join(note for note in notes if note)
-    return f"{words}; {told}." if told else f"{words}."
+    text = "; ".join(note for note in notes if note)
+    return f"{words}; {text}." if text else f"{words}."
 
 
 def _practice(design: ExperimentDesign, index: int, entry: StepEntry) -> str:
@@ -162,8 +162,8 @@ def _check(records: ExperimentRecords, index: int, entry: StepEntry, people: str
         else "Participants who failed the last attempt continued; the data marks them."
     )
     yield from paragraph(
-        f"The check *{form.title}* had {counted(len(asked), 'question')} with a right answer; {needed} right answers "
-        f"were needed to pass. It could be tried {tries}{again}. {failed}",
+        f"The check *{form.title}* had {counted(len(asked), 'question')} with a right answer; it took "
+        f"{counted(needed, 'right answer')} to pass. It could be tried {tries}{again}. {failed}",
         *_results(records, index, people),
     )
     rows = [(item.text, scale_words(item), _right(item.correct, item.correct_by_condition)) for item in asked]
@@ -178,8 +178,8 @@ def _check(records: ExperimentRecords, index: int, entry: StepEntry, people: str
 
 def _right(correct: str | None, by_condition: object) -> str:
     ways = dict(by_condition) if isinstance(by_condition, dict) else {}
-    told = [f"{level}: {answer}" for level, answer in ways.items()]
-    return listed([*told, *([f"else: {correct}" if told else correct] if correct is not None else [])])
+    text = [f"{level}: {answer}" for level, answer in ways.items()]
+    return listed([*text, *([f"else: {correct}" if text else correct] if correct is not None else [])])
 
 
 def _results(records: ExperimentRecords, index: int, people: str) -> Iterator[str]:

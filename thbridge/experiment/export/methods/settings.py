@@ -84,8 +84,8 @@ def _values(section: object, path: str) -> Iterator[tuple[str, str]]:
             like = dict(_values(getattr(section, field.metadata["like"]), ""))
             for number, entry in value.items():
                 # A robot with its own settings lists only those that differ from the others.
-                own = ((name, told) for name, told in _values(entry, "") if like.get(name) != told)
-                yield from ((f"{key}.{number}.{name}", told) for name, told in own)
+                own = ((name, text) for name, text in _values(entry, "") if like.get(name) != text)
+                yield from ((f"{key}.{number}.{name}", text) for name, text in own)
         elif dataclasses.is_dataclass(value):
             yield from _values(value, f"{key}.")
         else:

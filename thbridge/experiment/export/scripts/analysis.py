@@ -76,27 +76,28 @@ def complete(rows: pd.DataFrame, within: list[str]) -> pd.DataFrame:
 
 
 def cells(name: str, rows: pd.DataFrame, within: list[str], between: list[str]) -> list[dict[str, object]]:
-    """Return mean and interval of each condition; within people without their differences (Cousineau and Morey)."""
+    """Return mean and interval of each condition; within people without differences between them (Cousineau and
+    Morey)."""
     conditions = max(1, rows.groupby("participant").size().max())
     group = rows.groupby(between, observed=True)["value"] if between else rows.assign(all=0).groupby("all")["value"]
     person = rows.groupby("participant")["value"].transform("mean")
     spread = rows.value - person + group.transform("mean") if conditions > 1 else rows.value
-    told = []
+    results = []
     for key, values in rows.groupby([*between, *within], observed=True) if between + within else [((), rows)]:
         n, mean = len(values), values.value.mean()
         deviation = spread[values.index].std() * np.sqrt(conditions / (conditions - 1) if conditions > 1 else 1.0)
         half = stats.t.ppf(0.975, n - 1) * deviation / np.sqrt(n) if n > 1 else np.nan
-        told.append(
+        results.append(
             {"outcome": name, "cell": "; ".join(key), "n": n, "mean": mean, "sd": values.value.std()}
             | {"low": mean - half, "high": mean + half}
         )
-    return told
+    return results
 
 
-def row(name: str, test: str, comparison: str, n: int, **told: float) -> dict[str, object]:
+def row(name: str, test: str, comparison: str, n: int, **results: float) -> dict[str, object]:
     """Return a row of the table of tests."""
     empty = dict.fromkeys(("estimate", "low", "high", "statistic", "df", "df2", "p", "effect_size"), np.nan)
-    return {"outcome": name, "test": test, "comparison": comparison, "n": n, **empty, **told}
+    return {"outcome": name, "test": test, "comparison": comparison, "n": n, **empty, **results}
 
 
 def paired(name: str, comparison: str, difference: pd.Series) -> dict[str, object]:
@@ -106,8 +107,8 @@ def paired(name: str, comparison: str, difference: pd.Series) -> dict[str, objec
     half, t = stats.t.ppf(0.975, n - 1) * error, mean / error if error > 0 else np.nan
     p = 2 * stats.t.sf(abs(t), n - 1)
     effect = mean / deviation if deviation > 0 else np.nan
-    told = {"estimate": mean, "low": mean - half, "high": mean + half, "statistic": t, "df": n - 1}
-    return row(name, "paired t", comparison, n, **told, p=p, effect_size=effect)
+    results = {"estimate": mean, "low": mean - half, "high": mean + half, "statistic": t, "df": n - 1}
+    return row(name, "paired t", comparison, n, **results, p=p, effect_size=effect)
 
 
 def welch(name: str, test: str, comparison: str, one: pd.Series, other: pd.Series) -> dict[str, object]:
@@ -116,8 +117,8 @@ def welch(name: str, test: str, comparison: str, one: pd.Series, other: pd.Serie
     interval, n = result.confidence_interval(0.95), len(one) + len(other)
     pooled = np.sqrt(((len(one) - 1) * one.var() + (len(other) - 1) * other.var()) / (n - 2))
     mean = other.mean() - one.mean()
-    told = {"estimate": mean, "low": interval.low, "high": interval.high, "statistic": result.statistic}
-    return row(name, test, comparison, n, **told, df=result.df, p=result.pvalue, effect_size=mean / pooled)
+    results = {"estimate": mean, "low": interval.low, "high": interval.high, "statistic": result.statistic}
+    return row(name, test, comparison, n, **results, df=result.df, p=result.pvalue, effect_size=mean / pooled)
 
 
 def holm(tests: list[dict[str, object]]) -> list[dict[str, object]]:
@@ -135,14 +136,14 @@ def within_tests(name: str, rows: pd.DataFrame, factor: str) -> list[dict[str, o
     """Return the tests of a factor within people."""
     wide = rows.pivot_table(index="participant", columns=factor, values="value", observed=True)
     n, k = wide.shape
-    told = holm([paired(name, f"{factor}: {b} - {a}", wide[b] - wide[a]) for a, b in combinations(wide.columns, 2)])
+    results = holm([paired(name, f"{factor}: {b} - {a}", wide[b] - wide[a]) for a, b in combinations(wide.columns, 2)])
     if k > 2:
         off = wide.sub(wide.mean(axis=1), axis=0).sub(wide.mean(axis=0) - wide.to_numpy().mean(), axis=1)
         between_levels = n * ((wide.mean(axis=0) - wide.to_numpy().mean()) ** 2).sum() / (k - 1)
         df2 = (n - 1) * (k - 1)
         f = between_levels / ((off.to_numpy() ** 2).sum() / df2)
-        told.insert(0, row(name, "F within", factor, n, statistic=f, df=k - 1, df2=df2, p=stats.f.sf(f, k - 1, df2)))
-    return told
+        results.insert(0, row(name, "F within", factor, n, statistic=f, df=k - 1, df2=df2, p=stats.f.sf(f, k - 1, df2)))
+    return results
 
 
 def between_tests(name: str, rows: pd.DataFrame, factor: str) -> list[dict[str, object]]:
@@ -150,40 +151,40 @@ def between_tests(name: str, rows: pd.DataFrame, factor: str) -> list[dict[str, 
     people = rows.groupby(["participant", factor], observed=True)["value"].mean().reset_index()
     groups = {level: group["value"] for level, group in people.groupby(factor, observed=True) if len(group) > 1}
     pairs = combinations(groups, 2)
-    told = holm([welch(name, "Welch t", f"{factor}: {b} - {a}", groups[a], groups[b]) for a, b in pairs])
+    results = holm([welch(name, "Welch t", f"{factor}: {b} - {a}", groups[a], groups[b]) for a, b in pairs])
     if len(groups) > 2:
         n, k = sum(map(len, groups.values())), len(groups)
         f, p = stats.f_oneway(*groups.values())
-        told.insert(0, row(name, "F between", factor, n, statistic=f, df=k - 1, df2=n - k, p=p))
-    return told
+        results.insert(0, row(name, "F between", factor, n, statistic=f, df=k - 1, df2=n - k, p=p))
+    return results
 
 
 def interactions(name: str, rows: pd.DataFrame, inside: str, outside: str) -> list[dict[str, object]]:
-    """Return the tests of differences within people between groups."""
+    """Return the tests of whether differences within people depend on the group."""
     wide = rows.pivot_table(index=["participant", outside], columns=inside, values="value", observed=True)
-    told = []
+    results = []
     for a, b in combinations(wide.columns, 2):
         difference = (wide[b] - wide[a]).groupby(outside, observed=True)
         groups = {level: group for level, group in difference if len(group) > 1}
         for one, other in combinations(groups, 2):
             what = f"({inside}: {b} - {a}) x ({outside}: {other} - {one})"
-            told.append(welch(name, "interaction t", what, groups[one], groups[other]))
-    return holm(told)
+            results.append(welch(name, "interaction t", what, groups[one], groups[other]))
+    return holm(results)
 
 
-def draw(name: str, rows: pd.DataFrame, within: list[str], told: list[dict[str, object]]) -> None:
+def draw(name: str, rows: pd.DataFrame, within: list[str], results: list[dict[str, object]]) -> None:
     """Draw an outcome: each person, and means with their intervals."""
-    figure, axes = plt.subplots(figsize=(1.8 + 1.2 * len(told), 3.4), layout="constrained")
+    figure, axes = plt.subplots(figsize=(1.8 + 1.2 * len(results), 3.4), layout="constrained")
     levels = [factor for factor in rows.columns if factor not in {"participant", "value"}]
-    place = {cell["cell"]: index for index, cell in enumerate(told)}
+    place = {cell["cell"]: index for index, cell in enumerate(results)}
     at = rows[levels].astype(str).agg("; ".join, axis=1).map(place) if levels else pd.Series(0, rows.index)
     for _, own in rows.assign(at=at).groupby("participant"):
         axes.plot(own.sort_values("at")["at"], own.sort_values("at").value, color="0.8", lw=0.7, marker=".", ms=3)
-    means = [cell["mean"] for cell in told]
-    errors = np.nan_to_num([cell["high"] - cell["mean"] for cell in told])
-    axes.errorbar(range(len(told)), means, yerr=errors, fmt="o", color="black", capsize=4, zorder=3)
-    axes.set_xticks(range(len(told)), [cell["cell"] or "all" for cell in told], rotation=20, ha="right")
-    axes.set_xlim(-0.5, len(told) - 0.5)
+    means = [cell["mean"] for cell in results]
+    errors = np.nan_to_num([cell["high"] - cell["mean"] for cell in results])
+    axes.errorbar(range(len(results)), means, yerr=errors, fmt="o", color="black", capsize=4, zorder=3)
+    axes.set_xticks(range(len(results)), [cell["cell"] or "all" for cell in results], rotation=20, ha="right")
+    axes.set_xlim(-0.5, len(results) - 0.5)
     axes.set_ylabel(f"{name} (mean, 95 %)")
     figure.savefig(HERE / "results" / f"{name}-python.png", dpi=150)
     plt.close(figure)
@@ -200,9 +201,9 @@ def main() -> None:
         rows = complete(values, within)
         if rows.empty:
             continue
-        told = cells(name, rows, within, between)
-        draw(name, rows, within, told)
-        means += told
+        results = cells(name, rows, within, between)
+        draw(name, rows, within, results)
+        means += results
         if rows.value.nunique() < 2:
             continue  # All values are the same: nothing can be compared.
         for factor in within:
