@@ -235,7 +235,9 @@ def _treasure_faults(loaded: Loaded[_TreasuresYaml]) -> Iterator[BadFile]:
         for name, value in kind.values.items():
             place, of = f"{key}.values.{name}", declared.get(name)
             if of is None:
-                remedy = f"declare it under properties, or write one of {', '.join(declared) or 'those'}"
+                remedy = "declare it under properties" + (
+                    f", or write one of {', '.join(declared)}" if declared else ""
+                )
                 yield loaded.fault(place, f"no property has the name {name!r}", remedy)
             elif of.values and value not in of.values:
                 remedy = f"write one of {', '.join(of.values)}, or add it to the values of {name}"

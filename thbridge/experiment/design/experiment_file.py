@@ -78,7 +78,9 @@ class ExperimentFile:
     between: Mapping[str, str] = field(
         default_factory=dict, metadata={"help": "factors with one of their levels for each participant"}
     )
-    quota: int = param(12, "number of runs that count, for each combination of levels between people", "", 1, MOST_PEOPLE)
+    quota: int = param(
+        12, "number of runs that count, for each combination of levels between people", "", 1, MOST_PEOPLE
+    )
     order: OrderKind = param(OrderKind.BALANCED, "how conditions are ordered for each person")
     in_block: int = param(1, "number of places per block for each combination of levels between people", "", 1, 100)
     seeds: tuple[int, ...] = param(

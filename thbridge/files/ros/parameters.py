@@ -335,7 +335,7 @@ class _Sorter:
         return Section(tree.line, whole)
 
     def homes(self, flat: list[Entry], by_node: bool) -> dict[str, list[Entry]]:
-        """Return parameters without a section by the section that fits most of them, or else another that has them.
+        """Assign parameters without a section to the section that fits most of them, or else to another that has them.
 
         Unknown sections are under an empty name.
 
