@@ -42,7 +42,7 @@ def test_facts_may_share_a_line_and_have_comments(tmp_path: Path) -> None:
         (
             "a.apx",
             "arg(a).\narg(\x1b[31mred).\n",
-            [r"line 2: the name '\x1b[31mred' has characters that cannot be printed. Write it with others."],
+            [r"line 2: the name '\x1b[31mred' has characters that cannot be printed. Choose other characters."],
         ),
         ("a.apx", "arg(a).\narg(a).\n", ["line 2: the argument a is defined twice, first in line 1."]),
         (
@@ -50,7 +50,7 @@ def test_facts_may_share_a_line_and_have_comments(tmp_path: Path) -> None:
             "arg(a).\natt(a,b).\natt(c,a).\n",
             ["line 2: no argument b is defined.", "line 3: no argument c is defined."],
         ),
-        ("a.tgf", "a\n#\na\n", ["line 3: 'a' is no attack."]),
+        ("a.tgf", "a\n#\na\n", ["line 3: 'a' is not an attack."]),
         ("a.tgf", "a\n#\na b\n", ["line 3: no argument b is defined."]),
         (
             "a.tgf",
@@ -65,7 +65,7 @@ def test_facts_may_share_a_line_and_have_comments(tmp_path: Path) -> None:
             "a.af",
             "p af 2\n1 3\n0 1\n1 2 3\np af 2\n1 \uff12\n",
             [
-                f"line {number}: {text!r} is no attack."
+                f"line {number}: {text!r} is not an attack."
                 for number, text in enumerate(["1 3", "0 1", "1 2 3", "p af 2", "1 \uff12"], 2)
             ],
         ),

@@ -57,7 +57,7 @@ FAULTS = [
     ),
     (PERSUASION, OPPOSITE, ACCEPT, "line 15, stages[1].replies[2]: accept of claim is already a reply of this stage"),
     (INQUIRY, "say: challenge, of: claim", "say: propose, of: not topic", "a rule has no opposite"),
-    (INQUIRY, "say: challenge, of: claim", "say: assert, of: unknown", "a rule has no not knowing"),
+    (INQUIRY, "say: challenge, of: claim", "say: assert, of: unknown", "a rule has no form for not knowing"),
     (
         INQUIRY,
         "of: support, next: offered",
@@ -71,7 +71,7 @@ FAULTS = [
     (PERSUASION, f"\n      - {OPENING}", " []", "this stage has no replies"),
     # Ways through a table.
     (PERSUASION, f"      - {OPPOSITE}\n", "", "no reply leads to the stage countered"),
-    (INQUIRY, OFFERED, "{say: accept, of: support, next: offered}", "the stage challenged there is no way"),
+    (INQUIRY, OFFERED, "{say: accept, of: support, next: offered}", "the stage challenged leads to no end"),
     (SEEKING, "turn: respondent", "turn: challenger", "line 11, stages[1].turn: it can be the challenger's turn here"),
     (SEEKING, "turn: respondent", "turn: defender", "line 11, stages[1].turn: it can be the defender's turn here"),
     # Replies that no play makes legal.
@@ -140,13 +140,13 @@ FAULTS = [
         PERSUASION,
         "      - {say: reject, of: claim, next: disagreement}",
         "      - {say: reject, of: claim, next: disagreement, questioned: reconsidered}",
-        "nothing is refused here that could be questioned",
+        "no refusal here can be questioned",
     ),
     (
         PERSUASION,
         "{say: accept, of: support, next: resumed, last: agreement}",
         "{say: accept, of: support, next: agreement, questioned: resumed}",
-        "nothing is refused here that could be questioned",
+        "no refusal here can be questioned",
     ),
     # Games beside each other.
     (PERSUASION, "name: persuasion", "name: inquiry", "line 2, name: inquiry.yaml also has a game inquiry"),

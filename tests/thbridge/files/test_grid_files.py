@@ -111,7 +111,7 @@ def test_unknown_space_that_counts_as_free_is_told(folder: Path, mode: str) -> N
     assert (file.grid.cells == FREE).all()
     (doubt,) = file.doubts
     assert (doubt.key, doubt.line) == ("free_thresh", 6)
-    assert "counts as free (30 % of the image)" in str(doubt)
+    assert "is free here (30 % of the image)" in str(doubt)
     assert "Write free_thresh: 0.196" in str(doubt)
 
 
@@ -132,7 +132,7 @@ def test_an_alpha_channel_that_changes_cells_is_told(folder: Path, form: str, mo
     assert len(alpha) == told
     if told:
         assert (file.grid.cells == FREE).all()
-        assert "average with its colors; so 100 % of the cells differ from what the colors show. Save" in str(alpha[0])
+        assert "average with its colors, so 100 % of the cells differ from what the colors show. Save" in str(alpha[0])
 
 
 def test_an_alpha_channel_that_changes_nothing_is_not_told(folder: Path) -> None:

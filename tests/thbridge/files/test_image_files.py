@@ -25,7 +25,7 @@ def test_a_tiff_with_a_place_that_is_a_float_is_refused(tmp_path: Path) -> None:
     at = next(entry for entry in entries if struct.unpack_from("<H", data, entry) == (STRIP_OFFSETS,))
     struct.pack_into("<H", data, at + 2, FLOAT)
     path.write_bytes(data)
-    with pytest.raises(BadFile, match="the picture is damaged"):
+    with pytest.raises(BadFile, match="the image is damaged"):
         read_image(path)
 
 

@@ -81,7 +81,7 @@ def test_a_fault_is_told_with_its_line_and_remedy(tmp_path, text, line, problem)
 def test_a_wrong_rule_for_plurals_is_told(tmp_path):
     folders = written(tmp_path, "last: ' i '\n")
     (tmp_path / "pl" / "language.yaml").write_text("language: {title: Polski, falls_back_on: en, plural: n is 1}\n")
-    with pytest.raises(BadFile, match="'n is 1' is no rule for plurals"):
+    with pytest.raises(BadFile, match="'n is 1' is not a rule for plurals"):
         read_texts(folders, "pl")
 
 

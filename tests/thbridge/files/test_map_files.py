@@ -223,7 +223,7 @@ BROKEN: dict[str, tuple[Callable[[Path], object], str]] = {
     "a text image cut off": (image(b"P2\n80 40\n255\n0 0 0\n"), "80 x 40 pixels, but it has only 3 values."),
     "a damaged header": (image(b"P5\n80 x\n"), "map.pgm: the PGM header is damaged."),
     "a header without end": (image(b"P5 80 # 40"), "map.pgm: the PGM header is damaged."),
-    "an image of no size": (image(b"P5 0 40 255\n"), "map.pgm: the picture is 0 x 40 pixels."),
+    "an image of no size": (image(b"P5 0 40 255\n"), "map.pgm: the image has 0 x 40 pixels."),
     "a large image in words": (image(b"P2 3000 3000 255\n"), "map.pgm: 3000 x 3000 pixels as words are more than"),
     "a gigantic image": (image(b"P5 999999 999999 255\n"), "map.pgm: 999999 x 999999 pixels are more than 32000000."),
     "a strange depth": (image(b"P5 1 1 70000\n"), "map.pgm: the largest value in the header is 70000."),
@@ -265,7 +265,7 @@ BROKEN: dict[str, tuple[Callable[[Path], object], str]] = {
     ),
     "a region like an hourglass": (
         edit("rooms.yaml", "[8, 0], [8, 4], [5, 4]", "[8, 4], [8, 0], [5, 3]"),
-        "rooms.yaml, line 8, rooms[1].region: the sides cross each other.",
+        "rooms.yaml, line 8, rooms[1].region: its sides cross each other.",
     ),
     "a number twice": (
         edit("rooms.yaml", "number: 2", "number: 1"),
@@ -286,7 +286,7 @@ BROKEN: dict[str, tuple[Callable[[Path], object], str]] = {
     ),
     "no room": (
         edit("rooms.yaml", ROOMS, "rooms: []\nstarts: {poses: [[4, 1, 0]]}\n"),
-        "rooms.yaml, line 1, rooms: there is no room. Add at least one.",
+        "rooms.yaml, line 1, rooms: the map has no rooms. Add at least one.",
     ),
     "no start": (
         edit("rooms.yaml", "  poses: [[4, 1, 0]]\n  rows: [[[4, 2.2], [4, 3.3]]]\n", "  poses: []\n"),
@@ -387,7 +387,7 @@ class TestBroken:
     @pytest.mark.parametrize(
         ("change", "told"),
         [
-            (edit("map.yaml", "negate: 0", "negate: 1"), "line 4, negate: 5 of 5 goals and starts stand in walls"),
+            (edit("map.yaml", "negate: 0", "negate: 1"), "line 4, negate: 5 of 5 goals and starts are in walls"),
             (edit("map.yaml", "origin: [0.0", "origin: [100.0"), "line 3, origin: 5 of 5 goals and starts lie outside"),
         ],
     )
@@ -409,4 +409,4 @@ class TestBroken:
         edit("rooms.yaml", "[[4, 1, 0]]", "[[4, 1, 0], [3.3, 0.5, 0]]")(folder)
         told = [str(finding.fault) for finding in check_map(folder).findings]
         assert all("with 4 robots at their starts no path leads from" in fault for fault in told)
-        assert any("the start of robot 1 to room 1. Leave a lane free" in fault for fault in told)
+        assert any("the start of robot 1 to room 1. Leave a free lane" in fault for fault in told)

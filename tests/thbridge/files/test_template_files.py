@@ -256,7 +256,7 @@ def test_treasures_that_no_property_tells_apart_are_warned_of(folder):
     [
         ("yellow,Square and Small,30,Pink can,rsz_t4.jpg", "have the same properties, so only their pictures"),
         ("Yellow,Square and Small,30,Pink can,rsz_t3.jpg", "have the same properties, so nothing distinguishes them"),
-        ("Pink,Square and Small,30,Pink can,rsz_t3.jpg", "have the same picture. Give one of the two another"),
+        ("Pink,Square and Small,30,Pink can,rsz_t3.jpg", "have the same picture. Give one of them another"),
     ],
 )
 def test_treasures_that_people_mistake_are_warned_of(folder, line, told):
@@ -286,7 +286,7 @@ def test_the_participants_copy_is_not_taken_for_the_treasures(folder):
 def test_the_copy_must_say_the_same_and_no_images(folder):
     copy = folder / "treasures.participant"
     copy.write_text(copy.read_text().replace("Pink can", "Pink tin"))
-    assert "same as treasures" in set_refusal(folder)
+    assert "differs from treasures" in set_refusal(folder)
     shutil.copy(folder / "treasures", copy)
     assert "tells the images" in set_refusal(folder)
     copy.unlink()

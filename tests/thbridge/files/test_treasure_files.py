@@ -92,5 +92,5 @@ def test_two_lists_in_one_folder_are_refused(tmp_path):
         (tmp_path / name).write_bytes((SHIPPED / name).read_bytes())
     (tmp_path / "pictures").symlink_to(SHIPPED / "pictures")
     (tmp_path / "treasures").write_text("8\n")
-    with pytest.raises(BadFile, match=r"there is a treasures\.yaml beside it"):
+    with pytest.raises(BadFile, match=r"a treasures\.yaml also exists"):
         read_template_set(tmp_path)

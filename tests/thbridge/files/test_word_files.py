@@ -28,50 +28,53 @@ def lab(folder: Path, text: str, language: str = "en", name: str = "ours.yaml") 
 
 
 BROKEN = {
-    "phrases: [{of: nxt, yes: [x]}]": ("line 1, phrases[0].of", "no predicate nxt", "The nearest is next"),
+    "phrases: [{of: nxt, yes: [x]}]": ("line 1, phrases[0].of", "predicate nxt does not", "The nearest is next"),
     "phrases: [{of: visited, yes: ['£rom£ is done']}]": ("phrases[0].yes[0]", "£rom£", "Write £room£"),
     "phrases: [{of: visited, yes: ['it is done']}]": ("must contain £room£", "Write £room£ into it"),
     "phrases: [{of: plan, no: ['no £robot£ £room£ £rooms£']}]": ("must contain £energy£",),
     "phrases: [{of: plan, robot: self, no: ['no £to_room£']}]": ("must contain £energy£ and £rooms£",),
     "phrases: [{of: visited, robot: self, yes: ['£room£']}]": ("visited is not about a robot", "Delete"),
-    "phrases: [{of: visited, yes: ['£room£ is done.']}]": ("ends none", "Take away"),
+    "phrases: [{of: visited, yes: ['£room£ is done.']}]": ("does not end it", "Take away"),
     "phrases: [{of: visited, yes: ['£room£'], no: ['£room£']}]": ("the same words", "Deny it"),
     "phrases: [{of: visited}]": ("it has no wording", "at least one"),
     "phrases: [{of: visited, yes: ['']}]": ("the wording is empty",),
     'phrases: [{of: visited, yes: ["a\\nb £room£"]}]': ("a line break or control sign, U+000A",),
     'phrases: [{of: visited, yes: ["£room£\u00a0!"]}]': ("no-break space, U+00A0", "plain blanks"),
     "phrases: [{of: visited, yes: ['£room']}]": ("a pound sign without its partner",),
-    "phrases: [{of: visited, speaker: cat, yes: ['£room£']}]": ("'cat' is no choice", "robot or human"),
-    "phrases: [{of: visited, yes: ['£room£']}, {of: visited, no: ['£room£ not']}]": ("the same stands in ours.yaml",),
-    "moves: [{move: chalenge, speaker: human, say: ['£content£']}]": ("no locution chalenge", "nearest is challenge"),
+    "phrases: [{of: visited, speaker: cat, yes: ['£room£']}]": ("'cat' is not a valid choice", "robot or human"),
+    "phrases: [{of: visited, yes: ['£room£']}, {of: visited, no: ['£room£ not']}]": (
+        "the same case is already in ours.yaml",
+    ),
+    "moves: [{move: chalenge, speaker: human, say: ['£content£']}]": (
+        "locution chalenge does not",
+        "nearest is challenge",
+    ),
     "moves: [{move: challenge, speaker: human, say: ['Why?']}]": ("must contain £content£",),
     "moves: [{move: challenge, speaker: human, say: []}]": ("it has no wording",),
     "moves: [{move: challenge, speaker: human, of: next, say: ['Why £room£?']}]": ("must contain £content£",),
     "moves: [{move: challenge, speaker: human, of: next, holds: true, say: ['Why £room£?']}]": (
         "must contain £content£",
     ),
-    "moves: [{move: challenge, speaker: human, of: nex, say: ['£content£']}]": ("no predicate nex", "next"),
+    "moves: [{move: challenge, speaker: human, of: nex, say: ['£content£']}]": ("predicate nex does not", "next"),
     "moves: [{move: challenge, speaker: human, condition: boss, say: ['£content£']}]": (
-        "'boss' is no choice",
+        "'boss' is not a valid choice",
         "adviser",
     ),
     "moves: [{move: assert, content: argument, speaker: human, say: ['£content£']}]": ("£content£", "£conclusion£"),
     "moves: [{move: assert, content: argument, speaker: human, say: ['£conclusion£']}]": ("must contain £support£",),
-    "moves: [{move: challenge, content: rule, of: next, speaker: human, say: ['£content£']}]": (
-        "one for all predicates",
-    ),
+    "moves: [{move: challenge, content: rule, of: next, speaker: human, say: ['£content£']}]": ("for all predicates",),
     "moves: [{move: assert, content: argument, of: next, robot: self, holds: true, speaker: human, say: ['£room£']}]": (
         "must contain £support£",
     ),
-    "moves: [{move: challenge, speaker: human, of: visited, robot: self, say: ['£content£']}]": ("about no robot",),
+    "moves: [{move: challenge, speaker: human, of: visited, robot: self, say: ['£content£']}]": ("not about a robot",),
     "moves: [{move: accept, speaker: human, say: ['£content£']}, {move: accept, speaker: human, say: ['£content£']}]": (
-        "the same stands in ours.yaml, line 1",
+        "the same case is already in ours.yaml, line 1",
     ),
-    "lines: [{key: mishered, say: [Hello]}]": ("no line mishered", "The nearest is misheard"),
+    "lines: [{key: mishered, say: [Hello]}]": ("line mishered does not", "The nearest is misheard"),
     "lines: [{key: misheard, say: ['Hello £seconds£']}]": ("£seconds£", "£heard£"),
     "lines: [{key: back, say: ['Hello £seconds£']}]": ("£seconds£", "Write it without"),
     "lines: [{key: back, say: []}]": ("it has no wording",),
-    "lines: [{key: back, say: [Back]}, {key: back, say: [Zurück]}]": ("the same stands in",),
+    "lines: [{key: back, say: [Back]}, {key: back, say: [Zurück]}]": ("the same case is already in",),
     "lines: [{say: [Back]}]": ("lines[0].key", "missing"),
     "frases: []": ("unknown key", "phrases"),
     "phrases: 3": ("a list is needed",),
@@ -166,7 +169,7 @@ def test_a_language_of_its_own_needs_a_grammar(tmp_path: Path) -> None:
 
 
 def test_a_language_that_is_not_there_is_told_with_the_nearest(tmp_path: Path) -> None:
-    with pytest.raises(BadFile, match=r"no language dee\. The nearest is de"):
+    with pytest.raises(BadFile, match=r"language dee does not exist\. The nearest is de"):
         read_language(name="dee")
     with pytest.raises(BadFile, match="this folder has no language"):
         check_words(tmp_path)

@@ -99,7 +99,7 @@ def test_faults_are_told_by_the_key(change: StudyChange, told: str) -> None:
 
 def test_files_of_ros_are_refused(tmp_path: Path) -> None:
     (tmp_path / "a.yaml").write_text("ros_parameters: [amcl.yaml]\n")
-    with pytest.raises(BadFile, match=r"line 1, ros_parameters: files of ROS would change nothing"):
+    with pytest.raises(BadFile, match=r"line 1, ros_parameters: ROS files would change nothing"):
         with_changes(Study(), [tmp_path / "a.yaml"], [])
 
 

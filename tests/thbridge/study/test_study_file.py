@@ -504,4 +504,4 @@ class TestRecording:
 @pytest.mark.parametrize("section", ["server", "watch"])
 @pytest.mark.parametrize("host", ["a\\0b", "", "a\\nb", "x" * 300])
 def test_a_host_that_no_machine_can_have_is_refused(section: str, host: str) -> None:
-    assert f"line 1, {section}.host: no address" in refusal(f'{section}: {{host: "{host}"}}')
+    assert f"line 1, {section}.host: not an address" in refusal(f'{section}: {{host: "{host}"}}')

@@ -66,7 +66,7 @@ def test_the_resolved_study_reads_back_equal():
         ),
         (
             "things:\n  - {name: a, shape: door, at: [1, 2, 0], corners: [[0, 0], [1, 0], [0, 1]]}",
-            "a door has no corners",
+            "a door cannot have corners",
         ),
         ("things:\n  - {name: a, shape: polygon, at: [1, 2, 0]}", "things[0].corners: these corners enclose no area"),
         (

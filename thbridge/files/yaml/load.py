@@ -149,7 +149,7 @@ class _Reader:
             what = "a list" if isinstance(node, Listing) else "a section"
             return self.wrong(node.line, key, f"{what} is written where one value is needed", wanted(hint, metadata))
         if node.absent and hint is not bool:
-            return self.wrong(node.line, key, "the value is missing", f"{wanted(hint, metadata)}, or delete the line")
+            return self.wrong(node.line, key, "no value", f"{wanted(hint, metadata)}, or delete the line")
         if hint is bool:
             return self.truth(node, key)
         if hint is int or hint is float:
@@ -175,7 +175,7 @@ class _Reader:
         if word in _WORDS_FOR_TRUTH:
             problem = f"{node.text!r} is a word, not a truth value"
         else:
-            problem = f"{node.text!r} is neither true nor false" if node.text else "the value is missing"
+            problem = f"{node.text!r} is neither true nor false" if node.text else "no value"
         return self.wrong(node.line, key, problem, "Write true or false, without quotes")
 
     def number(self, node: Scalar, kind: object, metadata: Metadata, key: str) -> float | _Wrong:

@@ -30,19 +30,19 @@ READERS: list[Callable[[Path], object]] = [
 @pytest.mark.parametrize("read", READERS)
 def test_a_pipe_in_a_files_place_is_refused_and_not_waited_for(read: Callable[[Path], object], tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "pipe")
-    with pytest.raises(BadFile, match="it is a pipe and no file"):
+    with pytest.raises(BadFile, match="it is a pipe, not a file"):
         read(tmp_path / "pipe")
 
 
 @pytest.mark.parametrize("read", READERS)
 def test_a_device_that_never_ends_is_refused(read: Callable[[Path], object]) -> None:
-    with pytest.raises(BadFile, match="it is a device and no file"):
+    with pytest.raises(BadFile, match="it is a device, not a file"):
         read(Path("/dev/zero"))
 
 
 @pytest.mark.parametrize("read", READERS)
 def test_a_nul_in_a_name_is_a_fault_of_the_name(read: Callable[[Path], object]) -> None:
-    with pytest.raises(BadFile, match="NUL in its name"):
+    with pytest.raises(BadFile, match="cannot have a NUL"):
         read(Path("a\0b"))
 
 
@@ -77,7 +77,7 @@ def test_a_nul_in_a_text_is_told_with_its_line(tmp_path: Path) -> None:
     file = tmp_path / "a"
     file.write_bytes(b"one\ntwo\0")
     for read in (read_text, numbered_lines):
-        with pytest.raises(BadFile, match=r"line 2: there is a NUL"):
+        with pytest.raises(BadFile, match=r"line 2: it has a NUL"):
             read(file)
 
 

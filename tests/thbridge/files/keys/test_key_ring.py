@@ -55,7 +55,7 @@ def test_a_key_that_is_revoked_or_has_expired_is_good_for_nothing_at_once(ring: 
 def test_a_name_is_used_once(ring: KeyRing) -> None:
     ring.add("maria", [Right.WATCH], "one secret", None)
     ring.revoke("maria")
-    with pytest.raises(BadFile, match="there is a key maria already"):
+    with pytest.raises(BadFile, match="a key maria already exists"):
         ring.add("maria", [Right.WATCH], "another secret", None)
     with pytest.raises(BadFile, match="Name one of these: maria"):
         ring.revoke("jo")
@@ -72,7 +72,7 @@ def test_a_name_that_is_none(ring: KeyRing, name: str) -> None:
 def test_a_ring_that_is_damaged_is_told(ring: KeyRing, damage: str) -> None:
     ring.add("maria", [Right.WATCH], "one secret", None)
     (ring.folder / RING).write_text(damage, errors="surrogateescape")
-    with pytest.raises(BadFile, match="no ring of keys"):
+    with pytest.raises(BadFile, match="not a ring of keys"):
         KeyRing(ring.folder, lambda: NOW)
 
 

@@ -125,7 +125,7 @@ def test_navfn_keeps_its_parameters_and_other_nodes_are_named(tmp_path: Path) ->
     found = read(tmp_path, PLANNER)
     navfn = found.value.NavfnROS
     assert (navfn.use_astar, navfn.allow_unknown, navfn.default_tolerance) == (True, False, 0.5)
-    assert "no counterpart here: bt_navigator" in told(found)
+    assert "without a counterpart here: bt_navigator" in told(found)
 
 
 @pytest.mark.parametrize("costmap", ["local_costmap", "global_costmap"])
@@ -171,7 +171,7 @@ def test_checkers_that_are_left_out_are_those_of_nav2(tmp_path: Path) -> None:
     assert (move_base.oscillation_distance, move_base.oscillation_timeout) == (0.5, 10.0)
     assert (planner.xy_goal_tolerance, planner.yaw_goal_tolerance) == (0.25, 0.25)
     assert planner.latch_xy_goal_tolerance
-    assert "goal_checker leaves out what Nav2 takes by default" in told(found)
+    assert "goal_checker leaves out parameters with these defaults of Nav2" in told(found)
 
 
 def test_of_several_checkers_the_first_holds(tmp_path: Path) -> None:
@@ -183,7 +183,7 @@ def test_of_several_checkers_the_first_holds(tmp_path: Path) -> None:
     planner = found.value.DWAPlannerROS
     assert (planner.xy_goal_tolerance, planner.yaw_goal_tolerance) == (0.05, 0.25)
     assert not planner.latch_xy_goal_tolerance
-    assert "no counterpart: general_goal_checker" in told(found)
+    assert "no counterpart here: general_goal_checker" in told(found)
 
 
 def test_dwb_has_its_own_defaults_and_weights_by_its_critics(tmp_path: Path) -> None:
@@ -238,7 +238,7 @@ def test_plugins_that_are_no_list_are_a_fault(tmp_path: Path, written: str) -> N
     """The robot would drive without its map."""
     text = f"global_costmap:\n  global_costmap:\n    ros__parameters:\n      plugins: {written}\n"
     with pytest.raises(
-        BadFile, match=r"line 4, global_costmap\.plugins: not a list of layers\. Write such as \[static_"
+        BadFile, match=r"line 4, global_costmap\.plugins: not a list of layers\. Write for example \[static_"
     ):
         read(tmp_path, text)
 

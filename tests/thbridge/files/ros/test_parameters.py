@@ -239,7 +239,7 @@ def test_aliases_of_aliases_come_to_an_end(tmp_path: Path) -> None:
 
 
 def test_an_alias_within_its_own_anchor(tmp_path: Path) -> None:
-    assert "/0.yaml, line 1, a: an alias (*) of nothing" in fault(tmp_path, "amcl: &a {kld_err: *a}")
+    assert "/0.yaml, line 1, a: an alias (*) without an anchor" in fault(tmp_path, "amcl: &a {kld_err: *a}")
 
 
 def test_a_name_that_stands_twice_has_its_last_value(tmp_path: Path) -> None:
@@ -263,7 +263,7 @@ def test_names_that_ros_does_not_read_either(tmp_path: Path) -> None:
         ("NavfnROS: {allow_unknown: 1}\n", "neither true nor false"),
         ("robot_descriptoin: {a: 1}\n", "/0.yaml, line 1, robot_descriptoin: unknown key"),
         ("- a\n- b\n", "it is not a section with lines 'name: value'"),
-        ("amcl: {kld_err: !thing 3}\n", "a tag (!)"),
+        ("amcl: {kld_err: !thing 3}\n", "this tag (!) is unknown"),
         ("amcl: {update_min_a: deg(x)}\n", "'x' is not an angle"),
         ("amcl: {update_min_a: rad(1/0)}\n", "is not an angle"),
         ("amcl: {<<: 3}\n", "not a section that can be merged"),
@@ -533,7 +533,7 @@ def test_what_a_launch_file_fills_in_is_told_so(tmp_path: Path) -> None:
 
 def test_a_list_of_sources_is_one_fault(tmp_path: Path) -> None:
     text = "local_costmap:\n  obstacle_layer:\n    observation_sources: [scan]\n    scan: {topic: /scan}\n"
-    assert fault(tmp_path, text).endswith("observation_sources: no text. Write names separated by blanks.")
+    assert fault(tmp_path, text).endswith("observation_sources: not a text. Write names separated by blanks.")
 
 
 NODES_OF_A_ROBOT = "{amcl: {max_particles: 700}, move_base: {TrajectoryPlannerROS: {max_vel_x: 0.4}}}"
@@ -591,7 +591,8 @@ def test_plugins_without_types_are_a_fault(tmp_path: Path, written: str) -> None
     """The robot would drive without its map."""
     told = fault(tmp_path, f"global_costmap:\n  plugins: {written}\n")
     assert (
-        "line 2, global_costmap.plugins: not a list of layers with name and type. Write such as [{name: walls" in told
+        "line 2, global_costmap.plugins: not a list of layers with name and type. Write for example [{name: walls"
+        in told
     )
 
 

@@ -37,7 +37,7 @@ def test_rows_come_in_the_order_asked_for(tmp_path, text):
         ("x,y\n1,2\n", "line 1: the header is 'x,y'. Write x,y,yaw"),
         ("x y yaw\n1 2 3\n", "line 1: the header is 'x y yaw'"),
         ("x;y\n1;2\n", "line 1: the header is 'x,y'. Write x,y,yaw"),
-        ("x;y;yaw\n1;2\n", "line 2: 2 values where the header has 3. Write 3 numbers, with the same marks between"),
+        ("x;y;yaw\n1;2\n", "line 2: 2 values where the header has 3. Write 3 numbers, with the same separators"),
         ("1,2,3\n", "line 1: the header is '1,2,3'"),
         ("x,y,yaw\n1,2\n", "line 2: 2 values where the header has 3"),
         ("x,y,yaw\n1,2,3\n\n1,two,3\n", "line 4, y: 'two' is not a number"),
