@@ -52,7 +52,7 @@ OWN_STRATEGY = "manner"
 
 
 class CostModel(StrEnum):
-    """How moves of robots are priced: from where the robot stands, or only between the places of a cost file."""
+    """Pricing of moves: from where the robot stands, or only between the places of a cost file."""
 
     POSITION = "position"
     MATRIX = "matrix"

@@ -119,7 +119,7 @@ def test_the_study_in_docs_is_a_design(tmp_path: Path) -> None:
             "factors.score: results already have a column of this name. Give the factor another name.",
         ),
         ("measures: [scor]\n", "design.yaml, line 1, measures[0]: 'scor' is not a valid choice. Write score, over, "),
-        ("bags: 1 of 5\n", "design.yaml, line 1, bags: '1 of 5' is not a valid choice. Write no, yes, or such as "),
+        ("bags: 1 of 5\n", "design.yaml, line 1, bags: '1 of 5' is not a valid choice. Write no, yes, or for example "),
         ("seeds: [1, 2, 1]\n", "design.yaml, line 1, seeds: a seed is listed twice. "),
         ("seeds: [1]\nreplicates: 4\n", "design.yaml, line 2, replicates: `seeds` already gives the seeds. "),
         ("base: {robots_from: ros}\n", "robots_from: a sweep simulates its robots. Write sim."),

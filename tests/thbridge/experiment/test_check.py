@@ -98,7 +98,9 @@ def test_prices_of_another_map_are_advised_against(tmp_path: Path) -> None:
 def test_people_who_would_read_two_languages_are_told_of(tmp_path: Path) -> None:
     text = replaced("{dialogue.condition: [", "{dialogue.language: [en, de], dialogue.condition: [")
     advice, *of_the_set = advice_on(accepted(folder_of(tmp_path, text)))
-    assert advice.startswith("The pages of the study are in en and games in de: participants would read two languages.")
+    assert advice.startswith(
+        "The pages of the study are in en, but games are in de: participants would read two languages."
+    )
     assert all("original-2016/de/" in each for each in of_the_set) and of_the_set
     text = replaced("base: {", "base: {dialogue.language: de, templates: everyday-things, ")
     assert advice_on(accepted(folder_of(tmp_path, text))) == ()
@@ -361,8 +363,8 @@ def test_no_table_has_a_column_that_a_factor_may_be_called(tmp_path: Path) -> No
 @pytest.mark.parametrize(
     ("old", "new", "told"),
     [
-        ("{participant.shows.answers: false}", "{robots: 2}", "may bias the answers to feelings"),
-        ("  - {step: debrief, text: debrief.txt}\n", "", "Nobody reads what the study was about"),
+        ("{participant.shows.answers: false}", "{robots: 2}", "may bias their answers to feelings"),
+        ("  - {step: debrief, text: debrief.txt}\n", "", "Participants do not read what the study was about"),
         ("  - {step: practice, name: practice}\n", "", "No practice comes before the first trial"),
         ("quota: 4", "quota: 3", "The quota, 3, is not a multiple of the 2 orders"),
         ("quota: 4", "quota: 4\norder: fixed", "All people meet the conditions in the same order"),
@@ -388,7 +390,12 @@ def test_what_a_reviewer_would_ask_is_advice(tmp_path: Path, old: str, new: str,
             "",
             "feelings: calm, quick, easy: the ends of the scale have",
         ),
-        ("feelings", "easy, text: It was easy.", "easy, text: I feel calm.", "feelings: calm, easy: ask the same"),
+        (
+            "feelings",
+            "easy, text: It was easy.",
+            "easy, text: I feel calm.",
+            "feelings: calm, easy: these items ask the same",
+        ),
         ("feelings", ", reverse: true", "", "feelings: no item of the score calm is reversed"),
         ("feelings", "It was easy.", "It was easy., subscale: ease", "feelings: the score ease has one item"),
         ("understood", ", shuffle: true", "", "understood: the first answer is always the right one"),

@@ -71,7 +71,7 @@ def test_all_faults_of_an_experiment_are_told_with_their_lines(tmp_path: Path) -
     [
         ("within: {robots: [1, 2], seed: [1, 2]}", "seed cannot be a factor"),
         ("base: {robots: 3}\nwithin: {robots: [1, 2]}", "base and robots both set it"),
-        ("within: {robts: [1, 2]}", "the nearest right name is robots"),
+        ("within: {robts: [1, 2]}", "the nearest name is robots"),
         ("between: {noise.preset: [none, worse]}", "worse"),
         ("quota: 0", "1 to 100000"),
     ],

@@ -238,7 +238,7 @@ def test_the_files_of_a_log_belong_together_at_each_moment(tmp_path: Path, monke
 
 def test_a_file_that_is_no_log_is_refused(tmp_path: Path) -> None:
     (tmp_path / "notes").write_text("dear diary")
-    with pytest.raises(BadFile, match="no log of an experiment"):
+    with pytest.raises(BadFile, match="not the log of an experiment"):
         read_log(tmp_path / "notes")
     with pytest.raises(BadFile):
         read_log(tmp_path / "nothing")

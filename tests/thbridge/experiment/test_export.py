@@ -162,7 +162,7 @@ def test_a_fingerprint_tells_what_has_changed_since(tmp_path: Path) -> None:
         "welcome.md was changed",
         "thbridge is 1.1 and was 1.0",
     )
-    with pytest.raises(BadFile, match="frozen already"):
+    with pytest.raises(BadFile, match="already frozen"):
         freeze(folder, VERSIONS, "2026-01-03T12:00:00Z")
     folder.freeze.write_text(folder.freeze.read_text().replace("1.0", "0.9"))
     with pytest.raises(BadFile, match="was changed"):

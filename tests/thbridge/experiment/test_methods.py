@@ -76,8 +76,8 @@ steps:
             [
                 "between-participants design with 2 groups: each participant met one of them",
                 "to groups at random",
-                "| who decides: supervisor, robots do what they are told; collaborator, robots argue and nothing "
-                "happens before both agree |",
+                "| who decides: supervisor, robots obey; collaborator, robots argue and nothing "
+                "happens before both sides agree |",
             ],
             ["Latin square", "rder of conditions", "within-participants", "script", "autonomous"],
         ),
@@ -92,8 +92,8 @@ steps:
             [],
         ),
         ("", ["a single condition: no factor was varied"], ["Latin square", "to groups", "Factors", "order was"]),
-        (THREE + "order: cyclic\n", ["cyclic Latin square", "no multiple of 3"], ["balanced Latin"]),
-        (THREE, ["with 6 orders", "no multiple of 6"], []),
+        (THREE + "order: cyclic\n", ["cyclic Latin square", "not a multiple of 3"], ["balanced Latin"]),
+        (THREE, ["with 6 orders", "not a multiple of 6"], []),
         (WITHIN + "order: fixed\n", ["in the same order, so condition and order are confounded"], ["Latin square"]),
     ],
 )
@@ -190,7 +190,7 @@ def test_everybody_who_began_is_in_the_flow_with_a_reason(course: Course) -> Non
 def test_checks_have_their_attempts_and_failures(course: Course) -> None:
     text = text_of(records_of(course.folder.read(), read_log(course.folder.log)))
     assert "The check *Before we begin* had 1 question with a right answer; it took 1 right answer to pass." in text
-    assert "It could be tried up to 2 times, repeating from the step practice on." in text
+    assert "It could be tried up to 2 times, repeating from the step practice after a failure." in text
     assert "Participants who failed the last attempt were excluded." in text
     # Of ten who began, one declined, one is still reading, and one withdrew.
     assert (
@@ -203,7 +203,7 @@ def test_checks_have_their_attempts_and_failures(course: Course) -> None:
     assert "The step of a game includes its start and the page with its result." in durations
     assert "If steps were repeated after a failed check, each repetition counts." in durations
     # Data collection goes on: nothing says that it has ended.
-    assert "was set to admit people until this number of complete runs that count was reached, and to give" in text
+    assert "was set to admit people until this number of complete runs that count was reached. If a run did" in text
 
 
 @settings(max_examples=8, deadline=None)
@@ -341,8 +341,9 @@ def test_practice_debriefing_and_consent_elsewhere_are_in_the_procedure(tmp_path
     )
     section = text[text.index("### Procedure") : text.index("### Data collection")]
     assert (
-        "1. Practice game of at most 300 s, in the settings of the participant's first condition, but for game.energy: "
-        "20.0, with another random seed; participants could continue after at least 2 moves and 1 named treasure.\n"
+        "1. Practice game of at most 300 s, in the settings of the participant's first condition, except for "
+        "game.energy: 20.0, with another random seed; participants could continue after at least "
+        "2 moves and 1 named treasure.\n"
         "2. For each condition, in the participant's order:\n"
         "    * Instructions on screen (welcome.md); only at dialogue.condition=supervisor.\n"
         "    * Game of at most 60 s.\n"
@@ -374,7 +375,9 @@ def test_a_study_between_participants_names_no_first_condition_and_what_might_be
     steps += "  - {step: trial}\n  - {step: form, form: more.yaml}\n"
     place = rehearse(tmp_path, SilentPeople(plays=False, drop_out=0.0), 1, f"title: x\n{BETWEEN}{steps}")
     text = text_of(records_of(place.read(), read_log(place.log), tmp_path))
-    assert "in the settings of the participant's condition, with another random seed; participants could go" in text
+    assert (
+        "in the settings of the participant's condition, with another random seed; participants could continue" in text
+    )
     assert "One participant and one simulated mobile robot searched the rooms" in text
     assert "one of: one; other; none, in random order except for “none” |" in text
     assert (

@@ -47,8 +47,8 @@ def test_leftovers_are_told_and_whole_recordings_are_not(tmp_path: Path) -> None
 
         cut, broken = told()
         assert cut.startswith(f"{first}/step-1-1.bag.active was cut off")
-        assert broken.startswith(f"{first}/step-1-2.bag.active is of a game that was broken off"), "as it was written"
+        assert broken.startswith(f"{first}/step-1-2.bag.active is from a game that was broken off"), "as it was written"
         conductor.leave(second, "went home")
         progress = conductor.progress
         (ended,) = (each for each in told() if each.startswith(second))
-        assert "step-1.bag.active is of a game that the log does not have" in ended
+        assert "step-1.bag.active is from a game that the log does not have" in ended

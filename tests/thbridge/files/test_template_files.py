@@ -288,7 +288,7 @@ def test_the_copy_must_say_the_same_and_no_images(folder):
     copy.write_text(copy.read_text().replace("Pink can", "Pink tin"))
     assert "differs from treasures" in set_refusal(folder)
     shutil.copy(folder / "treasures", copy)
-    assert "tells the images" in set_refusal(folder)
+    assert "names the images" in set_refusal(folder)
     copy.unlink()
     assert read_template_set(folder).kinds == read_template_set(ORIGINAL).kinds
 

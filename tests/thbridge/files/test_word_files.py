@@ -34,7 +34,7 @@ BROKEN = {
     "phrases: [{of: plan, no: ['no £robot£ £room£ £rooms£']}]": ("must contain £energy£",),
     "phrases: [{of: plan, robot: self, no: ['no £to_room£']}]": ("must contain £energy£ and £rooms£",),
     "phrases: [{of: visited, robot: self, yes: ['£room£']}]": ("visited is not about a robot", "Delete"),
-    "phrases: [{of: visited, yes: ['£room£ is done.']}]": ("does not end it", "Take away"),
+    "phrases: [{of: visited, yes: ['£room£ is done.']}]": ("does not end it", "Delete the sign"),
     "phrases: [{of: visited, yes: ['£room£'], no: ['£room£']}]": ("the same words", "Deny it"),
     "phrases: [{of: visited}]": ("it has no wording", "at least one"),
     "phrases: [{of: visited, yes: ['']}]": ("the wording is empty",),

@@ -28,7 +28,7 @@ def test_faults_are_told() -> None:
     invoke("keys", "new", "maria")
     again = invoke("keys", "new", "maria")
     assert again.exit_code == 2
-    assert "there is a key maria already" in again.stderr
+    assert "a key maria already exists" in again.stderr
 
 
 def test_a_door_wants_keys_that_are_there_and_cannot_be_guessed() -> None:

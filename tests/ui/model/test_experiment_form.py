@@ -176,7 +176,7 @@ def test_the_form_tells_the_same_faults_as_the_reader(folder: Path) -> None:
     with pytest.raises(Exception, match="nowhere") as told:
         read_experiment(path)
     assert "\n".join(str(fault) for fault in drafted(folder, text).faults) in str(told.value)
-    assert "no multiple" in drafted(folder, EXAMPLE.replace("quota: 4", "quota: 3")).notices[0]
+    assert "not a multiple" in drafted(folder, EXAMPLE.replace("quota: 4", "quota: 3")).notices[0]
 
 
 def test_what_steps_may_name(folder: Path) -> None:

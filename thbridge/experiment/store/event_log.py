@@ -524,7 +524,7 @@ def _verified(path: Path, database: sqlite3.Connection) -> list[LogEntry]:
         try:
             event = decoded(content)
         except BadEvent as fault:
-            problem = f"thbridge does not write an event such as event {sequence}: {fault}"
+            problem = f"event {sequence} is not one that thbridge writes: {fault}"
             newer = "Use the release with which the study was run, if it is newer"
             raise BadFile(path, problem, f"{newer}. {restore_remedy(path)}") from None
         if event.kind == WITHDRAWN:

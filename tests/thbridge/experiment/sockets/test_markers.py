@@ -92,8 +92,8 @@ def test_an_outlet_that_hangs_holds_nobody_up(monkeypatch: pytest.MonkeyPatch) -
     faulty_lsl(monkeypatch, lambda _sample, _stamp: hangs.wait())
     stream = MarkerStream("x")
     push(stream, MOST_WAITING + 50)
-    assert stream.troubles[0].startswith("Markers: liblsl takes none any more.")
-    assert "markers did not go out" in stream.troubles[0]
+    assert stream.troubles[0].startswith("Markers: LSL no longer accepts markers.")
+    assert "markers were not sent" in stream.troubles[0]
     stream.close(0.0)
     hangs.set()
 

@@ -235,7 +235,7 @@ def test_anchors_aliases_and_merge_keys(tmp_path: Path) -> None:
 
 def test_aliases_of_aliases_come_to_an_end(tmp_path: Path) -> None:
     levels = "".join(f"l{i}: &l{i} [{', '.join([f'*l{i - 1}'] * 9)}]\n" for i in range(1, 12))
-    assert "by aliases" in fault(tmp_path, f"l0: &l0 [1, 2]\n{levels}")
+    assert "through aliases" in fault(tmp_path, f"l0: &l0 [1, 2]\n{levels}")
 
 
 def test_an_alias_within_its_own_anchor(tmp_path: Path) -> None:

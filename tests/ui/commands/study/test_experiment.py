@@ -67,12 +67,12 @@ def test_nothing_is_left_of_somebody_who_withdraws(folder: Path, tmp_path: Path)
 @pytest.mark.parametrize(
     ("arguments", "problem"),
     [
-        (("check",), "there is no experiment.yaml"),
-        (("status",), "there is no experiment.yaml"),
-        (("freeze",), "there is no experiment.yaml"),
-        (("rehearse", "--to", "x"), "there is no experiment.yaml"),
-        (("export", "--to", "x"), "there is no experiment.yaml"),
-        (("run",), "there is no experiment.yaml"),
+        (("check",), "it has no experiment.yaml"),
+        (("status",), "it has no experiment.yaml"),
+        (("freeze",), "it has no experiment.yaml"),
+        (("rehearse", "--to", "x"), "it has no experiment.yaml"),
+        (("export", "--to", "x"), "it has no experiment.yaml"),
+        (("run",), "it has no experiment.yaml"),
     ],
 )
 def test_a_folder_that_is_no_experiment(tmp_path: Path, arguments: tuple[str, ...], problem: str) -> None:

@@ -254,13 +254,13 @@ SCHEMAS: dict[str, tuple[str, ...]] = {
 @pytest.mark.parametrize("name", SCHEMAS)
 def test_another_schema_is_refused(study: Path, name: str) -> None:
     write_log(study, [], SCHEMAS[name])
-    assert "another schema" in str(refused(study))
+    assert "schema is different" in str(refused(study))
 
 
 def test_an_endless_view_without_a_head_is_refused_where_it_is_opened_to_be_written(study: Path) -> None:
     write_log(study, [], SCHEMAS["a view over an endless query"])
     (study / "store" / "log-head").unlink()
-    with pytest.raises(BadFile, match="another schema"):
+    with pytest.raises(BadFile, match="schema is different"):
         ExperimentLog(study / "store" / "log")
 
 

@@ -100,7 +100,7 @@ def test_a_restore_is_refused_where_it_would_do_harm(study: Path, tmp_path: Path
     backup = tmp_path / "backup"
     (tmp_path / "photos").mkdir()
     (tmp_path / "photos" / "one.jpg").write_bytes(b"x")
-    assert "is no study" in refusal_of("study", "restore", backup, "--to", tmp_path / "photos")
+    assert "do not belong to a study" in refusal_of("study", "restore", backup, "--to", tmp_path / "photos")
     assert "in each other" in refusal_of("study", "restore", backup, "--to", backup / "study")
     assert "no backup of a study" in refusal_of("study", "restore", tmp_path / "photos", "--to", study)
     with ExperimentLog(study / "store" / "log"):

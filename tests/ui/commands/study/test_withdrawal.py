@@ -90,7 +90,7 @@ def test_nothing_is_left_of_who_withdraws_and_all_that_is_of_others(study: Path,
             pd.testing.assert_frame_equal(table, before[name])
         assert f"{export}: this export was written again, without {gone}" in said
     assert (outside / "analysis.py").read_text() == "# mine\n"
-    assert f"{outside / 'mine.txt'} is none of the export's files" in said
+    assert f"{outside / 'mine.txt'} is not one of the export's files" in said
     assert f"{backup}: this backup is brought up to date" in said
     for place in (study, backup):
         entries = read_log(place / "store" / "log")
@@ -282,7 +282,7 @@ def test_a_backup_is_refused_where_it_would_do_harm(study: Path, tmp_path: Path)
     assert "in the study's own folder" in refusal_of("study", "backup", study, "--to", study / "backup")
     (tmp_path / "photos").mkdir()
     (tmp_path / "photos" / "one.jpg").write_bytes(b"x")
-    assert "no backup" in refusal_of("study", "backup", study, "--to", tmp_path / "photos")
+    assert "do not belong to a backup" in refusal_of("study", "backup", study, "--to", tmp_path / "photos")
     backup = tmp_path / "backup"
     output_of("study", "backup", study, "--to", backup)
     output_of("study", "withdraw", backup, people(study)[0], "--yes")

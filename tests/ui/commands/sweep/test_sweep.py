@@ -88,9 +88,7 @@ def test_status_tells_what_is_done(played: Path) -> None:
 def test_a_folder_that_is_no_sweep() -> None:
     for name, more in (("status", ()), ("collect", ("--to", "a.csv")), ("plot", ("--to", "a.png"))):
         told = refusal("sweep", name, "nowhere", *more)
-        assert (
-            told == "nowhere/sweep.json: there is no such file. Name the folder of a sweep, or bring this file back.\n"
-        )
+        assert told == "nowhere/sweep.json: there is no such file. Name the folder of a sweep, or restore this file.\n"
 
 
 def test_collect_writes_the_same_table_in_both_formats(played: Path, folder: Path) -> None:
