@@ -91,7 +91,7 @@ def test_nothing_is_left_of_who_withdraws_and_all_that_is_of_others(study: Path,
         assert f"{export}: this export was written again, without {gone}" in said
     assert (outside / "analysis.py").read_text() == "# mine\n"
     assert f"{outside / 'mine.txt'} is not one of the export's files" in said
-    assert f"{backup}: this backup is brought up to date" in said
+    assert f"{backup}: this backup is up to date again" in said
     for place in (study, backup):
         entries = read_log(place / "store" / "log")
         assert any(isinstance(entry, Tombstone) for entry in entries)
@@ -286,7 +286,7 @@ def test_a_backup_is_refused_where_it_would_do_harm(study: Path, tmp_path: Path)
     backup = tmp_path / "backup"
     output_of("study", "backup", study, "--to", backup)
     output_of("study", "withdraw", backup, people(study)[0], "--yes")
-    assert "somebody ran the study there" in refusal_of("study", "backup", study, "--to", backup)
+    assert "the study was run there" in refusal_of("study", "backup", study, "--to", backup)
     new = tmp_path / "new"
     (recording,) = sorted((study / "recordings").rglob("*.bag"))[:1]
     recording.unlink()
