@@ -193,7 +193,7 @@ def received(client: socket.socket) -> bytes:
 
 
 async def connections(port: int, count: int) -> list[asyncio.StreamWriter]:
-    """Open up to `count` connections; stop when one is refused."""
+    """Open up to `count` connections; skip those that are refused."""
     writers = []
     for _ in range(count):
         with contextlib.suppress(OSError):

@@ -1,1 +1,1 @@
-"""The documentation as a site of static pages: `make docs`."""
+"""Site of static pages for the documentation: `make docs`."""

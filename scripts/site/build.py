@@ -1,8 +1,8 @@
 """Build the site: `python -m scripts.site.build [FOLDER]`; `make docs` calls it.
 
-The pages come from `docs`. Added are the changelog, CONTRIBUTING.md, the commands, the keys of a study file and the
-interface for programs, from the code. The site goes into FOLDER/VERSION and works from a disk: it loads nothing from
-another host. Each version that lies in FOLDER is offered in the others.
+The pages come from `docs`, the changelog and CONTRIBUTING.md. Pages about commands, keys of a study file and the
+interface for programs are generated from the code. The site is written to FOLDER/VERSION, and also works from a local
+disk, because it loads nothing from other hosts. Each version in FOLDER has links to the other versions.
 """
 
 import argparse
@@ -24,14 +24,14 @@ from thbridge.api import learning
 ROOT = Path(__file__).parents[2]
 HERE = Path(__file__).parent
 OF_THE_PROJECT = {"CHANGELOG.md": "changelog.md", "CONTRIBUTING.md": "contributing.md", "README.md": "index.md"}
-"""Files of the root, and the pages of the site that they become or that stand for them."""
+"""Files of the project's root folder, and the pages of the site that contain or replace them."""
 INDEXES = {"index.md", "development.md"}
-"""Names of pages that put other pages in order."""
+"""Names of pages that determine the order of other pages."""
 _LINK = re.compile(r"(?<!!)\[((?:[^\[\]]|\[[^\]]*\])*)\]\(([^)\s#:]+)(#[^)]*)?\)")
 
 
 def build(folder: Path) -> int:
-    """Build the site of the installed version into a folder; return Sphinx' exit code, which is not 0 if it warns."""
+    """Build the site of the installed version in a folder; return the exit code of Sphinx, which is not 0 if it warns."""
     target = folder / metadata.version("thbridge")
     with tempfile.TemporaryDirectory() as made:
         source = Path(made) / "docs"
@@ -66,7 +66,7 @@ def _lay_source(source: Path) -> None:
 
 
 def _with_links_of(text: str, folder: Path, to: Path) -> str:
-    """Return a page with links from its place: what is no page of the site becomes the name of a file."""
+    """Return a page with links that fit its place in the site; links to files outside the site become file names."""
 
     def link(match: re.Match[str]) -> str:
         words, path, anchor = match[1], match[2], match[3] or ""
@@ -84,7 +84,7 @@ def _with_links_of(text: str, folder: Path, to: Path) -> str:
 
 
 def _toctree(page: Path, text: str) -> str:
-    """Return the toctree of an index page: its links to pages of its folder and to indexes of folders in it."""
+    """Return the toctree of an index page: the pages of its folder that it links, and the indexes of subfolders."""
     if page.name not in INDEXES:
         return ""
     linked = dict.fromkeys(match[2] for match in _LINK.finditer(text) if match[2].endswith(".md"))
@@ -96,11 +96,11 @@ def _toctree(page: Path, text: str) -> str:
 def api_pages() -> dict[str, str]:
     """Return the pages of the interface for programs, by their names."""
     return {
-        "api-classes": _api_page(api, "thbridge.api", "For programmers: every class that `thbridge.api` offers."),
+        "api-classes": _api_page(api, "thbridge.api", "For programmers: all classes of `thbridge.api`."),
         "api-learning": _api_page(
             learning,
             "thbridge.api.learning",
-            "For those who train agents: the environments of `thbridge.api.learning`.",
+            "For people who train agents: the environments of `thbridge.api.learning`.",
         ),
     }
 
@@ -117,7 +117,7 @@ def _api_page(module: object, name: str, reader: str) -> str:
 
 
 def main() -> int:
-    """Read the command line and build."""
+    """Read the command line, and build the site."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", nargs="?", type=Path, default=ROOT / "site", metavar="FOLDER", help="default: site")
     folder = parser.parse_args().folder

@@ -1,4 +1,4 @@
-"""Pages of the command line's reference: one for each command of the first level, with the commands inside it."""
+"""Reference pages of the command line: one for each top-level command, with its subcommands."""
 
 import re
 from collections.abc import Iterator
@@ -14,7 +14,7 @@ Command = TyperCommand | TyperGroup
 
 
 def command_pages() -> dict[str, str]:
-    """Return the pages by their names, such as `play`, and the list of all as `index`."""
+    """Return the pages by their names, such as `play`, and the list of all commands as `index`."""
     root = typer.main.get_command(app)
     pages = {}
     rows = []
@@ -77,6 +77,6 @@ def _first(command: Command) -> str:
 
 
 def _markdown(help_text: str) -> str:
-    """Return a help text without Rich's marks, its square brackets kept from being links."""
+    """Return a help text without Rich's markup; its square brackets are escaped so that they are no links."""
     text = re.sub(r"\\\[", "[", cleandoc(help_text).replace("\b\n", ""))
     return re.sub(r"(?<![`\w])\[(?=[^\]]*\])", r"\\[", " ".join(text.split("\n")) if "\n\n" not in text else text)

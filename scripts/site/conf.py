@@ -1,4 +1,4 @@
-"""Sphinx's settings for the site; `build.py` runs Sphinx with them."""
+"""Sphinx settings of the site; `build.py` runs Sphinx with them."""
 
 from importlib import metadata
 
@@ -12,7 +12,7 @@ source_suffix = {".md": "markdown"}
 exclude_patterns = ["pictures", "sweeps", "learning", "launch"]
 
 myst_enable_extensions = ["colon_fence", "deflist"]
-# Links to headings are written as GitHub makes their names.
+# Anchors of headings are the same as on GitHub.
 myst_heading_anchors = 4
 
 autodoc_member_order = "bysource"
@@ -21,7 +21,7 @@ autodoc_default_options = {"members": True}
 python_use_unqualified_type_names = True
 napoleon_use_ivar = True
 napoleon_use_rtype = False
-# Else options such as --robots would get a dash.
+# Without this, Sphinx would replace the two hyphens of options such as --robots by a dash.
 smartquotes = False
 # Docstrings use single backquotes for code, as Markdown does.
 default_role = "code"
@@ -33,6 +33,6 @@ html_css_files = ["site.css"]
 html_js_files = ["versions.js"]
 html_copy_source = False
 html_show_sourcelink = False
-# A summary would be fetched from the page, which browsers refuse for pages on a disk.
+# Summaries would be fetched from the pages, and browsers refuse that for pages on a local disk.
 html_show_search_summary = False
 html_theme_options = {"navigation_with_keys": True, "top_of_page_buttons": []}

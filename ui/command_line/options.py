@@ -236,7 +236,7 @@ class MavlinkOptions:
         list[str] | None,
         typer.Option(
             metavar="HOST:PORT",
-            help="Address of a ground station; HOST:PORT/ROBOT sends it only this robot. Can be repeated.",
+            help="Address of a ground station; HOST:PORT/ROBOT sends it only this robot's frames. Can be repeated.",
         ),
     ] = None
     udp_listen: Annotated[

@@ -99,7 +99,10 @@ def note_doubts(setting: StudySetting) -> None:
 
 
 def map_of(study: Study, file: Path | None) -> Map:
-    """Return the study's map without travel costs, for commands that play no game; paths start at its file's folder."""
+    """Return the study's map without travel costs, for commands that play no game.
+
+    Relative paths start at the folder of the study's file.
+    """
     with bad_input():
         beside = Path() if file is None else file.parent
         return read_map_of(study, beside, with_costs=False, written=_written(file))

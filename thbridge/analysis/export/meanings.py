@@ -232,7 +232,7 @@ TOPICS: Mapping[str, str] = {
     "/hunt/events": "all events of the game",
     "/hunt/score": "state of the game, at each change",
     "/hunt/wizard": "robots for which a researcher speaks, and waiting sentences, at each change",
-    "/watch/status": "status that the watch server sent to the program that captured this",
+    "/watch/status": "status that the watch server sent to the recording client",
     "/things": "outlines of obstacles",
     "/hunt/rooms": "names of rooms, each at its goal",
     "/dialogue/utterances": "all utterances of dialogues",

@@ -2,7 +2,7 @@
 
 A block is copied as a whole, and numpy decodes it later. So the time for a message does not grow with its fields.
 
-Source: ROS wiki, msg (serialization: little-endian; a uint32 with the length before strings and arrays of variable
+Source: ROS wiki, msg (serialization: little-endian; strings and arrays of variable length begin with a uint32, their
 length).
 """
 
