@@ -31,7 +31,7 @@ _LINK = re.compile(r"(?<!!)\[((?:[^\[\]]|\[[^\]]*\])*)\]\(([^)\s#:]+)(#[^)]*)?\)
 
 
 def build(folder: Path) -> int:
-    """Build the site of the installed version in a folder; return the exit code of Sphinx, which is not 0 if it warns."""
+    """Build the site of the installed version in a folder; return the exit code of Sphinx, not 0 if it warns."""
     target = folder / metadata.version("thbridge")
     with tempfile.TemporaryDirectory() as made:
         source = Path(made) / "docs"
