@@ -105,7 +105,7 @@ class Hub:
         for number in filter(there.reaches, addressed):
             self._traffic.append(Traffic(number, True, there.name, frame))
             sent += self._numbered(number, self.vehicles[number].handle_message(link, sender, message))
-        # Frames of other stations stay off links of one robot: programs that support one vehicle may take them for its.
+        # Links of one robot carry no frames of other stations: programs there may take them for the robot's.
         is_shared = robot is None and there.robot is None
         if is_shared and (system not in self._by_system or component != COMPONENT):
             for other in self._forwarded_to(link, sender, system, component):

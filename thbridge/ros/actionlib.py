@@ -198,8 +198,7 @@ class MoveBaseServer:
         named = GoalId(goal.id or self._new_name(), goal.stamp_ns or self._now)
         entry = _Entry(named, GoalStatusCode.PENDING, target=target, refusal=refusal)
         self._listed.append(entry)
-        # A goal without a time stamp is never too old. This uses the client's stamp, not the one that the server fills
-        # in.
+        # A goal without a time stamp is never too old. The client's stamp decides here, not the one filled in.
         if 0 < goal.stamp_ns <= self._last_cancel_ns:
             self._end(entry, GoalStatusCode.RECALLED, _TAKEN_BACK)
         elif any(other is not None and named.stamp_ns < other.goal.stamp_ns for other in (self._current, self._next)):

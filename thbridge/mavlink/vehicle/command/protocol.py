@@ -183,8 +183,7 @@ class CommandProtocol(Microservice):
     def _remember(self, key: _Key, request: ReceivedCommand, result: CommandResult) -> None:
         command = self._commands.find(request.number)
         if command is None or command.access is CommandAccess.ANYBODY:
-            # Commands that any station may send, such as a stop, are executed again, because they may be needed again
-            # by now.
+            # Commands that any station may send, such as a stop, are executed again: they may be needed again by now.
             return
         self._done.pop(key, None)
         while len(self._done) >= _MOST_REMEMBERED:

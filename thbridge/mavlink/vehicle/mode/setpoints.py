@@ -98,8 +98,7 @@ class ControlInputs(Microservice):
         self._readings = readings
         return ()
 
-    # -- manual control
-    # -------------------------------------------------------------------------------------------------------
+    # -- manual control -----------------------------------------------------------------------------------------------
 
     def _stick(self, sender: Station, message: mav.MAVLink_manual_control_message) -> None:
         """Drive by MANUAL_CONTROL: x is forward; r, or y if there is no r, is the turn.

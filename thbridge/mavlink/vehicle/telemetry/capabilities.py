@@ -64,8 +64,7 @@ class Capabilities:
         return mav.MAVLink_gps_global_origin_message(place.latitude, place.longitude, self._altitude, now)
 
     def _autopilot_version(self, tick: int) -> Message:
-        # No version is sent: ground stations would compare it with versions of the autopilot that the robot claims to
-        # have.
+        # No version is sent: ground stations would compare it with versions of the real autopilot.
         nothing = [0] * 8
         return mav.MAVLink_autopilot_version_message(
             _CAPABILITIES, 0, 0, 0, 0, nothing, nothing, nothing, 0, 0, self._system
