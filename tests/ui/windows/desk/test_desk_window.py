@@ -253,7 +253,7 @@ def at_folder(qtbot: QtBot, study: RehearsedStudy, state: DeskState, tmp_path: P
 def finished(desk: DeskWindow, qtbot: QtBot) -> tuple[str, str]:
     """How the command of the desk ended, and what it printed."""
     (box,) = desk.findChildren(CommandBox)
-    qtbot.waitUntil(lambda: "done" in box.words.text(), timeout=60_000)
+    qtbot.waitUntil(lambda: box.words.text().endswith(("done.", "below.")), timeout=60_000)
     told = box.words.text(), box.output.toPlainText()
     box.accept()
     qtbot.waitUntil(lambda: not desk.findChildren(CommandBox))
@@ -344,7 +344,7 @@ def test_a_withdrawal_shows_what_it_deletes_and_is_asked_of_the_host(at_folder: 
     for typed in ("P-NOBODY", "..", ""):
         said = naming(typed, "OK")
         at_folder.withdraw.click()
-        assert "nothing of a participant" in said[0]
+        assert "no participant with the ID" in said[0]
     said = naming(who.lower(), "Cancel")
     at_folder.withdraw.click()
     assert f"This withdraws {who} for good" in said[0]

@@ -27,7 +27,7 @@ def test_map_and_plots_are_copied_and_saved_as_they_are_shown(
     assert QImage(str(png)).size() == image_of(shown).size()
     assert QSvgRenderer(str(svg)).isValid() and svg.stat().st_size > 10_000
     for name in ("a.png", "a.svg"):
-        assert "cannot be written" in save_picture(shown, tmp_path / "none" / name)
+        assert "Cannot write" in save_picture(shown, tmp_path / "none" / name)
 
 
 def test_without_ffmpeg_a_video_is_refused_in_words(window: ResearcherWindow, monkeypatch: pytest.MonkeyPatch) -> None:
