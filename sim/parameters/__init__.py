@@ -1,8 +1,8 @@
-"""Parameters: all that an admin may set of a robot and of its world, under ROS's names where ROS has them.
+"""Parameters that an admin may set for a robot and for its world, under their ROS names where ROS has them.
 
-Each field carries its meaning, unit and bounds, from which the study file's reader, its error messages and its
-commented template are made. Defaults are those of the 2016 study (its robots, its planner) and else ROS's own.
-Names of the sections follow ROS: `amcl`, `costmap_2d`, `move_base`, `TrajectoryPlannerROS`, `NavfnROS`.
+Each field holds its meaning, unit and bounds. The reader of study files, its error messages and the commented template
+use them. The defaults are those of the 2016 study (its robots, its planner), or ROS's own if the study had none.
+Sections have the names of ROS: `amcl`, `costmap_2d`, `move_base`, `TrajectoryPlannerROS`, `NavfnROS`.
 """
 
 from sim.parameters.amcl import AmclParameters

@@ -6,8 +6,8 @@ from typing import ClassVar
 
 from sim.parameters.declaration import live, param
 
-_LAYERS = "which layers there are: here static, obstacle, robots, inflation, each with its `enabled`"
-_VOXELS = "the voxel layer; lasers here see in one plane"
+_LAYERS = "the list of layers; here always static, obstacle, robots and inflation, each with its `enabled`"
+_VOXELS = "setting of the voxel layer; lasers here scan a single plane"
 
 
 @dataclass(frozen=True, slots=True)
@@ -15,39 +15,45 @@ class StaticParameters:
     """The walls of the map (costmap_2d's StaticLayer)."""
 
     ros_only: ClassVar[Mapping[str, str]] = {
-        "map_topic": "where the map comes from",
-        "first_map_only": "a map that is published anew is not taken",
-        "subscribe_to_updates": "where the map's changes come from",
+        "map_topic": "topic of the map",
+        "first_map_only": "ignore maps after the first one",
+        "subscribe_to_updates": "subscribe to changes of the map",
     }
 
-    enabled: bool = live(True, "whether the map's walls count")
-    track_unknown_space: bool = param(True, "unknown cells of the map are unknown, else free")
-    lethal_cost_threshold: int = param(100, "cells of the map with this value or more are obstacles", "", 0, 100)
-    unknown_cost_value: int = param(-1, "the value of the map's unknown cells", "", -128, 255)
-    trinary_costmap: bool = param(True, "values below the threshold are free, else in proportion")
-    use_maximum: bool = param(False, "the map only raises costs, never lowers them")
+    enabled: bool = live(True, "use the walls of the map")
+    track_unknown_space: bool = param(True, "treat unknown cells of the map as unknown; if false, as free")
+    lethal_cost_threshold: int = param(100, "minimum value of a map cell that is an obstacle", "", 0, 100)
+    unknown_cost_value: int = param(-1, "value of unknown cells in the map", "", -128, 255)
+    trinary_costmap: bool = param(
+        True, "treat values below the threshold as free; if false, their costs are proportional to the value"
+    )
+    use_maximum: bool = param(False, "let the map only raise costs, never lower them")
 
 
 @dataclass(frozen=True, slots=True)
 class ObservationSource:
-    """One use of the laser by the obstacle layer; ROS has one for each sensor, here the one laser stands for all."""
+    """One entry of observation_sources. In ROS each entry is a sensor; here the one laser stands for all of them."""
 
     ros_only: ClassVar[Mapping[str, str]] = {
-        "topic": "where readings come from",
-        "sensor_frame": "where the sensor sits: here the laser's own place",
-        "data_type": "the kind of message",
-        "observation_persistence": "how long readings are kept: here every one is used once",
-        "expected_update_rate": "when missing readings are an error",
-        "min_obstacle_height": "lower points are not seen; lasers here see in one plane",
-        "max_obstacle_height": "higher points are not seen; lasers here see in one plane",
+        "topic": "topic of the readings",
+        "sensor_frame": "frame of the sensor; here always the laser's pose on the robot",
+        "data_type": "type of the messages",
+        "observation_persistence": "time for which readings are kept; here each reading is used once",
+        "expected_update_rate": "interval after which missing readings are an error",
+        "min_obstacle_height": "ignore points below; lasers here scan a single plane",
+        "max_obstacle_height": "ignore points above; lasers here scan a single plane",
     }
 
-    name: str = param("scan", "what it is called in observation_sources")
-    marking: bool = param(True, "readings mark obstacles")
-    clearing: bool = param(False, "readings clear the space before them")
-    inf_is_valid: bool = param(False, "beams that hit nothing clear too")
-    obstacle_range: float | None = param(None, "farther readings do not mark; null: the layer's", "m", 0, 50)
-    raytrace_range: float | None = param(None, "farther space is not cleared; null: the layer's", "m", 0, 50)
+    name: str = param("scan", "name in observation_sources")
+    marking: bool = param(True, "let readings mark obstacles")
+    clearing: bool = param(False, "let readings clear the space in front of them")
+    inf_is_valid: bool = param(False, "let beams that hit nothing clear as well")
+    obstacle_range: float | None = param(
+        None, "maximum range at which readings mark; null: the layer's value", "m", 0, 50
+    )
+    raytrace_range: float | None = param(
+        None, "maximum range up to which space is cleared; null: the layer's value", "m", 0, 50
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,9 +61,9 @@ class ObstacleParameters:
     """Marking and clearing by the laser (costmap_2d's ObstacleLayer)."""
 
     ros_only: ClassVar[Mapping[str, str]] = {
-        "transform_tolerance": "how old transforms may be",
-        "max_obstacle_height": "higher points do not mark; lasers here see in one plane",
-        "min_obstacle_height": "lower points do not mark; lasers here see in one plane",
+        "transform_tolerance": "maximum age of transforms",
+        "max_obstacle_height": "ignore points above; lasers here scan a single plane",
+        "min_obstacle_height": "ignore points below; lasers here scan a single plane",
         "origin_z": _VOXELS,
         "z_resolution": _VOXELS,
         "z_voxels": _VOXELS,
@@ -68,65 +74,69 @@ class ObstacleParameters:
     sections_named_in: ClassVar[str] = "observation_sources"
     not_in_ros: ClassVar[frozenset[str]] = frozenset({"explained_distance", "clear_between_beams"})
 
-    enabled: bool = live(True, "whether what the laser sees counts")
-    footprint_clearing_enabled: bool = live(True, "the robot's own place is free")
+    enabled: bool = live(True, "use the obstacles that the laser sees")
+    footprint_clearing_enabled: bool = live(True, "clear the cells under the robot's footprint")
     combination_method: int = live(
-        1, "0: what the laser saw replaces the map, 1: it raises the map's costs, else nothing", "", 0, 99
+        1, "0: laser obstacles replace the map's costs, 1: they can only raise them, 2 to 99: no effect", "", 0, 99
     )
-    track_unknown_space: bool | None = param(None, "cells not seen yet are unknown, else free; null: the costmap's")
-    obstacle_range: float = live(2.5, "farther readings do not mark", "m", 0, 50)
-    raytrace_range: float = live(3.0, "farther space is not cleared", "m", 0, 50)
+    track_unknown_space: bool | None = param(
+        None, "treat cells not yet seen as unknown; if false, as free; null: the costmap's value"
+    )
+    obstacle_range: float = live(2.5, "maximum range at which readings mark obstacles", "m", 0, 50)
+    raytrace_range: float = live(3.0, "maximum range up to which space is cleared", "m", 0, 50)
     observation_sources: tuple[ObservationSource, ...] = param(
-        (), "names of the uses of the laser, with blanks between; each has a section under its name"
+        (), "names of observation sources, separated by blanks; each has a section of that name"
     )
     explained_distance: float = param(
         0.0,
-        "readings this near to a wall of the map, or to another robot, do not mark (not ROS's; 0: all do)",
+        "readings within this distance of a wall of the map or of another robot do not mark (not ROS's; 0: all mark)",
         "m",
         0,
         2,
     )
-    clear_between_beams: bool = param(False, "cells between two beams that both see past them clear too (not ROS's)")
+    clear_between_beams: bool = param(
+        False, "also clear cells between two neighboring beams that both end behind them (not ROS's)"
+    )
 
 
 @dataclass(frozen=True, slots=True)
 class RobotsParameters:
-    """The other robots, where they say that they are (the GridLayer of the 2016 study; not ROS's)."""
+    """The other robots at the poses that they report (the GridLayer of the 2016 study; not in ROS)."""
 
-    enabled: bool = param(True, "whether the other robots count")
-    under_way: bool = param(True, "robots that mean to drive count too, not only those that rest")
-    path_length: float = param(0.0, "how far along their paths the others make costs", "m", 0, 50)
-    path_cost: int = param(128, "the cost of cells on these paths", "", 0, 252)
+    enabled: bool = param(True, "use the other robots as obstacles")
+    under_way: bool = param(True, "include robots that have an itinerary; if false, only resting robots")
+    path_length: float = param(0.0, "length of the other robots' paths along which they cause costs", "m", 0, 50)
+    path_cost: int = param(128, "cost of the cells on these paths", "", 0, 252)
 
 
 @dataclass(frozen=True, slots=True)
 class InflationParameters:
     """Costs around obstacles (costmap_2d's InflationLayer)."""
 
-    enabled: bool = live(True, "whether obstacles make costs around them")
-    inflation_radius: float = live(0.55, "costs reach this far from an obstacle, rounded up to whole cells", "m", 0, 50)
-    cost_scaling_factor: float = live(10.0, "how fast the costs fall with the distance", "1/m", 0, 100)
-    inflate_unknown: bool = live(False, "unknown cells take costs too")
+    enabled: bool = live(True, "add costs around obstacles")
+    inflation_radius: float = live(0.55, "distance around obstacles with costs, rounded up to whole cells", "m", 0, 50)
+    cost_scaling_factor: float = live(10.0, "exponential decay of costs with distance", "1/m", 0, 100)
+    inflate_unknown: bool = live(False, "add costs to unknown cells as well")
 
 
 _COSTMAP_ROS_ONLY: Mapping[str, str] = {
     "plugins": _LAYERS,
     "map_type": _LAYERS,
-    "global_frame": "the frame it is kept in: here the map's",
-    "robot_base_frame": "the frame of the robot",
-    "transform_tolerance": "how old transforms may be",
-    "always_send_full_costmap": "how it is published",
-    "footprint_topic": "where footprints come from",
-    "published_footprint_topic": "where the footprint is published",
-    "rolling_window": "whether it moves along: here the global costmap covers the map, the local one moves along",
-    "resolution": "side of a cell: here the map's",
-    "origin_x": "where it begins: here where the map does, or around the robot",
-    "origin_y": "where it begins: here where the map does, or around the robot",
-    "inscribed_radius": "read by move_base alone: here it follows from the footprint",
-    "circumscribed_radius": "read by move_base alone: here it follows from the footprint",
-    "max_obstacle_height": "higher points do not mark; lasers here see in one plane",
-    "min_obstacle_height": "lower points do not mark; lasers here see in one plane",
-    "map_topic": "where the map comes from",
+    "global_frame": "frame of the costmap; here the map frame",
+    "robot_base_frame": "frame of the robot",
+    "transform_tolerance": "maximum age of transforms",
+    "always_send_full_costmap": "publish the whole costmap every time",
+    "footprint_topic": "topic from which footprints are read",
+    "published_footprint_topic": "topic on which the footprint is published",
+    "rolling_window": "move the costmap with the robot; here the global costmap covers the map, the local one moves",
+    "resolution": "size of a cell; here that of the map",
+    "origin_x": "origin of the costmap; here that of the map, or around the robot",
+    "origin_y": "origin of the costmap; here that of the map, or around the robot",
+    "inscribed_radius": "read by move_base only; here computed from the footprint",
+    "circumscribed_radius": "read by move_base only; here computed from the footprint",
+    "max_obstacle_height": "ignore points above; lasers here scan a single plane",
+    "min_obstacle_height": "ignore points below; lasers here scan a single plane",
+    "map_topic": "topic of the map",
     "origin_z": _VOXELS,
     "z_resolution": _VOXELS,
     "z_voxels": _VOXELS,
@@ -140,7 +150,7 @@ _COSTMAP_ROS_ONLY: Mapping[str, str] = {
 class CostmapParameters:
     """Parameters that both costmaps of a robot have in common."""
 
-    # Names that costmap_2d hands down to its layers.
+    # Names that costmap_2d passes on to its layers.
     passed_on: ClassVar[Mapping[str, str]] = {
         "static_map": "static_layer.enabled",
         "track_unknown_space": "static_layer.track_unknown_space",
@@ -154,42 +164,44 @@ class CostmapParameters:
     }
     not_in_ros: ClassVar[frozenset[str]] = frozenset({"robots_layer"})
 
-    footprint: tuple[tuple[float, float], ...] = live((), "corners of the robot; none: a circle of robot_radius", "m")
-    robot_radius: float | None = live(
-        0.46, "radius of a robot whose corners are not given; null: corners of its true body", "m", 0, 10
+    footprint: tuple[tuple[float, float], ...] = live(
+        (), "corners of the robot; if empty, a circle of robot_radius", "m"
     )
-    footprint_padding: float = live(0.01, "added to every corner of the footprint", "m", 0, 10)
-    track_unknown_space: bool = param(False, "cells of which nothing is known are unknown, else free")
+    robot_radius: float | None = live(
+        0.46, "radius of a robot without a footprint; null: the corners of its true body", "m", 0, 10
+    )
+    footprint_padding: float = live(0.01, "padding added to every corner of the footprint", "m", 0, 10)
+    track_unknown_space: bool = param(False, "treat cells without any information as unknown; if false, as free")
     update_frequency: float = live(
         5.0,
-        "updates per second; of the global costmap, how often scans clear: they mark at once, costs follow for plans",
+        "update rate; global costmap: rate at which scans clear (they mark at once; costs follow before a plan)",
         "Hz",
         0.1,
         50,
     )
-    publish_frequency: float = live(0.0, "how often it is shown, in a recording or live; 0: never", "Hz", 0, 50)
-    static_layer: StaticParameters = param(StaticParameters(), "the walls of the map")
-    obstacle_layer: ObstacleParameters = param(ObstacleParameters(), "marking and clearing by the laser")
-    robots_layer: RobotsParameters = param(RobotsParameters(), "the other robots")
-    inflation_layer: InflationParameters = param(InflationParameters(), "costs around obstacles")
+    publish_frequency: float = live(0.0, "rate at which the costmap is published; 0: never", "Hz", 0, 50)
+    static_layer: StaticParameters = param(StaticParameters(), "layer of the map's walls")
+    obstacle_layer: ObstacleParameters = param(ObstacleParameters(), "layer of obstacles seen by the laser")
+    robots_layer: RobotsParameters = param(RobotsParameters(), "layer of the other robots")
+    inflation_layer: InflationParameters = param(InflationParameters(), "layer of costs around obstacles")
 
 
 @dataclass(frozen=True, slots=True)
 class GlobalCostmapParameters(CostmapParameters):
-    """The costmap that covers the map, for plans."""
+    """The costmap that covers the map and is used for plans."""
 
     ros_only: ClassVar[Mapping[str, str]] = {
         **_COSTMAP_ROS_ONLY,
-        "width": "its size: here the map's",
-        "height": "its size: here the map's",
+        "width": "size of the costmap; here that of the map",
+        "height": "size of the costmap; here that of the map",
     }
 
 
 @dataclass(frozen=True, slots=True)
 class LocalCostmapParameters(CostmapParameters):
-    """The costmap that moves along with the robot, for commands."""
+    """The costmap that moves with the robot and is used for velocity commands."""
 
     ros_only: ClassVar[Mapping[str, str]] = _COSTMAP_ROS_ONLY
 
-    width: float = live(10.0, "its extent along the map's x axis", "m", 1, 100)
-    height: float = live(10.0, "its extent along the map's y axis", "m", 1, 100)
+    width: float = live(10.0, "extent along the map's x axis", "m", 1, 100)
+    height: float = live(10.0, "extent along the map's y axis", "m", 1, 100)

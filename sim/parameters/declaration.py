@@ -1,15 +1,15 @@
 """Declaration of parameters: default, meaning, unit and bounds in one place.
 
-A class of ROS parameters may hold `ros_only: ClassVar[Mapping[str, str]]`: names that only mean something inside ROS,
-each with what it does there. Files may have them; they change nothing, and whoever reads the file reports that.
+A class of ROS parameters may have these class variables:
 
-Three customs of ROS's parameter files are declared by name too. `renamed: ClassVar[Mapping[str, str]]`: an old name
-that ROS still reads, and the present one. `passed_on: ClassVar[Mapping[str, str]]`: a name that ROS hands down to a
-part, over the part's own value, and the path there: `obstacle_range` to `obstacle_layer.obstacle_range`.
-`sections_named_in: ClassVar[str]`: a field that holds a tuple of sections, each with a `name`; in a file it is a text
-of the names with blanks between, and each section stands under its name beside it.
-
-`not_in_ros: ClassVar[frozenset[str]]` names the fields that ROS does not have.
+* `ros_only: Mapping[str, str]`: names with a meaning only inside ROS, and this meaning. Files may contain them. They
+  have no effect, and the reader of the file reports that.
+* `renamed: Mapping[str, str]`: old names that ROS still reads, and the present names.
+* `passed_on: Mapping[str, str]`: names that ROS passes on to a section, where they override its own value, and the path
+  of that value: `obstacle_range` to `obstacle_layer.obstacle_range`.
+* `sections_named_in: str`: the name of a field that holds a tuple of sections, each with a `name`. In a file, the field
+  is a text of these names, separated by blanks. Each section is next to it, under its own name.
+* `not_in_ros: frozenset[str]`: the fields that ROS does not have.
 """
 
 from dataclasses import field, is_dataclass
@@ -23,26 +23,26 @@ T = TypeVar("T")
 
 def param(
     default: T,
-    help: str,  # noqa: A002 - the word that argument parsers use for it
+    help: str,  # noqa: A002 - the word that argument parsers use
     unit: str = "",
     minimum: float | None = None,
     maximum: float | None = None,
     choices: tuple[str, ...] = (),
     plugins: str = "",
 ) -> T:
-    """Declare a dataclass field that an admin may set, with what a reader of the file needs to know about it.
+    """Declare a dataclass field that an admin may set.
 
     Args:
-        default: the value when the file does not give one; immutable.
+        default: value if the file does not give one; immutable.
         help: one sentence for the admin.
-        unit: SI, e.g. "m", "m/s", "rad"; empty for a pure number.
-        minimum: least allowed value, inclusive.
-        maximum: greatest allowed value, inclusive.
-        choices: the allowed words; empty when free.
-        plugins: group of entry points, whose installed names are allowed in addition to the choices; empty: none.
+        unit: SI unit, e.g. "m", "m/s", "rad"; empty for a pure number.
+        minimum: minimum allowed value, inclusive.
+        maximum: maximum allowed value, inclusive.
+        choices: allowed words; if empty, any word.
+        plugins: group of entry points; their installed names are allowed in addition to `choices`. If empty, no group.
     """
     metadata = _metadata(help, unit, minimum, maximum, choices, plugins)
-    # Every parameter class is frozen, so one default may serve all.
+    # Parameter classes are frozen, so all instances may share one default.
     return field(default=default, metadata=metadata)
 
 
@@ -55,9 +55,9 @@ def live(
     choices: tuple[str, ...] = (),
     plugins: str = "",
 ) -> T:
-    """Declare a parameter that may change while a robot runs; ROS has it in a .cfg file for dynamic_reconfigure.
+    """Declare a parameter that may change while a robot runs. ROS has it in a .cfg file of dynamic_reconfigure.
 
-    Arguments as for `param`; see `sim.parameters.reconfiguration`, also for those that ROS does not have.
+    Its arguments are those of `param`. See `sim.parameters.reconfiguration`, also about parameters that ROS lacks.
     """
     return field(default=default, metadata=_metadata(help, unit, minimum, maximum, choices, plugins) | {"live": True})
 
@@ -81,5 +81,5 @@ def _metadata(
 
 
 def is_section(value: object) -> "TypeGuard[DataclassInstance]":
-    """Return True for a section of parameters, which holds more of them."""
+    """Return True if the value is a section: a dataclass that holds more parameters."""
     return is_dataclass(value) and not isinstance(value, type)

@@ -1,4 +1,4 @@
-"""Localization by the truth, under fake_localization's names."""
+"""Localization by the true pose, under fake_localization's names."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -9,15 +9,17 @@ from sim.parameters.declaration import param
 
 @dataclass(frozen=True, slots=True)
 class FakeLocalizationParameters:
-    """Localization by the truth, under fake_localization's names: a map frame that lies beside the simulator's."""
+    """Localization by the true pose, under fake_localization's names; the map frame may have an offset."""
 
     ros_only: ClassVar[Mapping[str, str]] = {
-        "odom_frame_id": "the name of the odometry's frame in tf",
-        "base_frame_id": "the name of the robot's frame in tf",
-        "global_frame_id": "the name of the map's frame in tf",
-        "transform_tolerance": "how far transforms are stamped into the future",
+        "odom_frame_id": "name of the odometry frame in tf",
+        "base_frame_id": "name of the robot frame in tf",
+        "global_frame_id": "name of the map frame in tf",
+        "transform_tolerance": "time by which transforms are postdated",
     }
 
-    delta_x: float = param(0.0, "where the map's origin lies in the simulator's frame", "m")
-    delta_y: float = param(0.0, "where the map's origin lies in the simulator's frame", "m")
-    delta_yaw: float = param(0.0, "the map's heading, subtracted from that of the simulator", "rad", -6.2832, 6.2832)
+    delta_x: float = param(0.0, "x of the map's origin in the simulator's frame", "m")
+    delta_y: float = param(0.0, "y of the map's origin in the simulator's frame", "m")
+    delta_yaw: float = param(
+        0.0, "heading of the map, subtracted from the heading in the simulator's frame", "rad", -6.2832, 6.2832
+    )

@@ -1,4 +1,4 @@
-"""The navigator, under move_base's names; the defaults are those that its code applies."""
+"""The navigator, under move_base's names and with the defaults of its code."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -14,11 +14,11 @@ BUILT_IN_RECOVERIES = ("conservative_reset", "rotate_recovery", "aggressive_rese
 class RecoveryBehavior:
     """One entry of recovery_behaviors."""
 
-    ros_only: ClassVar[Mapping[str, str]] = {"type": "the plugin's class; here the name says which behaviour it is"}
+    ros_only: ClassVar[Mapping[str, str]] = {"type": "class of the plugin; here the name selects the behavior"}
 
     name: str = field(
         metadata={
-            "help": "which behaviour; also one that is installed",
+            "help": "name of the recovery behavior: built in or installed",
             "choices": BUILT_IN_RECOVERIES,
             "plugins": "thbridge.recovery_behaviors",
         }
@@ -30,35 +30,43 @@ class MoveBaseParameters:
     """The navigator, under move_base's names."""
 
     ros_only: ClassVar[Mapping[str, str]] = {
-        "clearing_radius": "how far make_plan clears the costmaps around the robot: here it leaves them as they are",
-        "make_plan_clear_costmap": "whether make_plan clears the costmaps: here it leaves them as they are",
+        "clearing_radius": "radius in which make_plan clears the costmaps; here make_plan does not clear them",
+        "make_plan_clear_costmap": "let make_plan clear the costmaps; here make_plan does not clear them",
         "restore_defaults": "a button of dynamic_reconfigure",
     }
 
     base_global_planner: str = live(
         "navfn/NavfnROS",
-        "the global planner; also one that is installed, which cannot be chosen while the robot runs",
+        "global planner: built in or installed; an installed one cannot be chosen while the robot runs",
         choices=BUILT_IN_PLANNERS,
         plugins="thbridge.global_planners",
     )
     base_local_planner: str = live(
         "base_local_planner/TrajectoryPlannerROS",
-        "the local planner",
+        "local planner",
         choices=("base_local_planner/TrajectoryPlannerROS", "dwa_local_planner/DWAPlannerROS"),
     )
-    planner_frequency: float = live(0.0, "plans per second under way; 0: only when the present one fails", "Hz", 0, 50)
-    controller_frequency: float = live(20.0, "commands per second", "Hz", 1, 50)
-    planner_patience: float = live(5.0, "seconds without a plan before recovery", "s", 0, 100)
-    controller_patience: float = live(15.0, "seconds without a valid command before recovery", "s", 0, 100)
-    max_planning_retries: int = live(-1, "plans tried in vain before recovery; -1: as many as fit", "", -1, 1000)
-    oscillation_timeout: float = live(
-        0.0, "seconds without progress before recovery; 0: 20 s in one place", "s", 0, 600
+    planner_frequency: float = live(
+        0.0, "rate of replanning while driving; 0: replan only when the present plan fails", "Hz", 0, 50
     )
-    oscillation_distance: float = live(0.5, "moving this far counts as progress", "m", 0, 10)
-    recovery_behavior_enabled: bool = live(True, "try to get free before giving up")
-    clearing_rotation_allowed: bool = live(True, "whether recovery may turn the robot in place")
+    controller_frequency: float = live(20.0, "rate of velocity commands", "Hz", 1, 50)
+    planner_patience: float = live(5.0, "time without a plan before recovery starts", "s", 0, 100)
+    controller_patience: float = live(15.0, "time without a valid velocity command before recovery starts", "s", 0, 100)
+    max_planning_retries: int = live(
+        -1,
+        "number of failed planning attempts before recovery starts; -1: only planner_patience limits them",
+        "",
+        -1,
+        1000,
+    )
+    oscillation_timeout: float = live(
+        0.0, "time without progress before recovery starts; 0: 20 s in one place", "s", 0, 600
+    )
+    oscillation_distance: float = live(0.5, "distance that counts as progress", "m", 0, 10)
+    recovery_behavior_enabled: bool = live(True, "run recovery behaviors before a goal is given up")
+    clearing_rotation_allowed: bool = live(True, "allow rotate_recovery to turn the robot in place")
     conservative_reset_dist: float = live(
-        3.0, "conservative_reset forgets obstacles seen outside a square of this side around the robot", "m", 0, 50
+        3.0, "side of the square around the robot; conservative_reset clears obstacles seen outside of it", "m", 0, 50
     )
     recovery_behaviors: tuple[RecoveryBehavior, ...] = param(
         (
@@ -67,9 +75,9 @@ class MoveBaseParameters:
             RecoveryBehavior("aggressive_reset"),
             RecoveryBehavior("rotate_recovery"),
         ),
-        "what recovery tries, in this order",
+        "recovery behaviors in the order in which they run",
     )
     make_plan_add_unreachable_goal: bool = live(
-        True, "make_plan, where it finds a way only to a place near the goal, adds the goal itself to the end"
+        True, "if make_plan finds a path only to a point near the goal, append the goal itself"
     )
-    shutdown_costmaps: bool = live(False, "without a goal, take no notice of obstacles")
+    shutdown_costmaps: bool = live(False, "do not update the costmaps from scans while the robot has no goal")

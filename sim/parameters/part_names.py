@@ -1,4 +1,4 @@
-"""Names of parts that parameters have and that are not built in."""
+"""Names of installed parts (parts that are not built in) in parameters."""
 
 from collections.abc import Iterator
 from typing import Literal
@@ -10,7 +10,7 @@ PartKind = Literal["localizers", "planners", "recoveries"]
 
 
 def installed_names(parameters: RobotParameters) -> Iterator[tuple[PartKind, str, str]]:
-    """Yield the kind, the parameter and the name of each part that parameters name and that is not built in."""
+    """Yield kind, parameter and name of each installed part in the parameters."""
     if parameters.localization not in BUILT_IN_LOCALIZERS:
         yield "localizers", "localization", parameters.localization
     if parameters.move_base.base_global_planner not in BUILT_IN_PLANNERS:

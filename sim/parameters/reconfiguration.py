@@ -1,9 +1,8 @@
 """Change of parameters while a robot runs, as ROS's dynamic_reconfigure does it.
 
-Parameters that may change are declared by `live` instead of `param`: those of ROS's .cfg files, some that ROS does not
-have or does not change, and the errors of the true sensors. A parameter's path is the keys that lead to it, with dots
-between, from a robot's software or from the truth about it: `local_costmap.inflation_layer.inflation_radius`,
-`world.laser.range_noise`.
+Parameters that may change are declared with `live` instead of `param`: those of ROS's .cfg files, some that ROS lacks
+or cannot change, and the noise of the true sensors. The path of a parameter is its keys, joined by dots. It starts at
+a robot's software (`local_costmap.inflation_layer.inflation_radius`) or at the true world (`world.laser.range_noise`).
 """
 
 import dataclasses
@@ -30,13 +29,13 @@ RejectionReason = Literal["unknown", "fixed", "kind", "range"]
 
 @dataclass(frozen=True, slots=True)
 class ParameterRejection:
-    """Refusal of a new value: the parameter keeps its own.
+    """Rejection of a new value. The parameter keeps its present value.
 
     Attributes:
-        path: its path.
-        reason: the cause as a code: there is no such parameter; it cannot change while the robot runs; the value is of
-            the wrong kind, or out of its range.
-        sentence: the cause for people, with a remedy where there is one.
+        path: path of the parameter.
+        reason: code of the cause: the parameter does not exist ("unknown"), cannot change while the robot runs
+            ("fixed"), or the value has the wrong type ("kind") or is out of range ("range").
+        sentence: the cause for people, with a remedy if one exists.
     """
 
     path: str
@@ -46,17 +45,17 @@ class ParameterRejection:
 
 @dataclass(frozen=True, slots=True)
 class LiveParameter:
-    """A parameter that may change while a robot runs, as it is declared.
+    """Declaration of a parameter that may change while a robot runs.
 
     Attributes:
-        path: see the module.
-        types: those of its values; `NoneType` is among them where it may have none.
-        default: that of its class.
-        help: one sentence.
-        unit: SI; empty for a pure number.
-        minimum: least value; None where there is none.
-        maximum: greatest value.
-        choices: the allowed words; empty when free.
+        path: its path; see the module.
+        types: types of its values; includes `NoneType` if it may be None.
+        default: default of the class.
+        help: its meaning in one sentence.
+        unit: SI unit; empty for a pure number.
+        minimum: minimum value. If None, there is no limit.
+        maximum: maximum value. If None, there is no limit.
+        choices: allowed words; if empty, any word.
     """
 
     path: str
@@ -70,11 +69,11 @@ class LiveParameter:
 
 
 def live_parameters(into: "type[DataclassInstance]" = RobotParameters, path: str = "") -> Iterator[LiveParameter]:
-    """All parameters that may change while a robot runs, in the order in which they are declared.
+    """Yield all parameters that may change while a robot runs, in the order of declaration.
 
     Args:
-        into: the class that declares them.
-        path: its own, where the class is a section of another one.
+        into: class that declares the parameters.
+        path: path of that class if it is a section of another one.
     """
     hints = get_type_hints(into)
     for field in dataclasses.fields(into):
@@ -100,22 +99,22 @@ def _types(hint: object) -> tuple[object, ...]:
 
 
 def reconfigurable() -> Iterator[str]:
-    """The paths of all parameters of a robot's software that may change while it runs, in the order of declaration."""
+    """Return the paths of all parameters of a robot's software that may change while it runs, in declaration order."""
     return (parameter.path for parameter in live_parameters())
 
 
 def is_live(field: "dataclasses.Field[object]") -> bool:
-    """Return True when a parameter may change while a robot runs."""
+    """Return True if a parameter may change while a robot runs."""
     return bool(field.metadata.get("live"))
 
 
 def reconfigured(parameters: P, path: str, value: object) -> P | ParameterRejection:
-    """The parameters with one of them changed, or why it may not.
+    """Return the parameters with one of them changed, or the reason why it must not change.
 
     Args:
-        parameters: the present ones.
-        path: its path.
-        value: its new value; a footprint may also come as ROS writes it, `[[x, y], ...]` in one text.
+        parameters: the present parameters.
+        path: path of the parameter to change.
+        value: new value. A footprint may also be a text as ROS writes it: `[[x, y], ...]`.
     """
     below = path.removeprefix(WORLD_PREFIX) if isinstance(parameters, WorldParameters) else path
     changed = _changed(parameters, below.split("."), path, value)
@@ -130,7 +129,7 @@ def reconfigured(parameters: P, path: str, value: object) -> P | ParameterReject
 
 
 def fixed_differences(before: P, after: P) -> tuple[str, ...]:
-    """The paths at which two robots' parameters differ although they cannot change while a robot runs."""
+    """Return the paths where the parameters of two robots differ, except those that may change while a robot runs."""
     return tuple(_differences(before, after, ""))
 
 
@@ -156,7 +155,7 @@ _Section = TypeVar("_Section", bound="DataclassInstance")
 
 
 def _changed(section: _Section, names: list[str], path: str, value: object) -> _Section | ParameterRejection:
-    """A section with the value in its place inside of it."""
+    """Return the section with the value set at the path of `names` inside it."""
     name, *inner = names
     fields = {field.name: field for field in dataclasses.fields(section)}
     if name not in fields:
@@ -170,13 +169,13 @@ def _changed(section: _Section, names: list[str], path: str, value: object) -> _
     if not is_live(fields[name]):
         return ParameterRejection(path, "fixed", f"{path} cannot change while the robot runs")
     if isinstance(value, str) and value == own:
-        return section  # A part that is installed keeps its name, which is no choice for others.
+        return section  # The name of an installed part is not among the choices, but it may stay as it is.
     new = _fit(get_type_hints(type(section))[name], fields[name].metadata, path, value)
     return new if isinstance(new, ParameterRejection) else dataclasses.replace(section, **{name: new})
 
 
 def _fit(hint: object, metadata: Mapping[str, object], path: str, value: object) -> object:
-    """A value as a field of this type holds it, or why it cannot."""
+    """Return the value in the type of the field, or the reason why it does not fit."""
     kinds = _types(hint)
     choices = cast(tuple[str, ...], metadata["choices"])
     if value is None and type(None) in kinds:
@@ -228,11 +227,11 @@ def _in_range(metadata: Mapping[str, object], path: str, number: float | int) ->
 
 
 def _corners(value: object) -> tuple[tuple[float, float], ...] | None:
-    """A polygon; None when it is none."""
+    """Return a value as a polygon, or None if it is not a polygon."""
     if isinstance(value, str):
         try:
             value = cast(object, json.loads(value or "[]"))
-        except (ValueError, RecursionError):  # Of strangers who write nothing but brackets.
+        except (ValueError, RecursionError):  # Deeply nested brackets from untrusted clients.
             return None
     if not isinstance(value, list | tuple) or 0 < len(value) < 3:
         return None

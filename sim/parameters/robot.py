@@ -22,12 +22,13 @@ from sim.parameters.move_base import MoveBaseParameters
 _LASER = ObstacleParameters(
     obstacle_range=1.5,
     observation_sources=(ObservationSource(clearing=True, inf_is_valid=True),),
-    # Robots err by less than this about where they and the others are.
+    # Larger than the usual error in the poses of the robot and of the others.
     explained_distance=0.2,
     clear_between_beams=True,
 )
-# 1000 at most err no more than 5000 (2.1 and 2.0 cm on tours of the office). Our lasers err by 2 cm, not by 20:
-# believing in 10 brings the error there from 3.2 to 2.1 cm, and among eight robots from 3.4 to 1.6 cm.
+# With at most 1000 particles the error is about as small as with 5000 (2.1 and 2.0 cm on tours of the office).
+# Our lasers have a noise of 2 cm, not amcl's 20 cm. A sigma of 10 cm instead of 20 lowers the error on these tours
+# from 3.2 to 2.1 cm, and among eight robots from 3.4 to 1.6 cm.
 _AMCL = AmclParameters(max_particles=1000, kld_err=0.05, laser_max_beams=60, laser_sigma_hit=0.1)
 _INFLATION = InflationParameters(inflation_radius=0.5)
 
@@ -38,7 +39,7 @@ MIN_MAX_PAIRS = (
     ("TrajectoryPlannerROS", "min_vel_x", "max_vel_x"),
     ("TrajectoryPlannerROS", "min_in_place_vel_theta", "max_vel_theta"),
 )
-"""Sections of a robot's software with two names each, of which the first must not be above the second."""
+"""Sections of a robot's software, each with two parameters: the value of the first must not exceed the second."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,15 +50,15 @@ class RobotParameters:
 
     localization: str = param(
         "amcl",
-        "how it knows where it is; truth and fake_localization are the same; also a localizer that is installed",
+        "localizer: built in or installed; truth and fake_localization are the same",
         choices=BUILT_IN_LOCALIZERS,
         plugins="thbridge.localizers",
     )
     amcl: AmclParameters = param(_AMCL, "particle filter")
-    ekf: EkfParameters = param(EkfParameters(), "Kalman filter, extended or unscented")
+    ekf: EkfParameters = param(EkfParameters(), "Kalman filter, extended (ekf) or unscented (ukf)")
     ukf: UkfParameters = param(UkfParameters(), "sigma points of the unscented Kalman filter")
     fake_localization: FakeLocalizationParameters = param(
-        FakeLocalizationParameters(), "the truth instead of an estimate"
+        FakeLocalizationParameters(), "the true pose instead of an estimate"
     )
     global_costmap: GlobalCostmapParameters = param(
         GlobalCostmapParameters(
@@ -65,11 +66,11 @@ class RobotParameters:
             track_unknown_space=True,
             publish_frequency=0.2,
             obstacle_layer=_LASER,
-            # Places of driving robots say little about where they will be: plans keep clear of their paths instead.
+            # The position of a driving robot says little about its later positions. So plans avoid its path instead.
             robots_layer=RobotsParameters(under_way=False),
             inflation_layer=_INFLATION,
         ),
-        "the costmap that covers the map, for plans",
+        "costmap of the whole map, for plans",
     )
     local_costmap: LocalCostmapParameters = param(
         LocalCostmapParameters(
@@ -81,12 +82,12 @@ class RobotParameters:
             obstacle_layer=_LASER,
             inflation_layer=_INFLATION,
         ),
-        "the costmap that moves along with the robot, for commands",
+        "costmap that moves with the robot, for velocity commands",
     )
-    NavfnROS: NavfnParameters = param(NavfnParameters(), "the global planner navfn")
-    GlobalPlanner: GlobalPlannerParameters = param(GlobalPlannerParameters(), "the other global planner")
+    NavfnROS: NavfnParameters = param(NavfnParameters(), "global planner navfn")
+    GlobalPlanner: GlobalPlannerParameters = param(GlobalPlannerParameters(), "global planner global_planner")
     TrajectoryPlannerROS: TrajectoryPlannerParameters = param(
-        # The speeds and weights of the 2016 study, tried on a grid that leaves time for a team of robots.
+        # The velocities and weights of the 2016 study. Samples are few, so that a whole team can be computed.
         TrajectoryPlannerParameters(
             acc_lim_x=10.0,
             acc_lim_theta=10.0,
@@ -104,10 +105,10 @@ class RobotParameters:
             heading_lookahead=0.4,
             escape_reset_dist=0.12,
         ),
-        "local planner that rolls out trajectories",
+        "local planner with trajectory rollout",
     )
     DWAPlannerROS: DwaPlannerParameters = param(
-        # As fast as the other one.
+        # The same limits of velocity and acceleration as those of TrajectoryPlannerROS.
         DwaPlannerParameters(
             acc_lim_x=10.0,
             acc_lim_theta=10.0,
@@ -117,10 +118,10 @@ class RobotParameters:
             vx_samples=6,
             latch_xy_goal_tolerance=True,
         ),
-        "local planner by the dynamic window",
+        "local planner with the dynamic window approach",
     )
     move_base: MoveBaseParameters = param(
-        # As often as the laser sweeps; and robots among robots must notice by themselves that they come nowhere.
+        # Commands at the rate of laser scans. A timeout, because robots among robots must notice when they are stuck.
         MoveBaseParameters(controller_frequency=10.0, oscillation_timeout=10.0),
         "navigator",
     )

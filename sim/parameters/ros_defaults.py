@@ -1,7 +1,7 @@
-"""ROS's defaults: what ROS noetic's nodes run with where a parameter is not set.
+"""ROS's defaults: the values with which nodes of ROS noetic run if a parameter is not set.
 
-The classes of parameters have them as the defaults of their fields; a study begins with others (see `robot`). Names
-that ROS does not have (`not_in_ros`) have no such default.
+They are the defaults of the fields in the parameter classes. A study starts with other values (see `robot`).
+Names that ROS does not have (`not_in_ros`) have no such default.
 """
 
 import dataclasses
@@ -17,12 +17,12 @@ T = TypeVar("T", bound="DataclassInstance")
 
 
 def not_in_ros(section: type) -> frozenset[str]:
-    """Names of the fields of a class that ROS does not have."""
+    """Return the names of the fields of a class that ROS does not have."""
     return cast(frozenset[str], getattr(section, "not_in_ros", frozenset()))
 
 
 def with_ros_defaults(section: T) -> T:
-    """The section, and all sections in it, with ROS's default for each parameter that ROS has."""
+    """Return the section, including all sections in it, with ROS's default for each parameter that ROS has."""
     changes: dict[str, object] = {}
     for field in dataclasses.fields(section):
         own = cast(object, getattr(section, field.name))
@@ -33,7 +33,7 @@ def with_ros_defaults(section: T) -> T:
 
 
 def parameters_of(section: "DataclassInstance", prefix: str = "") -> Iterator[tuple[str, object]]:
-    """Yield each parameter of a section that ROS has, by its path: `obstacle_layer.obstacle_range`, and its value."""
+    """Yield path and value of each parameter of a section that ROS has, e.g. `obstacle_layer.obstacle_range`."""
     for field in dataclasses.fields(section):
         own = cast(object, getattr(section, field.name))
         if field.name in not_in_ros(type(section)):
