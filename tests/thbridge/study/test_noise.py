@@ -47,5 +47,5 @@ def test_robots_know_where_they_are(preset: NoisePreset, mean: float, worst: flo
 
 @pytest.mark.parametrize("preset", NoisePreset)
 def test_every_preset_is_written_down(preset: NoisePreset) -> None:
-    documented = (Path(__file__).parents[3] / "docs" / "explanation" / "robots.md").read_text()
+    documented = (Path(__file__).parents[3] / "docs" / "explanation" / "noise.md").read_text()
     assert PRESETS[preset].strip() in documented
