@@ -109,7 +109,7 @@ class _Broadcasts:
         return tuple(output.neighbour for output in self._outputs.values())
 
     def others(self, robot: int) -> tuple[Neighbour, ...]:
-        """Broadcasts of the other robots: a slice of all, because many robots ask in every tick."""
+        """Return the broadcasts of the other robots: a slice of all, because many robots ask in every tick."""
         heard = self._all
         own = bisect_left(self._robots, robot)
         return heard[:own] + heard[own + 1 :] if robot in self.claims else heard
@@ -230,7 +230,7 @@ class Team:
         return tuple(self._worlds)
 
     def believed_pose(self, robot: int) -> Pose2:
-        """Pose in the map where a robot believes it is; before its first tick where it was put."""
+        """Return the pose in the map where a robot believes it is; before its first tick where it was put."""
         output = self._outputs[robot]
         return Pose2(*self._state.poses[robot].tolist()) if output is None else output.estimate.base_in_map
 

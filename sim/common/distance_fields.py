@@ -17,7 +17,7 @@ BAND = 256
 
 
 def cells_away(free: NDArray[np.bool_]) -> FloatArray:
-    """(rows, cols) cells from each cell's center to that of the nearest one that is not free; the border is a wall."""
+    """Return (rows, cols) cells from each cell's center to that of the nearest one that is not free; the border is a wall."""
     padded = np.pad(free, 1)
     near_row, near_col = nearest_cells(~padded)[:, 1:-1, 1:-1]
     row, col = np.ogrid[1 : len(padded) - 1, 1 : padded.shape[1] - 1]
@@ -29,7 +29,7 @@ def cells_away(free: NDArray[np.bool_]) -> FloatArray:
 
 
 def nearest_cells(mask: NDArray[np.bool_]) -> NDArray[np.int32]:
-    """(2, rows, cols) row and column of the cell nearest to each one of those in a mask, which must not be empty."""
+    """Return (2, rows, cols) row and column of the cell nearest to each one of those in a mask, which must not be empty."""
     # Reading a study needs no scipy, whose import would take half of the time.
     from scipy.ndimage import distance_transform_edt  # noqa: PLC0415
 
@@ -67,7 +67,7 @@ def distance_field(grid: OccupancyGrid, max_distance: float) -> NDArray[np.float
 
 @lru_cache(maxsize=8)
 def near_walls(grid: OccupancyGrid, distance: float) -> NDArray[np.bool_]:
-    """(rows, cols) True in cells whose center is within so many meters of that of an occupied one.
+    """Return (rows, cols) True in cells whose center is within so many meters of that of an occupied one.
 
     Read-only, and shared by all robots on the map.
     """

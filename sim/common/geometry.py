@@ -45,7 +45,7 @@ class Pose2:
         return elementary.hypot(other.x - self.x, other.y - self.y)
 
     def transform(self, points: FloatArray) -> FloatArray:
-        """(..., 2) points of this frame, seen from its parent."""
+        """Return (..., 2) points of this frame, seen from its parent."""
         c, s = _cos_sin(self.theta)
         points = np.asarray(points, dtype=np.float64)
         x, y = points[..., 0], points[..., 1]
@@ -55,7 +55,7 @@ class Pose2:
         return moved
 
     def array(self) -> FloatArray:
-        """(3,) x, y, theta."""
+        """Return (3,) x, y, theta."""
         return np.array([self.x, self.y, self.theta])
 
 

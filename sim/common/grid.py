@@ -112,7 +112,7 @@ class OccupancyGrid:
         return GridFrame(self.origin.x, self.origin.y, *elementary.cos_sin(yaw), self.resolution)
 
     def cell_of(self, x: float, y: float) -> tuple[int, int]:
-        """(row, col) of the cell that holds a world point; outside the grid it may be negative or too large."""
+        """Return (row, col) of the cell that holds a world point; outside the grid it may be negative or too large."""
         frame = self.frame
         dx, dy = x - frame.x, y - frame.y
         col = (frame.cos * dx + frame.sin * dy) / frame.resolution
@@ -122,7 +122,7 @@ class OccupancyGrid:
         return math.floor(row), math.floor(col)
 
     def centre_of(self, row: int, col: int) -> tuple[float, float]:
-        """World point of a cell's center, meters."""
+        """Return the world point of a cell's center, meters."""
         frame = self.frame
         along = (col + 0.5) * frame.resolution
         across = (row + 0.5) * frame.resolution
@@ -131,21 +131,21 @@ class OccupancyGrid:
         return float(x), float(y)
 
     def contains(self, row: int, col: int) -> bool:
-        """Return True when the grid has such a cell."""
+        """Return True if the grid has such a cell."""
         return 0 <= row < self.rows and 0 <= col < self.cols
 
     def value_at(self, x: float, y: float) -> int:
-        """The cell's value at a world point; unknown outside the grid."""
+        """Return the cell's value at a world point; unknown outside the grid."""
         row, col = self.cell_of(x, y)
         return int(self.cells[row, col]) if self.contains(row, col) else UNKNOWN
 
     def cells_of(self, points: FloatArray) -> NDArray[np.int64]:
-        """(n, 2) rows and columns of (n, 2) world points; not necessarily inside the grid."""
+        """Return (n, 2) rows and columns of (n, 2) world points; not necessarily inside the grid."""
         in_grid = self.origin.inverse().transform(points)
         return np.floor(in_grid[:, ::-1] / self.resolution).astype(np.int64)
 
     def centres_of(self, cells: NDArray[np.int64]) -> FloatArray:
-        """(n, 2) world points of the centers of (n, 2) rows and columns."""
+        """Return (n, 2) world points of the centers of (n, 2) rows and columns."""
         centres = cells[:, ::-1].astype(np.float64) + 0.5
         return self.origin.transform(centres * self.resolution)
 
@@ -153,7 +153,7 @@ class OccupancyGrid:
 def interpret_image(
     pixels: NDArray[np.uint8], negate: bool, occupied_thresh: float, free_thresh: float, mode: MapMode = "trinary"
 ) -> Cells:
-    """Cells of a map image, exactly as ROS reads it.
+    """Return the cells of a map image, exactly as ROS reads it.
 
     Dark is occupied: `occ = (255 - mean) / 255` (with `negate`: `mean / 255`) above `occupied_thresh` is occupied,
     below `free_thresh` free. Between the two, `trinary` says unknown and `scale` 1..99 in proportion. `raw` takes the

@@ -66,7 +66,7 @@ class LaserMount:
     range_max: float
 
     def angles(self) -> FloatArray:
-        """(beams,) radians in the laser's frame."""
+        """Return (beams,) radians in the laser's frame."""
         return self.angle_min + self.angle_increment * np.arange(self.beams, dtype=np.float64)
 
 

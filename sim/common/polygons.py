@@ -57,7 +57,7 @@ _CLEARANCE_LIMIT = 255
 
 
 def clearance_of(grid: OccupancyGrid) -> Clearance:
-    """The free square around every cell: all cells nearer (in king's moves) than this are not occupied."""
+    """Return the free square around every cell: all cells nearer (in king's moves) than this are not occupied."""
     open_cells = grid.cells != OCCUPIED
     if open_cells.all():
         return np.full(grid.cells.shape, _CLEARANCE_LIMIT, dtype=np.uint8)
@@ -67,7 +67,7 @@ def clearance_of(grid: OccupancyGrid) -> Clearance:
 
 @njit(cache=True)
 def clearance_at(clearance: Clearance, row: int, col: int) -> int:
-    """The clearance of a cell that may lie outside the grid: there, the king's moves to the grid's nearest cell."""
+    """Return the clearance of a cell that may lie outside the grid: there, the king's moves to the grid's nearest cell."""
     rows: int = clearance.shape[0]
     cols: int = clearance.shape[1]
     if 0 <= row < rows and 0 <= col < cols:
@@ -77,7 +77,7 @@ def clearance_at(clearance: Clearance, row: int, col: int) -> int:
 
 @njit(cache=True)
 def _inside(x: float, y: float, polygon: FloatArray) -> bool:
-    """Return True when a point lies in a polygon (even-odd rule)."""
+    """Return True if a point lies in a polygon (even-odd rule)."""
     inside = False
     last = polygon.shape[0] - 1
     for k in range(polygon.shape[0]):
@@ -91,7 +91,7 @@ def _inside(x: float, y: float, polygon: FloatArray) -> bool:
 
 @njit(cache=True)
 def point_to_edge(x: float, y: float, ax: float, ay: float, bx: float, by: float) -> float:
-    """Squared distance from a point to the line segment a-b."""
+    """Return the squared distance from a point to the line segment a-b."""
     ex = bx - ax
     ey = by - ay
     length = ex * ex + ey * ey
@@ -105,7 +105,7 @@ def point_to_edge(x: float, y: float, ax: float, ay: float, bx: float, by: float
 
 @njit(cache=True)
 def _near_point(x: float, y: float, polygon: FloatArray, margin: float) -> bool:
-    """Return True when a point lies in a polygon or within `margin` of it."""
+    """Return True if a point lies in a polygon or within `margin` of it."""
     last = polygon.shape[0] - 1
     for k in range(polygon.shape[0]):
         edge = point_to_edge(x, y, polygon[last, 0], polygon[last, 1], polygon[k, 0], polygon[k, 1])
@@ -123,7 +123,7 @@ def side(ax: float, ay: float, bx: float, by: float, x: float, y: float) -> floa
 
 @njit(cache=True)
 def within_margin(a: FloatArray, b: FloatArray, margin: float) -> bool:
-    """Return True when two polygons, (v, 2) and (w, 2), overlap or come within `margin` of each other."""
+    """Return True if two polygons, (v, 2) and (w, 2), overlap or come within `margin` of each other."""
     limit = margin * margin
     i = a.shape[0] - 1
     for k in range(a.shape[0]):
@@ -145,7 +145,7 @@ def within_margin(a: FloatArray, b: FloatArray, margin: float) -> bool:
 
 @njit(cache=True)
 def placed_at(footprint: FloatArray, x: float, y: float, theta: float) -> FloatArray:
-    """(v, 2) corners of a body at a pose, map frame."""
+    """Return (v, 2) corners of a body at a pose, map frame."""
     c, s = elementary.cos_sin(theta)
     corners = np.empty_like(footprint)
     for k in range(footprint.shape[0]):
@@ -156,7 +156,7 @@ def placed_at(footprint: FloatArray, x: float, y: float, theta: float) -> FloatA
 
 @njit(cache=True)
 def near_wall(corners: FloatArray, clearance: Clearance, frame: GridFrame, margin: float) -> bool:
-    """Return True when a body overlaps an occupied cell, at edges or inside, or comes within `margin` meters of one."""
+    """Return True if a body overlaps an occupied cell, at edges or inside, or comes within `margin` meters of one."""
     body = np.empty_like(corners)  # in cells: columns, rows
     left, right, bottom, top = np.inf, -np.inf, np.inf, -np.inf
     for k in range(corners.shape[0]):
@@ -187,7 +187,7 @@ def near_wall(corners: FloatArray, clearance: Clearance, frame: GridFrame, margi
 
 @njit(cache=True)
 def is_clear_of_walls(x: float, y: float, distance: float, clearance: Clearance, frame: GridFrame) -> bool:
-    """Return True when surely no occupied cell lies within `distance` of a point; cheap, and False when in doubt."""
+    """Return True if surely no occupied cell lies within `distance` of a point; cheap, and False when in doubt."""
     dx = x - frame.x
     dy = y - frame.y
     col = math.floor((frame.cos * dx + frame.sin * dy) / frame.resolution)

@@ -64,7 +64,7 @@ def _free_squares(cells: Cells) -> FreeSquares:
 
 @lru_cache(maxsize=8)
 def free_squares_of(grid: OccupancyGrid) -> FreeSquares:
-    """Strides that a beam may take from every cell, for each quadrant that it may head for.
+    """Return the strides that a beam may take from every cell, for each quadrant that it may head for.
 
     Read-only: a map never changes, and all who cast beams through it share one table.
     """
@@ -77,7 +77,7 @@ def free_squares_of(grid: OccupancyGrid) -> FreeSquares:
 def _line_after(
     start: int, step: int, origin: float, speed: float, pace: float, distance: float, inclusive: bool, hair: float
 ) -> int:
-    """The row (or column) that a beam is in after `distance`, having been in `start` before.
+    """Return the row (or column) that a beam is in after `distance`, having been in `start` before.
 
     Where the beam is within a hair of a grid line, rounding could decide either way. There the line counts as crossed
     when the very expression that `_cast` computes crossings with says so. So a beam that strides never passes other
@@ -220,7 +220,7 @@ def cast_beams(
 
 @njit(cache=True)
 def _circle(polygon: FloatArray) -> tuple[float, float, float]:
-    """Center (x, y) and radius of a circle around all corners."""
+    """Return the center (x, y) and radius of a circle around all corners."""
     x, y = polygon[:, 0].mean(), polygon[:, 1].mean()
     radius = 0.0
     for k in range(polygon.shape[0]):
@@ -298,7 +298,7 @@ def shorten_fan_by_polygon(polygon: FloatArray, fan: BeamFan, max_range: float, 
 
 
 def directions_of(angles: FloatArray) -> FloatArray:
-    """(m, 2) cosine and sine of (m,) angles, the form in which kernels take beams."""
+    """Return (m, 2) cosine and sine of (m,) angles, the form in which kernels take beams."""
     return np.column_stack((elementary_arrays.cos(angles), elementary_arrays.sin(angles)))
 
 

@@ -52,7 +52,7 @@ class TraversabilityMap:
         return slice(0, self.grid.rows), slice(0, self.grid.cols)
 
     def centres(self, box: Box) -> tuple[FloatArray, FloatArray]:
-        """(rows, cols) x and y of the centers of the cells in a box, map frame, meters."""
+        """Return (rows, cols) x and y of the centers of the cells in a box, map frame, meters."""
         frame = self.grid.frame
         along = (np.arange(box[1].start, box[1].stop) + 0.5) * frame.resolution
         across = ((np.arange(box[0].start, box[0].stop) + 0.5) * frame.resolution)[:, np.newaxis]
@@ -62,7 +62,7 @@ class TraversabilityMap:
         )
 
     def box_around(self, points: FloatArray, margin: float = 0.0) -> Box:
-        """The rows and columns that (n, 2) points of the map frame span, with so many meters more on all sides."""
+        """Return the rows and columns that (n, 2) points of the map frame span, with so many meters more on all sides."""
         places = self.grid.origin.inverse().transform(points)[:, ::-1]
         # A cell more: one at whose very edge a point is may be told by rounding to be beyond it.
         low, high = (
@@ -72,7 +72,7 @@ class TraversabilityMap:
         return slice(low[0], high[0]), slice(low[1], high[1])
 
     def held_by(self, polygon: Polygon) -> tuple[Box, Mask]:
-        """The cells whose centers a polygon in the map frame holds: a box, and a mask of it."""
+        """Return the cells whose centers a polygon in the map frame holds: a box, and a mask of it."""
         box = self.box_around(np.array(polygon))
         return box, inside(polygon, *self.centres(box))
 
@@ -82,7 +82,7 @@ class TraversabilityMap:
         return float(self.clearance[row, col]) if self.grid.contains(row, col) else 0.0
 
     def obstructed_by(self, other: Pose2) -> tuple[Box, Mask]:
-        """The cells in which no robot's center can be while another stands there, however the two are turned.
+        """Return the cells in which no robot's center can be while another stands there, however the two are turned.
 
         Returns:
             A box, and a mask of it.
@@ -93,7 +93,7 @@ class TraversabilityMap:
         return box, np.sqrt(np.square(x - other.x) + np.square(y - other.y)) <= apart
 
     def reachable(self, start: Pose2) -> Mask:
-        """Cells to which a robot's center gets from a pose; none from a place where no robot fits."""
+        """Return the cells to which a robot's center gets from a pose; none from a place where no robot fits."""
         passable = self.clearance > self.inscribed
         areas = _areas(passable)
         row, col = self.grid.cell_of(start.x, start.y)
@@ -120,7 +120,7 @@ class CrowdedFloor:
         self._areas = _areas((floor.clearance > floor.inscribed) & (self._robots == 0))
 
     def are_connected(self, cells: Sequence[tuple[int, int]]) -> bool:
-        """Return True when one more robot gets from any of these cells to all others."""
+        """Return True if one more robot gets from any of these cells to all others."""
         areas = {int(self._areas[cell]) for cell in cells}
         return areas <= {0} if not cells else len(areas) == 1 and 0 not in areas
 
@@ -154,13 +154,13 @@ def _areas(passable: Mask) -> NDArray[np.int32]:
 
 
 def _at(labels: NDArray[np.int32], box: Box, cell: tuple[int, int]) -> int:
-    """The label of a cell of the map in a box; 0 outside."""
+    """Return the label of a cell of the map in a box; 0 outside."""
     row, col = cell[0] - box[0].start, cell[1] - box[1].start
     return int(labels[row, col]) if 0 <= row < labels.shape[0] and 0 <= col < labels.shape[1] else 0
 
 
 def _beside(labels: NDArray[np.int32], others: NDArray[np.int32]) -> NDArray[np.int32]:
-    """(n, 2) pairs of a label and another one in a cell beside."""
+    """Return (n, 2) pairs of a label and another one in a cell beside."""
     sides = (
         (labels[:-1], others[1:]),
         (labels[1:], others[:-1]),
@@ -191,7 +191,7 @@ def area(polygon: Polygon) -> float:
 
 
 def crosses_itself(polygon: Polygon) -> bool:
-    """Return True when two sides cross between their ends."""
+    """Return True if two sides cross between their ends."""
     edges = sides(polygon)
     return any(_cross(edges[first], edges[second]) for second in range(len(edges)) for first in range(second))
 

@@ -63,26 +63,26 @@ _SPLITTER = 2.0**27 + 1.0
 
 
 def leading(x: Real) -> Real:
-    """The leading 26 bits of a number; the rest has as many."""
+    """Return the leading 26 bits of a number; the rest has as many."""
     scaled = _SPLITTER * x
     return scaled - (scaled - x)
 
 
 def two_sum(a: Real, b: Real) -> tuple[Real, Real]:
-    """The sum of two numbers and its rounding error."""
+    """Return the sum of two numbers and its rounding error."""
     total = a + b
     of_b = total - a
     return total, (a - (total - of_b)) + (b - of_b)
 
 
 def fast_two_sum(a: Real, b: Real) -> tuple[Real, Real]:
-    """The sum of two numbers and its rounding error; the first is the greater one, or 0."""
+    """Return the sum of two numbers and its rounding error; the first is the greater one, or 0."""
     total = a + b
     return total, b - (total - a)
 
 
 def two_product(a: Real, b: Real) -> tuple[Real, Real]:
-    """The product of two numbers and its rounding error."""
+    """Return the product of two numbers and its rounding error."""
     a1, b1 = leading(a), leading(b)
     a2, b2 = a - a1, b - b1
     product = a * b
@@ -90,12 +90,12 @@ def two_product(a: Real, b: Real) -> tuple[Real, Real]:
 
 
 def _scaled(x: float, exponent: int) -> float:
-    """A number times a power of two; infinite where that is no double, which is an error to ldexp."""
+    """Return a number times a power of two; infinite where that is no double, which is an error to ldexp."""
     return math.ldexp(x, exponent - 1) * 2.0 if exponent > 0 else math.ldexp(x, exponent)
 
 
 def _reduced(x: float) -> tuple[int, float, float]:
-    """An angle as a number of steps of pi / 64 and the rest, radians, in two parts."""
+    """Return an angle as a number of steps of pi / 64 and the rest, radians, in two parts."""
     if abs(x) >= FARTHEST:
         return _reduced_far(x)
     steps, rest, error = reduced_near(x)
@@ -103,7 +103,7 @@ def _reduced(x: float) -> tuple[int, float, float]:
 
 
 def reduced_near(x: Real) -> tuple[Real, Real, Real]:
-    """The same for angles below `FARTHEST`."""
+    """Return the same for angles below `FARTHEST`."""
     steps = (x * _STEPS_PER_RADIAN + _ROUNDING) - _ROUNDING
     rest, error = two_sum(x - steps * _STEP_1, -steps * _STEP_2)
     rest, more = two_sum(rest, -steps * _STEP_3)
@@ -112,7 +112,7 @@ def reduced_near(x: Real) -> tuple[Real, Real, Real]:
 
 
 def _reduced_far(x: float) -> tuple[int, float, float]:
-    """The same for any finite angle: the fraction of its product with 1 / (2 pi), in digits of 24 bits.
+    """Return the same for any finite angle: the fraction of its product with 1 / (2 pi), in digits of 24 bits.
 
     Digits before the point are whole turns, and are left out. Sums of four products of digits are exact.
     """
@@ -167,7 +167,7 @@ def turned(cos_1: Real, cos_2: Real, sin_1: Real, sin_2: Real, rest: Real, error
 
 
 def sin(x: float) -> float:
-    """The sine of an angle in radians; nan for one that is not finite."""
+    """Return the sine of an angle in radians; nan for one that is not finite."""
     x = float(1.0 * x)
     if abs(x) < 2.0**-27:
         return x
@@ -179,7 +179,7 @@ def sin(x: float) -> float:
 
 
 def cos(x: float) -> float:
-    """The cosine of an angle in radians; nan for one that is not finite."""
+    """Return the cosine of an angle in radians; nan for one that is not finite."""
     x = float(1.0 * x)
     if not math.isfinite(x):
         return math.nan
@@ -189,7 +189,7 @@ def cos(x: float) -> float:
 
 
 def cos_sin(x: float) -> tuple[float, float]:
-    """Cosine and sine of an angle in radians; the same as one by one, at less cost."""
+    """Return the cosine and sine of an angle in radians; the same as one by one, at less cost."""
     x = float(1.0 * x)
     if not math.isfinite(x):
         return math.nan, math.nan
@@ -224,7 +224,7 @@ def exp(x: float) -> float:
 
 
 def log(x: float) -> float:
-    """The natural logarithm; minus infinity for 0, nan for negative numbers."""
+    """Return the natural logarithm; minus infinity for 0, nan for negative numbers."""
     x = float(1.0 * x)
     if not 0.0 < x < math.inf:
         if x == 0.0:
@@ -250,7 +250,7 @@ def log(x: float) -> float:
 
 
 def atan2(y: float, x: float) -> float:
-    """The angle of the vector (x, y) in [-pi, pi], radians; signs of zeros count as in C."""
+    """Return the angle of the vector (x, y) in [-pi, pi], radians; signs of zeros count as in C."""
     x, y = float(1.0 * x), float(1.0 * y)
     if math.isnan(x) or math.isnan(y):
         return math.nan
@@ -286,7 +286,7 @@ def atan2(y: float, x: float) -> float:
 
 
 def arctangent(less: Real, greater: Real, near: Real, value_1: Real, value_2: Real) -> tuple[Real, Real]:
-    """The arctangent of a quotient in two parts, by that of a number of six bits near to it, in two parts as well."""
+    """Return the arctangent of a quotient in two parts, by that of a number of six bits near to it, in two parts as well."""
     greater_1, less_1 = leading(greater), leading(less)
     # tan(a - b), by the tangents of both: products with the short number are exact.
     over, over_error = two_sum(less - near * greater_1, -near * (greater - greater_1))
@@ -302,7 +302,7 @@ def arctangent(less: Real, greater: Real, near: Real, value_1: Real, value_2: Re
 
 
 def hypot(x: float, y: float) -> float:
-    """The length of the vector (x, y)."""
+    """Return the length of the vector (x, y)."""
     x, y = float(1.0 * x), float(1.0 * y)
     greater, less = abs(x), abs(y)
     if greater < less:
@@ -321,12 +321,12 @@ def hypot(x: float, y: float) -> float:
 
 
 def _length(greater: float, less: float) -> float:
-    """The length of a vector, by its greater and its lesser part; neither square overflows or vanishes."""
+    """Return the length of a vector, by its greater and its lesser part; neither square overflows or vanishes."""
     return mended_length(math.sqrt(greater * greater + less * less), greater, less)
 
 
 def mended_length(length: Real, greater: Real, less: Real) -> Real:
-    """The length of such a vector, by the rounded root of the sum of the squares."""
+    """Return the length of such a vector, by the rounded root of the sum of the squares."""
     length_1, greater_1, less_1 = leading(length), leading(greater), leading(less)
     length_2, greater_2, less_2 = length - length_1, greater - greater_1, less - less_1
     # What the square of the rounded root has too much: exact but for its last sum.
@@ -339,7 +339,7 @@ def mended_length(length: Real, greater: Real, less: Real) -> Real:
 
 
 def wrap_angle(angle: float) -> float:
-    """The same direction in [-pi, pi); an angle that is there already comes back as it is. Kernels may call this."""
+    """Return the same direction in [-pi, pi); an angle that is there already comes back as it is. Kernels may call this."""
     angle = float(angle)  # a plain number, though it was one of an array
     if -math.pi <= angle < math.pi:
         return angle

@@ -16,7 +16,7 @@ from sim.numerics.float_array import FloatArray
 
 
 def _copy(values: ArrayLike) -> FloatArray:
-    """A copy in one piece: kernels overwrite it, and know no other layout."""
+    """Return a copy in one piece: kernels overwrite it, and know no other layout."""
     return np.array(values, dtype=np.float64, order="C")
 
 
@@ -33,49 +33,49 @@ def _operations() -> ModuleType:
 
 
 def cos(angles: ArrayLike) -> FloatArray:
-    """Cosines of angles in radians."""
+    """Return the cosines of angles in radians."""
     values = _copy(angles)
     _operations().to_cos(values.reshape(-1))
     return values
 
 
 def sin(angles: ArrayLike) -> FloatArray:
-    """Sines of angles in radians."""
+    """Return the sines of angles in radians."""
     values = _copy(angles)
     _operations().to_sin(values.reshape(-1))
     return values
 
 
 def exp(exponents: ArrayLike) -> FloatArray:
-    """Powers of e."""
+    """Return the powers of e."""
     values = _copy(exponents)
     _kernels().to_exp(values.reshape(-1))
     return values
 
 
 def log(numbers: ArrayLike) -> FloatArray:
-    """Natural logarithms."""
+    """Return the natural logarithms."""
     values = _copy(numbers)
     _kernels().to_log(values.reshape(-1))
     return values
 
 
 def atan2(y: ArrayLike, x: ArrayLike) -> FloatArray:
-    """Angles of vectors (x, y) in [-pi, pi], radians; both arrays have one shape."""
+    """Return the angles of vectors (x, y) in [-pi, pi], radians; both arrays have one shape."""
     values, others = _copy(y), _copy(x)
     _operations().to_atan2(values.reshape(-1), others.reshape(-1))
     return values
 
 
 def hypot(x: ArrayLike, y: ArrayLike) -> FloatArray:
-    """Lengths of vectors (x, y); both arrays have one shape."""
+    """Return the lengths of vectors (x, y); both arrays have one shape."""
     values, others = _copy(x), _copy(y)
     _operations().to_hypot(values.reshape(-1), others.reshape(-1))
     return values
 
 
 def interp(x: ArrayLike, known: FloatArray, values: FloatArray) -> FloatArray:
-    """Values between (n,) known points, which increase; beyond them the first and the last, as numpy's function has it.
+    """Return the values between (n,) known points, which increase; beyond them the first and the last, as numpy's function has it.
 
     Compilers may contract the product and the sum in numpy's own, where a processor can do both at once.
     """

@@ -16,7 +16,7 @@ _ONE = 1 << BITS
 
 
 def _arctangent(numerator: int, denominator: int, bits: int = BITS) -> int:
-    """The arctangent of a small fraction, in fixed point; by its series."""
+    """Return the arctangent of a small fraction, in fixed point; by its series."""
     power = (numerator << bits) // denominator
     total, sign, odd = 0, 1, 1
     while power:
@@ -27,7 +27,7 @@ def _arctangent(numerator: int, denominator: int, bits: int = BITS) -> int:
 
 
 def _logarithm(numerator: int, denominator: int) -> int:
-    """The logarithm of a fraction near 1, in fixed point; by the series of the area hyperbolic tangent."""
+    """Return the logarithm of a fraction near 1, in fixed point; by the series of the area hyperbolic tangent."""
     over, under = numerator - denominator, numerator + denominator
     power = (over << BITS) // under
     total, odd = 0, 1
@@ -39,7 +39,7 @@ def _logarithm(numerator: int, denominator: int) -> int:
 
 
 def _exponential(fixed: int) -> int:
-    """The exponential of a number, both in fixed point; by its series."""
+    """Return the exponential of a number, both in fixed point; by its series."""
     total = term = _ONE
     step = 1
     while term:
@@ -50,7 +50,7 @@ def _exponential(fixed: int) -> int:
 
 
 def _cos_sin(angle: int) -> tuple[int, int]:
-    """Cosine and sine of an angle, all in fixed point; by their series."""
+    """Return the cosine and sine of an angle, all in fixed point; by their series."""
     sums, term, step = [0, 0], _ONE, 0
     while term:
         sums[step % 2] += -term if step % 4 >= 2 else term
@@ -60,13 +60,13 @@ def _cos_sin(angle: int) -> tuple[int, int]:
 
 
 def _pi(bits: int) -> int:
-    """Pi in fixed point; by Machin's formula."""
+    """Return the pi in fixed point; by Machin's formula."""
     spare = 20
     return 16 * _arctangent(1, 5, bits + spare) - 4 * _arctangent(1, 239, bits + spare) >> spare
 
 
 def _parts(fixed: int, *bits: int) -> tuple[float, ...]:
-    """A fixed-point number as doubles that add up to it: the leading ones of so many bits each, then the rest."""
+    """Return a fixed-point number as doubles that add up to it: the leading ones of so many bits each, then the rest."""
     parts = []
     for width in bits:
         spare = max(fixed.bit_length() - width, 0)
@@ -77,7 +77,7 @@ def _parts(fixed: int, *bits: int) -> tuple[float, ...]:
 
 
 def _on_grid(fixed: int, places: int) -> tuple[float, float]:
-    """A fixed-point number as two doubles: a multiple of 2**-places, and the rest."""
+    """Return a fixed-point number as two doubles: a multiple of 2**-places, and the rest."""
     spare = BITS - places
     leading = (fixed >> spare) << spare
     return leading / _ONE, (fixed - leading) / _ONE

@@ -17,7 +17,7 @@ from sim.numerics.kernels import njit
 
 @njit(cache=True)
 def product(a: FloatArray, b: FloatArray) -> FloatArray:
-    """(n, m) product of an (n, k) and a (k, m) matrix."""
+    """Return (n, m) product of an (n, k) and a (k, m) matrix."""
     out = np.zeros((a.shape[0], b.shape[1]))
     for i in range(a.shape[0]):
         for j in range(b.shape[1]):
@@ -28,7 +28,7 @@ def product(a: FloatArray, b: FloatArray) -> FloatArray:
 
 @njit(cache=True)
 def solution(matrix: FloatArray, right: FloatArray) -> FloatArray:
-    """(n, m) solution of an (n, n) matrix for (n, m) right sides; nan where the matrix is singular."""
+    """Return (n, m) solution of an (n, n) matrix for (n, m) right sides; nan where the matrix is singular."""
     a, x = matrix.copy(), right.copy()
     n = a.shape[0]
     for k in range(n):
@@ -60,7 +60,7 @@ def solution(matrix: FloatArray, right: FloatArray) -> FloatArray:
 
 @njit(cache=True)
 def damped_solution(matrix: FloatArray, right: FloatArray, damping: float) -> FloatArray:
-    """(n, m) step of damped least squares for (n, n) normal equations and (n, m) right sides.
+    """Return (n, m) step of damped least squares for (n, n) normal equations and (n, m) right sides.
 
     Args:
         matrix: normal equations.
@@ -81,13 +81,13 @@ def damped_solution(matrix: FloatArray, right: FloatArray, damping: float) -> Fl
 
 
 def inverse(matrix: FloatArray) -> FloatArray:
-    """(n, n) inverse of a matrix; nan where it is singular."""
+    """Return (n, n) inverse of a matrix; nan where it is singular."""
     return solution(np.ascontiguousarray(matrix), np.eye(len(matrix)))
 
 
 @njit(cache=True)
 def root(covariance: FloatArray) -> FloatArray:
-    """(n, n) lower triangular factor whose product with its transpose is a covariance; this one may be singular.
+    """Return (n, n) lower triangular factor whose product with its transpose is a covariance; this one may be singular.
 
     Where a direction has no variance, e.g. a heading known exactly, its column is zero.
     """
@@ -110,6 +110,6 @@ def root(covariance: FloatArray) -> FloatArray:
 
 
 def covariance_of(rows: FloatArray) -> FloatArray:
-    """(m, m) covariance of (n, m) equally likely rows about their mean."""
+    """Return (m, m) covariance of (n, m) equally likely rows about their mean."""
     off = rows - rows.mean(axis=0)
     return product(np.ascontiguousarray(off.T), off) / len(rows)

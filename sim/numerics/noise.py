@@ -24,7 +24,7 @@ _WORD_BITS = np.uint64(32)
 
 
 def key(seed: int, *names: str) -> np.uint64:
-    """The key of a named stream of noise.
+    """Return the key of a named stream of noise.
 
     Args:
         seed: the session's seed, any integer.
@@ -82,6 +82,6 @@ def uniform(key: np.uint64, tick: int, index: int) -> float:
 
 
 def first_uniforms(key: np.uint64, tick: int, count: int) -> list[float]:
-    """Numbers 0 to `count` - 1 of [0, 1) of this stream and tick, each as `uniform` returns it."""
+    """Return the numbers 0 to `count` - 1 of [0, 1) of this stream and tick, each as `uniform` returns it."""
     pairs = [uniform_pair(key, tick, block) for block in range((count + 1) // 2)]
     return [number for pair in pairs for number in pair][:count]

@@ -57,17 +57,17 @@ class NoiseStream:
 
     @classmethod
     def named(cls, seed: int, *names: str) -> "NoiseStream":
-        """The stream of a seed and a path of names."""
+        """Return the stream of a seed and a path of names."""
         return cls(key(seed, *names))
 
     def uniforms(self, tick: int, n: int) -> FloatArray:
-        """(n,) uniforms of [0, 1)."""
+        """Return (n,) uniforms of [0, 1)."""
         out = np.empty(n)
         uniforms(self.key, tick, out)
         return out
 
     def normals(self, tick: int, n: int) -> FloatArray:
-        """(n,) standard normals."""
+        """Return (n,) standard normals."""
         out = np.empty(n)
         normals(self.key, tick, out)
         return out

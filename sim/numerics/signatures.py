@@ -67,7 +67,7 @@ def _named(name: str) -> object:
 
 
 def _encoded(kind: types.Type) -> object:
-    """A scalar by its name, an array by its layout, a tuple by its class and what it holds."""
+    """Return a scalar by its name, an array by its layout, a tuple by its class and what it holds."""
     match kind:
         case types.Array():
             return {"array": str(kind.dtype), "ndim": kind.ndim, "layout": kind.layout, "readonly": not kind.mutable}

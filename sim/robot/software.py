@@ -108,7 +108,7 @@ class Robot:
 
     Attributes:
         next_due: first tick in which a step does more than carry its output on, if no scan and no request comes.
-        lost: True when it did not know its place in the last step.
+        lost: True if it did not know its place in the last step.
     """
 
     def __init__(self, index: int, localizer: Localizer, navigator: Navigator, footprint: FloatArray) -> None:
@@ -127,7 +127,7 @@ class Robot:
         self.navigator.configure(parameters)
 
     def step(self, observations: Observations, neighbours: Sequence[Neighbour]) -> RobotOutput:
-        """One tick: estimate from what was sensed, then plan and choose the next command.
+        """Return one tick: estimate from what was sensed, then plan and choose the next command.
 
         Args:
             observations: this tick's.
@@ -160,7 +160,7 @@ class Robot:
     def skip(
         self, tick: int, base_in_map: Sequence[float], twist: Sequence[float], sense: Callable[[], Observations]
     ) -> RobotOutput:
-        """One tick in which nothing is due. See `PropagatedOutput.of` for the arguments."""
+        """Return one tick in which nothing is due. See `PropagatedOutput.of` for the arguments."""
         self.navigator.skip(tick)
         self._skipped = True
         return PropagatedOutput.of(self._left, tick, base_in_map, twist, sense)

@@ -172,7 +172,7 @@ def _towards(value: float, target: float, limit: float, change: float) -> float:
 
 @njit(cache=True)
 def _chord(linear: float, angular: float, time: float) -> tuple[float, float]:
-    """Signed length of the chord of an arc, and half the angle turned: the chord's own angle to the start's heading."""
+    """Return the signed length of the chord of an arc, and half the angle turned: the chord's own angle to the start's heading."""
     half = 0.5 * angular * time
     # Below this angle sin(half) / half is 1 to the last bit.
     shrink = elementary.sin(half) / half if abs(half) > 1e-9 else 1.0
@@ -196,7 +196,7 @@ def _step(
     frame: GridFrame,
     bodies: Polygons,
 ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, BoolArray, IntArray]:
-    """One tick for all robots; see WorldState and SensorNoise for the arrays, World.step for what happens."""
+    """Return one tick for all robots; see WorldState and SensorNoise for the arrays, World.step for what happens."""
     n = poses_before.shape[0]
     poses = poses_before.copy()
     twists = np.empty((n, 2))
@@ -261,30 +261,30 @@ def _step(
 
 @lru_cache(maxsize=64)
 def _odometry_keys(seed: int, robots: int) -> NDArray[np.uint64]:
-    """(robots,) keys of the wheels' noise."""
+    """Return (robots,) keys of the wheels' noise."""
     return np.array([key(seed, namespace_of(i), "odometry") for i in range(robots)], dtype=np.uint64)
 
 
 def with_charge(state: WorldState, robot: int, charge: float) -> WorldState:
-    """The same world, but for the energy left to one robot (index in the team)."""
+    """Return the same world, but for the energy left to one robot (index in the team)."""
     charges = state.charge.copy()
     charges[robot] = charge
     return replace(state, charge=charges)
 
 
 def with_noise(state: WorldState, robots: Sequence[WorldParameters]) -> WorldState:
-    """The same world, with sensors that err as the parameters of each robot say."""
+    """Return the same world, with sensors that err as the parameters of each robot say."""
     return replace(state, noise=SensorNoise.of(robots))
 
 
 def with_thing(state: WorldState, thing: Thing) -> WorldState:
-    """The same world with a thing that appears as soon as its place is free; one of the same name vanishes."""
+    """Return the same world with a thing that appears as soon as its place is free; one of the same name vanishes."""
     kept = without_thing(state, thing.name)
     return replace(kept, things=(*kept.things, ThingState(thing)))
 
 
 def without_thing(state: WorldState, name: str) -> WorldState:
-    """The same world without the thing of this name."""
+    """Return the same world without the thing of this name."""
     things = tuple(presence for presence in state.things if presence.thing.name != name)
     return replace(state, things=things, bodies=polygons_of(things))
 
@@ -342,7 +342,7 @@ class World:
         )
 
     def place(self, state: WorldState, robot: int, pose: Pose2) -> WorldState | Misplaced:
-        """The same world with one robot (index) lifted to another pose, at rest; its odometry stays as it is."""
+        """Return the same world with one robot (index) lifted to another pose, at rest; its odometry stays as it is."""
         poses = state.poses.copy()
         poses[robot] = pose.x, pose.y, wrap_angle(pose.theta)
         obstacle = self._obstacle(robot, poses, state.bodies)
@@ -357,7 +357,7 @@ class World:
         return replace(state, poses=poses, twists=twists, odom_twists=odom_twists, contact=contact)
 
     def step(self, state: WorldState, commands: FloatArray) -> WorldState:
-        """One tick later: the things move, then the robots.
+        """Return one tick later: the things move, then the robots.
 
         Each robot's velocity goes towards its command as far as the motors' speed and acceleration allow, and moves it
         along an exact arc. One whose body would touch a wall or another body anywhere along it stays where it was and

@@ -34,7 +34,7 @@ def _sweep(
     frame: GridFrame,
     bodies: Polygons,
 ) -> FloatArray:
-    """(m,) true ranges of one robot's laser: to walls, all other robots and things; inf beyond range_max.
+    """Return (m,) true ranges of one robot's laser: to walls, all other robots and things; inf beyond range_max.
 
     `radius`, meters, is that of a circle around the base that holds the (v, 2) corners of the footprint.
     """
@@ -86,7 +86,7 @@ def _measured(
     range_min: float,
     range_max: float,
 ) -> NDArray[np.float32]:
-    """(m,) ranges as the laser reports them; see `Sensors`."""
+    """Return (m,) ranges as the laser reports them; see `Sensors`."""
     errors = np.empty(true_ranges.size)
     chances = np.empty(true_ranges.size)
     normals(range_key, tick, errors)
@@ -109,7 +109,7 @@ def _scan(
     squares: FreeSquares, frame: GridFrame, corners: FloatArray, ends: NDArray[np.int64],
     circles: FloatArray, keys: NDArray[np.uint64], noise: FloatArray,
 ) -> NDArray[np.float32]:  # fmt: skip
-    """(m,) ranges as one robot's laser reports them, in one call with plain arguments.
+    """Return (m,) ranges as one robot's laser reports them, in one call with plain arguments.
 
     Args:
         robot: see `_sweep`; `BeamFan` and `Polygons` for their parts.
@@ -133,7 +133,7 @@ def _inner(
     robot: int, tick: int, odom_poses: FloatArray, odom_twists: FloatArray, twists: FloatArray, charge: FloatArray,
     keys: NDArray[np.uint64], gyro: FloatArray,
 ) -> tuple[float, float, float, float, float, float, float]:  # fmt: skip
-    """All that is sensed but the scan: the pose and the twist of odometry, the rate of turn, and the charge.
+    """Return all that is sensed but the scan: the pose and the twist of odometry, the rate of turn, and the charge.
 
     Args:
         robot: its index.
@@ -152,7 +152,7 @@ def _inner(
 
 @lru_cache(maxsize=64)
 def _keys(seed: int, robots: int) -> NDArray[np.uint64]:
-    """(robots, 3) keys of each robot's streams of noise: of its gyroscope, its ranges, and its lost beams."""
+    """Return (robots, 3) keys of each robot's streams of noise: of its gyroscope, its ranges, and its lost beams."""
     names = [namespace_of(robot) for robot in range(robots)]
     return np.array(
         [(key(seed, name, "gyro"), key(seed, name, "laser"), key(seed, name, "laser", "dropout")) for name in names],
@@ -161,7 +161,7 @@ def _keys(seed: int, robots: int) -> NDArray[np.uint64]:
 
 
 def mount_of(parameters: LaserParameters) -> LaserMount:
-    """The laser as its scans describe it: beams spread evenly and symmetrically about straight ahead."""
+    """Return the laser as its scans describe it: beams spread evenly and symmetrically about straight ahead."""
     return LaserMount(
         laser_in_base=Pose2(parameters.x, 0.0, 0.0),
         angle_min=-0.5 * parameters.field_of_view,
@@ -206,11 +206,11 @@ class Sensors:
         self._frame = grid.frame
 
     def scan_due(self, tick: int, robot: int) -> bool:
-        """Return True when a robot's laser sweeps in this tick."""
+        """Return True if a robot's laser sweeps in this tick."""
         return (tick + robot) % self._period == 0
 
     def sense(self, state: WorldState, robot: int) -> Observations:
-        """Everything robot (index in the team) perceives in this tick."""
+        """Return the everything robot (index in the team) perceives in this tick."""
         tick, keys = state.tick, _keys(self._seed, len(state.poses))
         x, y, theta, linear, angular, rate, charge = _inner(
             robot, tick, state.odom_poses, state.odom_twists, state.twists, state.charge, keys, state.noise.gyro

@@ -20,7 +20,7 @@ class Thing:
         base_in_map: pose at which it appears.
         path: points of the map that it walks to from there, one after the other, facing along; empty when it stays.
         speed: at which it walks, m/s.
-        back_and_forth: True when it turns back at the end of the path, rather than stay there.
+        back_and_forth: True if it turns back at the end of the path, rather than stay there.
     """
 
     name: str
@@ -62,7 +62,7 @@ class Thing:
         return float(self._distances[-1])
 
     def pose_after(self, walked: float) -> Pose2:
-        """Pose after so many meters of its path."""
+        """Return the pose after so many meters of its path."""
         if self.length == 0.0:
             return self.base_in_map
         leg = min(int(np.searchsorted(self._distances, walked, side="right")), len(self._distances) - 1)

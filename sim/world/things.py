@@ -30,9 +30,9 @@ class ThingState:
 
     Attributes:
         thing: the thing itself.
-        appeared: True when it is there; else it waits until its place is free.
+        appeared: True if it is there; else it waits until its place is free.
         walked: meters along its path that it is now.
-        forward: True when it walks along its path, False when back.
+        forward: True if it walks along its path, False when back.
         held_up: ticks for which a robot has held it up.
     """
 
@@ -57,7 +57,7 @@ def _would_run_into(
     footprint: FloatArray,
     radius: float,
 ) -> bool:
-    """Return True when a body that moves from the point `before` to `here` comes too near to a robot that it nears."""
+    """Return True if a body that moves from the point `before` to `here` comes too near to a robot that it nears."""
     body = placed_at(corners, here[0], here[1], here[2])
     reach = 0.0
     for k in range(corners.shape[0]):
@@ -91,7 +91,7 @@ class RobotBodies:
     radius: float
 
     def would_meet(self, thing: Thing, here: Pose2, before: tuple[float, float]) -> bool:
-        """Return True when a thing that comes from `before` would run into one of them here."""
+        """Return True if a thing that comes from `before` would run into one of them here."""
         met: bool = _would_run_into(
             thing.corners, (here.x, here.y, here.theta), before, self.poses, self.twists, self.footprint, self.radius
         )
@@ -127,7 +127,7 @@ def _step_thing(presence: ThingState, robots: RobotBodies) -> ThingState:
 
 
 def polygons_of(presences: Sequence[ThingState]) -> Polygons:
-    """The bodies of the things that are there, map frame."""
+    """Return the bodies of the things that are there, map frame."""
     there = [presence for presence in presences if presence.appeared]
     if not there:
         return NO_POLYGONS

@@ -26,19 +26,19 @@ from thbridge.hunt.rooms import Room
 from thbridge.offline.room_finding import Labels, drivable_floor
 
 TOLERANCES = (0.2, 0.1, 0.05)
-"""Meters that the outline of the cells may be away from that with fewer corners; the first that fits is taken."""
+"""Tolerances, meters, between the outline of the cells and one with fewer corners; the first that fits is used."""
 GAP = 2
-"""Cells between rooms without a wall, where their outlines would be complicated without."""
+"""Gap in cells between rooms without a wall, if their outlines would be complicated otherwise."""
 SPARE = 0.1
-"""Meters that goals and starts are farther from walls than they must be, where there is room."""
+"""Extra distance of goals and starts from walls where there is room, meters."""
 APART = 1.0
-"""Meters from one start pose to the next."""
+"""Distance between neighboring start poses, meters."""
 SKIPPED = 0.2
-"""Meters from a place where no robot may stand to the next that is tried."""
+"""Distance between tried places if no robot may stand at the first, meters."""
 NEARER = 20.0
-"""Meters that a start pose may be farther from the middle for each meter that it is farther from a wall."""
+"""Meters that a start pose may be farther from the middle for each meter of additional distance from walls."""
 MOST_TRIED = 400
-"""Places tried for start poses before it is said that no more robots fit."""
+"""Number of places tried for start poses before the search reports that no more robots fit."""
 
 
 _TOUCHING = np.ones((3, 3), dtype=np.bool_)
@@ -50,7 +50,7 @@ class Arena:
 
     Attributes:
         rooms: the rooms in the order of their numbers.
-        starts: start poses of robot 1, 2, ...; perhaps fewer than were wanted.
+        starts: start poses of robot 1, 2, ...; fewer than requested if no more fit.
     """
 
     rooms: tuple[MapRoom, ...]
@@ -64,15 +64,15 @@ def arena_of(
 
     Args:
         grid: the map.
-        labels: its rooms, as `find_rooms` gives them.
-        robots: number of start poses wanted.
-        names: names of the first rooms; the others are called "Room 3".
+        labels: its rooms, as `find_rooms` returns them.
+        robots: number of start poses.
+        names: names of the first rooms; further ones are called "Room 3".
         footprint: corners of a robot in its own frame, meters.
     """
     inscribed, circumscribed = radii(np.array(footprint))
     floor = TraversabilityMap.of(grid, inscribed, circumscribed)
     reach = drivable_floor(grid, inscribed)
-    # In gaps where they cannot turn with some room to spare, robots get stuck.
+    # Robots get stuck in gaps where they cannot turn with some room to spare.
     easy = drivable_floor(grid, circumscribed + SPARE)
     rooms: list[MapRoom] = []
     for outline in room_outlines(labels, floor):
@@ -86,7 +86,7 @@ def arena_of(
 
 
 def cells_inside(outline: Polygon, floor: TraversabilityMap) -> Mask:
-    """Cells whose centers an outline in the map frame holds."""
+    """Return the cells whose centers are inside an outline in the map frame."""
     held = np.zeros(floor.clearance.shape, dtype=np.bool_)
     box, mask = floor.held_by(outline)
     held[box] = mask
@@ -94,12 +94,10 @@ def cells_inside(outline: Polygon, floor: TraversabilityMap) -> Mask:
 
 
 def best_goal(floor: TraversabilityMap, outline: Polygon, where: Mask) -> Pose2 | None:
-    """The pose with the greatest clearance among these cells, the most central of equals; yaw 0.
+    """Return the pose with the greatest clearance among these cells, or None without any cell.
 
-    A cell whose center lies on the outline may be inside it, and its pose, which is rounded, outside: it is left out.
-
-    Returns:
-        None where there is no cell.
+    The most central one of equals is returned; yaw 0. A cell is ignored if its center is on the outline, because its
+    rounded pose might be outside.
     """
     cells = np.argwhere(where)
     if not len(cells):
@@ -120,16 +118,13 @@ def _pose_at(grid: OccupancyGrid, cell: NDArray[np.int64]) -> Pose2:
 
 
 def start_poses(floor: TraversabilityMap, reach: Mask, rooms: Sequence[MapRoom], robots: int) -> tuple[Pose2, ...]:
-    """Start poses in the corridor, near the middle of the rooms; with all taken every robot still gets everywhere.
+    """Return start poses in the corridor, near the middle of the rooms, that do not block any robot's path.
 
     Args:
         floor: the map for the robot's footprint.
         reach: cells that a robot's center reaches.
-        rooms: their floor is used only when there is no corridor at all.
-        robots: number of poses wanted.
-
-    Returns:
-        At most that many.
+        rooms: rooms of the map; their floor is used only if there is no corridor at all.
+        robots: maximum number of poses.
     """
     corridor = reach.copy()
     for room in rooms:
@@ -158,7 +153,7 @@ def start_poses(floor: TraversabilityMap, reach: Mask, rooms: Sequence[MapRoom],
 
 
 def _is_shut_in(floor: TraversabilityMap, starts: Sequence[Pose2], rooms: Sequence[MapRoom]) -> bool:
-    """Return True when robots that stand at all starts part a room from another, or one of them from a room."""
+    """Return True if robots at all starts separate a room from another one, or one of them from a room."""
     goals = [floor.grid.cell_of(room.goal.x, room.goal.y) for room in rooms]
     crowd = CrowdedFloor(floor, starts)
     return not crowd.are_connected(goals) or not all(all(crowd.reached(robot, goals)) for robot in range(len(starts)))
@@ -168,7 +163,7 @@ def _is_shut_in(floor: TraversabilityMap, starts: Sequence[Pose2], rooms: Sequen
 
 
 def room_outlines(labels: Labels, floor: TraversabilityMap) -> list[Polygon]:
-    """Outlines of all rooms in the map frame, with few corners and without overlaps, in the order of their numbers."""
+    """Return the outlines of all rooms (map frame) in the order of numbers; few corners, no overlaps."""
     taken = np.zeros(labels.shape, dtype=np.bool_)
     outlines: list[Polygon] = []
     for number in range(1, int(labels.max()) + 1):
@@ -180,13 +175,13 @@ def room_outlines(labels: Labels, floor: TraversabilityMap) -> list[Polygon]:
 
 
 def simple_outline(mask: Mask, taken: Mask, floor: TraversabilityMap) -> Polygon | None:
-    """An outline of the largest piece of a mask that holds no taken cell, with few corners; None without a piece."""
+    """Return an outline with few corners of the largest piece of a mask, without taken cells; None without a piece."""
     grid = floor.grid
     apart = ~np.asarray(binary_dilation(taken, structure=_TOUCHING, iterations=GAP)) if taken.any() else ~taken
     piece = _largest(mask & ~taken)
     if not piece.any():
         return None
-    # Beside a room without a wall between, a gap keeps the two outlines simple.
+    # A gap between two rooms without a wall keeps both outlines simple.
     for source in (piece, _largest(mask & apart)):
         exact = outline_of(source) if source.any() else []
         for tolerance in TOLERANCES if exact else ():
@@ -202,34 +197,34 @@ def _fits(outline: Polygon, taken: Mask, floor: TraversabilityMap) -> bool:
 
 
 def _placed(corners: Sequence[Point], grid: OccupancyGrid) -> Polygon:
-    """Corners in cells as corners in the map frame, in whole millimeters."""
+    """Convert corners in cells to corners in the map frame, rounded to millimeters."""
     placed = grid.origin.transform(np.array(corners) * grid.resolution)
     return tuple((round(float(x), 3), round(float(y), 3)) for x, y in placed)
 
 
 def _filled(labels: Labels, number: int) -> Mask:
-    """A room, and holes in it that belong to nobody."""
+    """Return a room, including its holes that belong to no room."""
     room = _largest(labels == number)
     filled: Mask = np.asarray(binary_fill_holes(room)) & ((labels == 0) | room)
     return filled
 
 
 def _largest(mask: Mask) -> Mask:
-    """The largest connected piece."""
+    """Return the largest connected piece."""
     pieces, count = label(mask)
     largest: Mask = (pieces == np.bincount(pieces[pieces > 0]).argmax()) if count else mask
     return largest
 
 
 def outline_of(mask: Mask) -> list[Point]:
-    """Corners (column, row) of the outer edge of connected cells, anticlockwise, from the lowest left one.
+    """Return the corners (column, row) of the outer edge of connected cells, counterclockwise from the lowest left one.
 
-    Where two cells touch at a corner only the edge stays with its own cell, so it does not cross itself.
+    Where two cells touch only at a corner, the edge stays with its own cell. So it does not cross itself.
     """
     padded = np.pad(mask, 1)
     inner = padded[1:-1, 1:-1]
     following: dict[tuple[int, int], list[tuple[int, int]]] = {}
-    # Each side of a cell that is no other cell's: where it begins and ends, seen from the cell's lower left corner.
+    # Sides between a cell and a place without a cell: start and end, relative to the cell's lower left corner.
     for beside, begin, end in (
         (padded[:-2, 1:-1], (0, 0), (1, 0)),
         (padded[1:-1, 2:], (1, 0), (1, 1)),
@@ -255,11 +250,11 @@ def outline_of(mask: Mask) -> list[Point]:
 
 
 def simplified(corners: Sequence[Point], tolerance: float) -> list[Point]:
-    """A closed outline with fewer corners, none of those left out farther than the tolerance from it.
+    """Return a closed outline with fewer corners. Removed corners are at most `tolerance` away from it.
 
     Source: D. Douglas and T. Peucker, "Algorithms for the reduction of the number of points required to represent a
-    digitized line", The Canadian Cartographer 10, 1973; the outline is cut at its first corner and the one farthest
-    from that.
+    digitized line", The Canadian Cartographer 10, 1973. The outline is cut at its first corner and at the corner
+    farthest from it.
     """
     points = np.array(corners)
     far = int(np.hypot(*(points - points[0]).T).argmax())
@@ -269,7 +264,7 @@ def simplified(corners: Sequence[Point], tolerance: float) -> list[Point]:
 
 
 def _reduced(line: FloatArray, tolerance: float) -> FloatArray:
-    """An open line with fewer corners, its ends kept."""
+    """Return an open line with fewer corners; its ends stay."""
     along = line[-1] - line[0]
     length = float(np.hypot(*along))
     offset = line - line[0]

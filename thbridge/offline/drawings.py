@@ -1,7 +1,7 @@
-"""Floor plans as architects draw them: lines and letters that are no walls, other scales, turned paper.
+"""Cleaning of architects' floor plans: thin lines and letters that are not walls, other scales, rotated paper.
 
-Doors are drawn shut, by an arc and a line; furniture, labels and dimensions are thin lines, too. Walls are thick, or
-two lines with hatching between. So hatching is filled (closing), and what is thinner than walls is left out (opening).
+Plans show doors closed, as an arc and a line. Furniture, labels and dimensions are thin lines, too. Walls are thick, or
+two lines with hatching between. So hatching is filled (closing), and lines thinner than walls are removed (opening).
 
 Source: J. Serra, "Image Analysis and Mathematical Morphology", 1982 (opening and closing).
 """
@@ -19,25 +19,25 @@ from sim.common.traversability import Mask, Point
 from thbridge.offline.room_finding import FURNITURE, SPECK
 
 WIDTHS = (2, 3, 4, 6, 8, 12)
-"""Widths of lines that are tried in turn, pixels."""
+"""Line widths that are tried in order, pixels."""
 REACHED = 0.9
-"""Share of the floor that is reached from which on nothing is looked for that closes the rest."""
+"""Share of reached floor above which no search for blocking lines is needed."""
 OPENED = 0.97
-"""Share of the most floor that any width opens, from which on a width is enough where none opens nearly all of it."""
+"""Share of the maximum floor that any width opens. A width that opens this share suffices if none opens nearly all."""
 WALLED = 0.8
-"""Share of the most floor inside that any width leaves, below which walls were left out, too."""
+"""Share of the maximum floor inside that any width leaves; below this, walls were removed as well."""
 CUSP = 4
-"""Extent in widths of lines up to which what is filled between lines alone is no wall."""
+"""Maximum extent, in line widths, of filled spots between lines alone that are not walls."""
 OPENING = 2.5
-"""Greatest width of an opening to the outside that is an entrance or a window, meters."""
+"""Maximum width of an opening to the outside that is an entrance or a window, meters."""
 PAPER = 0.9
-"""Share of an image's border that is blank from which on a plan has paper all around."""
+"""Share of blank pixels on an image's border above which a plan has paper all around."""
 GAINED = 1.1
-"""Ratio of the floor inside with its openings closed to that without, from which on a building is open."""
+"""Ratio of the floor inside with and without its openings closed, above which a building counts as open."""
 ROOM = 3.0
-"""Floor out of reach that is worth a word, square meters."""
+"""Area of unreachable floor that is worth a report, square meters."""
 NEAR = 1.5
-"""Meters within which pieces of lines block the same path."""
+"""Distance within which pieces of lines block the same path, meters."""
 
 _TOUCHING = np.ones((3, 3), dtype=np.bool_)
 
@@ -47,8 +47,8 @@ class CleanedDrawing:
     """A plan without its thin lines.
 
     Attributes:
-        grid: what is left, with hatching filled.
-        left_out: (rows, cols) cells of lines and letters that are not in it.
+        grid: the rest of the plan, with hatching filled.
+        left_out: (rows, cols) cells of removed lines and letters.
     """
 
     grid: OccupancyGrid
@@ -60,9 +60,9 @@ class BlockedPaths:
     """Thin lines that keep a part of a plan's floor out of reach.
 
     Attributes:
-        reached: share of the floor that is reached with them.
-        thinner: pixels: lines thinner than this block the paths.
-        places: where they do, map frame, the largest first.
+        reached: share of the floor that is reached with the lines.
+        thinner: lines thinner than this block the paths, pixels.
+        places: places where they do, map frame, the largest first.
     """
 
     reached: float
@@ -71,13 +71,13 @@ class BlockedPaths:
 
 
 def squared(pixels: NDArray[np.uint8], ratio: float) -> NDArray[np.uint8]:
-    """Return an image whose pixels are `ratio` times as high as they are wide with square pixels of their width."""
+    """Return an image with square pixels, from one with pixels `ratio` times as high as wide."""
     rows = max(round(len(pixels) * ratio), 1)
     return pixels[np.minimum((np.arange(rows) / ratio).astype(np.int64), len(pixels) - 1)]
 
 
 def joined(pixels: NDArray[np.uint8], factor: int) -> NDArray[np.uint8]:
-    """Return a gray image in which squares of pixels are joined to their mean, at the edges with white."""
+    """Return a gray image that averages squares of `factor` by `factor` pixels; white is added at the edges."""
     rows, cols = (-(-side // factor) * factor for side in pixels.shape)
     whole = np.pad(pixels, ((0, rows - len(pixels)), (0, cols - pixels.shape[1])), constant_values=pixels.max())
     means = whole.reshape(rows // factor, factor, cols // factor, factor).mean(axis=(1, 3))
@@ -85,16 +85,16 @@ def joined(pixels: NDArray[np.uint8], factor: int) -> NDArray[np.uint8]:
 
 
 def turned(pixels: NDArray[np.uint8], degrees: float) -> NDArray[np.uint8]:
-    """Return a gray image turned counterclockwise, on paper of its brightest shade that holds all of it."""
+    """Return a gray image rotated counterclockwise, on paper of its brightest shade that holds all of it."""
     if degrees % 90.0 == 0.0:
         return np.rot90(pixels, round(degrees / 90.0))
     return np.asarray(rotate(pixels, degrees, order=1, mode="constant", cval=float(pixels.max())), dtype=np.uint8)
 
 
 def without_thin_lines(grid: OccupancyGrid, thinner: int) -> CleanedDrawing:
-    """Leave out lines and letters that are thinner than this, pixels; what is between lines so near is filled.
+    """Remove lines and letters thinner than this, pixels. Gaps between lines at most this far apart are filled.
 
-    What is filled where two lines alone meet, such as the arcs of a double door, is left out as well.
+    Spots that are filled only because two lines meet, such as the arcs of a double door, are removed as well.
     """
     ink: Mask = grid.cells != FREE
     # Strokes of letters may be as thick as thin walls.
@@ -108,14 +108,14 @@ def without_thin_lines(grid: OccupancyGrid, thinner: int) -> CleanedDrawing:
 
 
 def _opened(mask: Mask, width: int) -> Mask:
-    """Cells over which a square of this width can be moved within a mask."""
-    # An even square has no middle: what is eroded to one side is dilated to the other.
+    """Return the cells that a square of this width covers when it moves within a mask."""
+    # An even square has no middle: an erosion to one side needs a dilation to the other.
     opened: Mask = maximum_filter(minimum_filter(mask, width), width, origin=-((width + 1) % 2))
     return opened
 
 
 def blocked_paths(grid: OccupancyGrid, inscribed: float) -> BlockedPaths | None:
-    """Find the thin lines that keep floor out of reach; None where nearly all is reached, or it is not they.
+    """Find thin lines that block floor. Return None if nearly all floor is reached, or if thin lines are not the cause.
 
     Args:
         grid: the plan.
@@ -138,11 +138,11 @@ def blocked_paths(grid: OccupancyGrid, inscribed: float) -> BlockedPaths | None:
 
 
 def reached_floor(grid: OccupancyGrid, inscribed: float) -> tuple[float, tuple[tuple[Point, float], ...]]:
-    """Share of the floor within a plan that is connected for a robot of this inner radius, meters; 0 without floor.
+    """Return the share of a plan's floor that is connected for a robot of this inner radius (meters); 0 without floor.
 
     Returns:
-        The share, and the middle (map frame) and size (square meters) of each other part that is as large as a room,
-        the largest first.
+        The share, and the middle (map frame) and size (square meters) of each other part that is at least as large as
+        a room, the largest first.
     """
     areas, sizes = _closed_floors(grid, inscribed)
     parts = [number for number in np.argsort(-sizes)[1:] if sizes[number] * grid.resolution**2 >= ROOM]
@@ -155,15 +155,15 @@ def reached_floor(grid: OccupancyGrid, inscribed: float) -> tuple[float, tuple[t
 
 
 def closed_to_outside(grid: OccupancyGrid, inscribed: float) -> tuple[OccupancyGrid, tuple[Point, ...]]:
-    """Close the entrances and windows of a building that is drawn on paper: the paper becomes unknown.
+    """Close the entrances and windows of a building that is drawn on paper. The paper becomes unknown.
 
     Args:
         grid: the plan without its thin lines.
         inscribed: radius of the robot's inner circle, meters.
 
     Returns:
-        The plan, and the openings, map frame, the widest first; the same plan and none where the building is closed,
-        or where there is no paper around it.
+        The plan, and the openings, map frame, the widest first. If the building is closed or has no paper around it,
+        the same plan and no openings.
     """
     outside = _outside(grid)
     if outside is None:
@@ -181,7 +181,7 @@ def closed_to_outside(grid: OccupancyGrid, inscribed: float) -> tuple[OccupancyG
 
 
 def _small_things(mask: Mask, solid: Mask, extent: float) -> Mask:
-    """Things of a mask that are no larger than this, cells, and hold nothing solid."""
+    """Return the things of a mask that are at most `extent` cells large and contain nothing solid."""
     things, _ = label(mask, structure=_TOUCHING)
     thick = np.zeros(int(things.max()) + 1, dtype=np.bool_)
     thick[np.unique(things[solid])] = True
@@ -193,12 +193,12 @@ def _small_things(mask: Mask, solid: Mask, extent: float) -> Mask:
 
 
 def _outside(grid: OccupancyGrid) -> Mask | None:
-    """Paper around a building: where a disc gets to that no entrance or window lets in; None without such paper."""
+    """Return the paper around a building: cells reached by a disc too wide for entrances; None without paper."""
     free: Mask = grid.cells == FREE
     border = np.concatenate([free[0], free[-1], free[:, 0], free[:, -1]])
     if border.mean() < PAPER:
         return None
-    # Ends of dimension lines would keep the disc from a corner.
+    # Otherwise ends of dimension lines would keep the disc away from a corner.
     free |= _small_things(~free, np.zeros_like(free), SPECK / grid.resolution)
     reach = OPENING / 2 / grid.resolution
     margin = math.ceil(reach) + 1
@@ -211,12 +211,12 @@ def _outside(grid: OccupancyGrid) -> Mask | None:
 
 
 def _closed_floors(grid: OccupancyGrid, inscribed: float) -> tuple[NDArray[np.int32], NDArray[np.int64]]:
-    """Floor inside a plan, as `_floors_inside` numbers it, with the openings to the outside closed."""
+    """Return the floor inside a plan with its openings closed, numbered as in `_floors_inside`."""
     return _floors_inside(closed_to_outside(grid, inscribed)[0], inscribed)
 
 
 def _floors_inside(grid: OccupancyGrid, inscribed: float) -> tuple[NDArray[np.int32], NDArray[np.int64]]:
-    """Numbers of connected floor that does not run off the image, from 1, and the cells of each; that of 0 counts 0."""
+    """Number connected floor inside the image's border, from 1; also return the counts of cells, 0 for number 0."""
     labels, count = label(cells_away(grid.cells == FREE) * grid.resolution > inscribed)
     areas = np.asarray(labels, dtype=np.int32)
     margin = math.ceil(inscribed / grid.resolution) + 1
@@ -234,7 +234,7 @@ def _floors_inside(grid: OccupancyGrid, inscribed: float) -> tuple[NDArray[np.in
 def _closing(
     grid: OccupancyGrid, thin: Mask, areas: NDArray[np.int32], sizes: NDArray[np.int64], inscribed: float
 ) -> list[Point]:
-    """Places of thin lines between floor and other floor, those between the largest first."""
+    """Return places of thin lines that separate two pieces of floor, those between the largest pieces first."""
     lines, _ = label(thin, structure=_TOUCHING)
     reach = math.ceil(inscribed / grid.resolution) + 2
     found: list[tuple[int, Point]] = []

@@ -1,4 +1,4 @@
-"""One robot driven to one goal on any map, with results from the ground truth."""
+"""Drive of one robot to one goal on any map, with results from the ground truth."""
 
 import dataclasses
 import math
@@ -27,8 +27,8 @@ class DriveTask:
     Attributes:
         start: pose of the base, map frame.
         goal: pose of the base, map frame.
-        any_heading: True when the heading at the goal does not matter.
-        timeout: simulated seconds after which the drive is given up.
+        any_heading: True if the heading at the goal does not matter.
+        timeout: simulated seconds after which the drive ends.
     """
 
     start: Pose2
@@ -42,13 +42,13 @@ class DriveResult:
     """The result of a drive.
 
     Attributes:
-        reached: True when the robot reported that it stands at the goal.
-        collided: True when its body ever touched a wall or an obstacle.
+        reached: True if the robot reported that it stands at the goal.
+        collided: True if its body ever touched a wall or an obstacle.
         seconds: simulated seconds until it arrived or gave up.
         distance: true distance driven, meters.
-        min_clearance: least true distance of the body's outline during the drive from a wall, of the map or not in
-            it, meters; inf without walls. Obstacles that move do not count.
-        reason: why it did not arrive, as a sentence; None if it did.
+        min_clearance: minimum true distance between the body's outline and walls or unmapped obstacles during the
+            drive, meters; inf without walls. Moving obstacles do not count.
+        reason: reason for not arriving, as a sentence; None if it arrived.
     """
 
     reached: bool
@@ -69,21 +69,21 @@ def drive(
     schedule: Sequence[ScheduledInput] = (),
     parts: InstalledParts | None = None,
 ) -> DriveResult | Misplaced:
-    """Drive to a goal, the only robot on the map; or return why it cannot stand at its start.
+    """Drive to a goal, alone on the map; or return why the robot cannot stand at its start.
 
     Args:
-        grid: the map that the robot knows; its origin may be turned.
+        grid: the map that the robot knows; its origin may be rotated.
         world: bodies, motors and sensors.
         robot: the software that drives.
         task: start and goal.
         seed: seed of all random numbers.
-        true_grid: the true map where it is not the robot's; its origin is the same.
-        schedule: obstacles that come and go (`PutThing`, `RemoveThing`), map frame.
-        parts: those of labs that the software names; None: it names none.
+        true_grid: the true map if it differs from the robot's; it has the same origin.
+        schedule: obstacles that appear and vanish (`PutThing`, `RemoveThing`), map frame.
+        parts: installed parts that the software names. If None, it names none.
     """
     true_grid = true_grid or grid
     if grid.origin.theta != 0.0:
-        # Navigators need maps that are not rotated: drive in the grid's own frame, in which all lengths are the same.
+        # Navigators need maps that are not rotated. So drive in the grid's own frame; lengths are the same there.
         in_grid = grid.origin.inverse()
         task = dataclasses.replace(task, start=in_grid.compose(task.start), goal=in_grid.compose(task.goal))
         schedule = [ScheduledInput(timed.tick, _moved(timed.input, in_grid)) for timed in schedule]
@@ -119,7 +119,7 @@ def drive(
 
 
 def _moved(event: TeamInput, by: Pose2) -> TeamInput:
-    """The event in another frame, if it has a place."""
+    """Return the event in another frame, if it has a place."""
     if not isinstance(event, PutThing):
         return event
     thing = event.thing
@@ -137,7 +137,7 @@ def _heedless_of_heading(robot: RobotParameters) -> RobotParameters:
 
 
 class _Room:
-    """Tracks the least distance of a body from the walls.
+    """Tracks the minimum distance of a body from the walls.
 
     Args:
         grid: the map, not rotated.
@@ -155,11 +155,11 @@ class _Room:
         self.least = math.inf
 
     def enter(self, pose: FloatArray) -> None:
-        """Take in the body's pose (x, y, theta)."""
+        """Include the body's pose (x, y, theta)."""
         if self._walls is None:
             return
         nearest, _ = self._walls.query(pose[:2])
-        # Bounds by circumscribed circles: that of the body, and that of a cell.
+        # Lower bounds by circumscribed circles, of the body and of a cell, leave few cells for the exact distance.
         around = self._radius + self._half * math.sqrt(2)
         if nearest - around >= self.least:
             return
@@ -171,8 +171,8 @@ class _Room:
 
 
 def _to_squares(body: FloatArray, centres: FloatArray, half: float) -> float:
-    """Meters from a polygon to the nearest of (k, 2) upright squares, none of which it covers; 0 where one overlaps."""
-    # The least distance of two polygons apart is always between a corner of one and an edge of the other.
+    """Return the meters from a polygon to the nearest of (k, 2) upright squares, none inside it; 0 for an overlap."""
+    # The shortest distance between two disjoint polygons is always from a corner of one to an edge of the other.
     beside = np.maximum(np.abs(body[:, np.newaxis] - centres) - half, 0.0)
     corners = centres[:, np.newaxis] + half * np.array([(1, 1), (1, -1), (-1, -1), (-1, 1)])
     ends = np.roll(body, -1, axis=0)

@@ -8,10 +8,12 @@ from sim.robot.localization.estimate import Estimate
 
 
 class RecordedKalman(KalmanLocalizer):
-    """Kalman filter that reports every scan it looks at, also those that it does not believe, as the particle filter
-    does: else a robot that is lost would have no updates."""
+    """Kalman filter that reports every scan that it examines, also those that it rejects, as the particle filter does.
+
+    Otherwise a lost robot would have no updates.
+    """
 
     def update(self, odometry: Odometry, imu: Imu, scan: Scan | None) -> Estimate:
-        """Take in one tick; see `Localizer`."""
+        """Process one tick; see `Localizer`."""
         before = self.looked
         return replace(super().update(odometry, imu, scan), updated=self.looked is not before)

@@ -1,4 +1,4 @@
-"""Trips that a stopped measurement has driven, kept in a file next to its result, so that a further run goes on."""
+"""Trips of a stopped measurement, kept in a file next to its result so that another run can resume it."""
 
 import hashlib
 from collections.abc import Mapping
@@ -28,7 +28,7 @@ class _Head(msgspec.Struct):
 
 
 class _Line(msgspec.Struct):
-    """Line of a trip; rooms as people count them, 0 is the corridor."""
+    """Line of a trip, with room numbers from 1; 0 is the corridor."""
 
     start: int
     goal: int
@@ -43,7 +43,7 @@ def kept_path(result: Path) -> Path:
 
 
 def digest_of(course: MeasurementSetup, versions: Mapping[str, str]) -> str:
-    """Return a digest of all that trips depend on: map, world, robot, seed, and the programs' versions."""
+    """Return a digest of everything that trips depend on: map, world, robot, seed, and versions of programs."""
     place = course.place
     grid = place.grid
     depends = (
@@ -66,10 +66,10 @@ class KeptTrips:
 
     Args:
         result: file of the measurement's result.
-        digest: of what the trips depend on; trips with another digest are dropped.
+        digest: digest of all that the trips depend on; trips with another digest are dropped.
 
     Attributes:
-        done: the trips that were kept.
+        done: the kept trips.
         dropped: True if there were trips of another map or with other settings.
 
     Raises:
@@ -88,7 +88,7 @@ class KeptTrips:
             if not text or self.dropped:
                 append_whole(self._file, head, synced=False)
                 return
-            # Its writer was killed in the middle of a line, which is passed over.
+            # The program was killed while it wrote this line, so skip it.
             if not text.endswith(b"\n"):
                 append_whole(self._file, b"\n", synced=False)
             kept = (_trip_in(line) for line in text[len(head) :].splitlines())
@@ -97,7 +97,7 @@ class KeptTrips:
             raise self._unusable(error) from None
 
     def add(self, result: TripResult) -> None:
-        """Keep a trip. Raises BadFile: it cannot be written."""
+        """Keep a trip. Raise BadFile if it cannot be written."""
         trip = result.trip
         line = _Line(trip.start.people, trip.goal.people, trip.run, result.seconds, result.refusal)
         try:
@@ -125,7 +125,7 @@ class KeptTrips:
 
 
 def _trip_in(line: bytes) -> TripResult | None:
-    """Return the trip of a line; None for a torn or damaged one."""
+    """Return the trip of a line; None if the line is incomplete or damaged."""
     try:
         read = msgspec.json.decode(line, type=_Line)
         trip = RoomTrip(Room(read.start), Room(read.goal), read.run)

@@ -11,7 +11,7 @@ from thbridge.ros.frames import PlanarMount
 from thbridge.ros.messages.unpack import LaserScan
 
 FAR = 30.0
-"""Range of a laser whose driver does not give a valid one, meters."""
+"""Range of a laser whose driver gives no valid one, meters."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -19,9 +19,9 @@ class Laser:
     """Reads the scans of one laser.
 
     Attributes:
-        mount: its pose on the base, and the beams of its first scan, which are used for all scans.
+        mount: its pose on the base, and the beams of its first scan, which apply to all scans.
         first: the first scan.
-        upside_down: True when its beams turn clockwise, seen from above.
+        upside_down: True if its beams turn clockwise, seen from above.
     """
 
     mount: LaserMount
@@ -30,7 +30,7 @@ class Laser:
 
     @classmethod
     def of(cls, first: LaserScan, mounting: PlanarMount) -> "Laser":
-        """The laser with this first usable scan (see `usable`) and this mounting."""
+        """Return the laser with this first usable scan (see `usable`) and this mounting."""
         sign = -1.0 if mounting.upside_down else 1.0
         range_min = first.range_min if first.range_min > 0.0 else 0.0
         range_max = first.range_max
@@ -50,15 +50,15 @@ class Laser:
     def scan(self, tick: int, read: LaserScan) -> Scan:
         """Convert a scan message of this laser.
 
-        Readings outside the laser's range become +inf (nothing seen), as in amcl. If a scan has other beams than the
-        first, the nearest beam is taken; a beam without a near one is lost (NaN).
+        Readings outside the laser's range become +inf (nothing seen), as in amcl. If the beams of a scan differ from
+        those of the first, each beam gets the nearest one; a beam without a near one is lost (NaN).
         """
         ranges = read.ranges if self.same_beams(read) else self._nearest(read)
         nothing = (ranges >= self.mount.range_max) | (ranges <= self.mount.range_min)
         return Scan(tick, self.mount, np.where(nothing, np.float32(np.inf), ranges))
 
     def same_beams(self, read: LaserScan) -> bool:
-        """Return True when a scan has the beams of the first, within a tenth of the angle between two beams."""
+        """Return True if a scan has the beams of the first one, within a tenth of the angle between two beams."""
         first = self.first
         if len(read.ranges) != len(first.ranges):
             return False
@@ -79,7 +79,7 @@ class Laser:
 
 
 def increment_of(scan: LaserScan) -> float:
-    """The angle between two beams; 0 when the message does not have it."""
+    """Return the angle between two beams; 0 if the message does not contain it."""
     if scan.angle_increment != 0.0 and math.isfinite(scan.angle_increment):
         return scan.angle_increment
     spread = (scan.angle_max - scan.angle_min) / max(1, len(scan.ranges) - 1)
@@ -87,5 +87,5 @@ def increment_of(scan: LaserScan) -> float:
 
 
 def usable(scan: LaserScan) -> bool:
-    """Return True when a message has the angles of at least two beams."""
+    """Return True if a message has the angles of at least two beams."""
     return len(scan.ranges) >= 2 and math.isfinite(scan.angle_min) and increment_of(scan) != 0.0

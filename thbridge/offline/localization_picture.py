@@ -1,4 +1,4 @@
-"""Picture of a localization: the estimated path over the map, with the stretches marked at which the robot was lost."""
+"""Picture of a localization: the estimated path over the map, with marks where the robot was lost."""
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -15,9 +15,9 @@ from thbridge.offline.map_picture import grid_bounds, map_figure, picture_settin
 _TRACKED = "#0072B2"
 _LOST = "#D55E00"
 _JUMP = 1.0
-"""Meters between two updates from which on the line is broken: the robot did not drive there."""
+"""Distance between two updates above which the line is broken, because the robot did not drive there, meters."""
 _MARGIN = 5.0
-"""Meters of the map that are shown around the path: many maps are mostly unknown."""
+"""Margin of the map around the path, meters; large parts of many maps are unknown."""
 
 
 def localization_picture(result: LocalizationResult, grid: OccupancyGrid, title: str) -> Figure:
@@ -42,7 +42,7 @@ def localization_picture(result: LocalizationResult, grid: OccupancyGrid, title:
 
 
 def _view(places: FloatArray, grid: OccupancyGrid) -> FloatArray:
-    """(2, 2) least and greatest x and y to be shown: the path with a margin, and no more than the map."""
+    """Return (2, 2) minimum and maximum x and y of the view: the path with a margin, but no more than the map."""
     low, high = grid_bounds(grid)
     least, greatest = places.min(axis=0), places.max(axis=0)
     low = np.maximum(np.minimum(low, least), least - _MARGIN)
@@ -51,6 +51,6 @@ def _view(places: FloatArray, grid: OccupancyGrid) -> FloatArray:
 
 
 def _draw_path(axes: Axes, poses: FloatArray, drawn: NDArray[np.bool_], colour: str) -> None:
-    """Draw those of the n - 1 lines between n poses that are `drawn`."""
+    """Draw the lines between n poses for which `drawn` (n - 1) is True."""
     lines = np.stack([poses[:-1, :2], poses[1:, :2]], axis=1)[drawn]
     axes.add_collection(LineCollection(list(lines), colors=colour, linewidths=1.4))

@@ -1,5 +1,5 @@
-"""Updates of a localization as rows: pose, how sure it is, how well the map explained the scan, whether the robot was
-lost, and how likely the pose is wrong."""
+"""Updates of a localization as rows: pose, covariance, agreement of map and scan, whether the robot was lost, and the
+probability that the pose is wrong."""
 
 import csv
 import json
@@ -26,19 +26,19 @@ COLUMNS = (
     "lost",
     "p_wrong",
 )
-"""Seconds; meters and radians in the map frame; m^2, m rad, rad^2; share 0..1; true or false; probability 0..1, or
-nothing where the filter does not know it."""
+"""Units of the columns: seconds; meters and radians in the map frame; m^2, m rad, rad^2; share 0 to 1; true or false;
+probability 0 to 1, or empty if the filter does not know it."""
 
 
 class UpdatesFormat(StrEnum):
-    """File format of updates; the suffix of a file says it."""
+    """File format of updates, given by the suffix of a file."""
 
     CSV = "csv"
     JSON_LINES = "jsonl"
 
 
 def updates_text(updates: Iterable[FilterUpdate], kind: UpdatesFormat) -> str:
-    """All updates, a line each; CSV has a line of names before them."""
+    """Return all updates, one per line; CSV starts with a line of names."""
     rows = (_row(update) for update in updates)
     if kind is UpdatesFormat.JSON_LINES:
         return "".join(f"{json.dumps(row)}\n" for row in rows)

@@ -22,7 +22,7 @@ from thbridge.ros.odometry_faults import FaultKind, RecordedFault, clock_faults
 
 
 class SkipReason(StrEnum):
-    """Reason for leaving out a scan."""
+    """Reason for skipping a scan."""
 
     NO_ODOMETRY = "no odometry near its time"
     NOT_NEWER = "not newer than the one before"
@@ -38,9 +38,9 @@ class FilterUpdate:
         stamp_ns: stamp of the scan.
         base_in_map: the estimated pose.
         covariance: (3, 3) of x, y, theta.
-        agreement: share of the scan that the map explains from there, 0..1; None where the filter does not weigh it.
-        lost: True when the filter reported that the robot is lost.
-        p_wrong: probability that the pose is wrong, see `Estimate`; None where the filter does not know it.
+        agreement: share of the scan that the map explains from this pose, 0 to 1; None if the filter did not weigh it.
+        lost: True if the filter reported that the robot is lost.
+        p_wrong: probability that the pose is wrong, see `Estimate`; None if the filter does not know it.
     """
 
     stamp_ns: int
@@ -53,12 +53,12 @@ class FilterUpdate:
 
 @dataclass(frozen=True, slots=True)
 class LostStretch:
-    """Updates in a row at which the robot was lost.
+    """Consecutive updates at which the robot was lost.
 
     Attributes:
         updates: number of them.
         start_ns: stamp of the first.
-        end_ns: stamp of the next update, at which the robot was found; of the last one where it never was.
+        end_ns: stamp of the next update, at which the robot was found; of the last one if it was never found.
     """
 
     updates: int
@@ -71,14 +71,14 @@ class LocalizationResult:
     """The result of a localization.
 
     Attributes:
-        updates: all of them, in order.
+        updates: all updates, in order.
         last: the estimate at the last scan.
-        scans: number of scans given to the filter, which ignores those after too little motion.
-        skipped: number of scans left out, by reason.
+        scans: number of scans given to the filter; it ignores scans after too little motion.
+        skipped: number of skipped scans, by reason.
         cpu_seconds: processor time of the filter's updates, without reading the bag.
         scan_faults: changes of the scans' clock, and scans with a stamp that does not fit the others.
-        unstamped: number of scans with a stamp of 0, whose time of recording is used.
-        time_offset: of odometry to scans, by the stamps that `odometry` had; None where it cannot be found.
+        unstamped: number of scans with a stamp of 0; their time of recording is used.
+        time_offset: offset of odometry to scans, by the original stamps of `odometry`; None if it cannot be found.
     """
 
     updates: tuple[FilterUpdate, ...]
@@ -92,7 +92,7 @@ class LocalizationResult:
 
     @property
     def lost_stretches(self) -> tuple[LostStretch, ...]:
-        """Every stretch of updates at which the robot was lost, in order."""
+        """Return every stretch of updates at which the robot was lost, in order."""
         stretches: list[LostStretch] = []
         first: int | None = None
         for number, update in enumerate(self.updates):
@@ -121,16 +121,16 @@ def localize(
 ) -> LocalizationResult | RequestRefused:
     """Localize a robot in a recording.
 
-    Each scan is used with the odometry at its stamp, as amcl gets it from tf.
+    Each scan is used with the odometry at its stamp, which amcl gets from tf.
 
     Args:
         localizer: the filter, initialized at the start pose.
-        laser: converts the scans.
-        odometry: the odometry of the whole recording.
-        scans: the scans in the order of recording.
-        clock: processor time, seconds.
+        laser: converter of the scans.
+        odometry: odometry of the whole recording.
+        scans: scans in the order of recording.
+        clock: clock of processor time, seconds.
         progress: called once for each scan.
-        headings: takes the scans while the robot is not lost, for the time offset; None: it is not estimated.
+        headings: receives scans while the robot is not lost, for the time offset. If None, no offset is estimated.
     """
     updates: list[FilterUpdate] = []
     skipped: Counter[SkipReason] = Counter()
@@ -161,7 +161,7 @@ def localize(
         given += 1
         scan = laser.scan(tick, read.scan)
         started = clock()
-        # The tick is the scan's number, not its time: it is the key of the filter's random numbers.
+        # The tick is the number of the scan, not its time, because it is the key of the filter's random numbers.
         last = localizer.update(Odometry(tick, base_in_odom, STANDSTILL), Imu(tick, 0.0), scan)
         cpu_seconds += clock() - started
         if headings is not None and not last.lost:
@@ -178,7 +178,7 @@ def localize(
 
 
 def _faults_of(stamps: Iterable[_ScanStamp]) -> tuple[RecordedFault, ...]:
-    """The faults of scans' stamps, in the order of recording."""
+    """Return the faults of the scans' stamps, in the order of recording."""
     runs, odd = split_by_clock(stamps)
     faults = [*clock_faults(runs), *(RecordedFault(FaultKind.WRONG_STAMP, *each) for each in odd)]
     return tuple(sorted(faults, key=lambda fault: fault.received_ns))

@@ -13,7 +13,7 @@ from sim.robot.localization.amcl import Amcl
 from sim.robot.localization.estimate import Localizer
 
 ROBOT = "robot1"
-"""Key of the filter's random stream; a bag holds one robot's scans on a topic."""
+"""Key of the filter's random stream. One is enough: a topic of a bag has scans of one robot."""
 
 
 def recorded_localizer(
@@ -24,15 +24,15 @@ def recorded_localizer(
     seed: int,
     parts: InstalledParts | None = None,
 ) -> Localizer:
-    """Make the localizer that `software.localization` names: `amcl`, `ekf` or `ukf`, or one of a lab.
+    """Make the localizer that `software.localization` names: `amcl`, `ekf`, `ukf`, or an installed one.
 
     Args:
         software: the parameters.
         grid: the map.
         mount: the laser.
-        start: pose of the robot at the beginning; None: it may be anywhere.
+        start: pose of the robot at the beginning. If None, it may be anywhere.
         seed: random seed of the particle filter.
-        parts: those of labs that the software names; None: it names none.
+        parts: installed parts that the software names. If None, it names none.
     """
     localizer: Localizer
     first: AmclParameters | EkfParameters
@@ -53,7 +53,7 @@ def recorded_localizer(
 
 
 def warm_up(localizer: Localizer, software: RobotParameters, scan: Scan) -> None:
-    """Compile all code of updates, by running a filter that is not used further.
+    """Compile all code of updates, by running a filter that is not used otherwise.
 
     Args:
         localizer: a filter made and initialized like the one to measure.

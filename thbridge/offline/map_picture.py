@@ -17,21 +17,21 @@ from sim.numerics.float_array import FloatArray
 from thbridge.offline.map_survey import MapSurvey
 
 _SHADES = ListedColormap(["#ffffff", "#1f2933", "#d5dae0"])
-"""Of free, occupied and unknown cells."""
+"""Colors of free, occupied and unknown cells."""
 _TINTS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#7A5195", "#8C6D31")
-"""Of rooms, in turn; Okabe and Ito's, then two darker ones."""
+"""Colors of rooms, in turn: those of Okabe and Ito, then two darker ones."""
 _DOOR = "#B2182B"
 _INK = "#1f2933"
 _WIDTH = 10.0
-"""Inches of the longer side."""
+"""Length of the longer side, inches."""
 _SIZE, _SMALLEST = 9.0, 4.5
-"""Points: size of letters, and the least where rooms are narrow."""
+"""Font size, and its minimum in narrow rooms, points."""
 _ARROW = 0.4
 """Length of the arrow along a pose's yaw, meters."""
 
 
 def picture_settings() -> AbstractContextManager[None]:
-    """Matplotlib's settings with which a picture is the same everywhere."""
+    """Return Matplotlib settings that make a picture the same everywhere."""
     return mpl.rc_context({"font.family": "DejaVu Sans", "font.size": _SIZE, "svg.hashsalt": "thbridge"})
 
 
@@ -67,24 +67,24 @@ def map_picture(seen: MapSurvey) -> Figure:
 
 
 def _fitting(label: str, width: float) -> float:
-    """The size of letters, points, in which a label is no wider than a room, inches, as far as it can be read."""
+    """Return the font size (points) at which a label fits the width of a room (inches), if it stays readable."""
     across = 0.7 * max(len(line) for line in label.splitlines())
     return float(np.clip(72.0 * width / across, _SMALLEST, _SIZE))
 
 
 def grid_bounds(grid: OccupancyGrid) -> FloatArray:
-    """(2, 2) least and greatest x and y of a map's corners, meters in its frame."""
+    """Return (2, 2) minimum and maximum x and y of a map's corners, map frame, meters."""
     width, height = grid.cols * grid.resolution, grid.rows * grid.resolution
     corners = grid.origin.transform(np.array([[0.0, 0.0], [width, 0.0], [width, height], [0.0, height]]))
     return np.array([corners.min(axis=0), corners.max(axis=0)])
 
 
 def map_figure(grid: OccupancyGrid, view: FloatArray) -> tuple[Figure, Axes]:
-    """A figure with the cells of a map, and axes in meters of its frame. Call it within `picture_settings`.
+    """Return a figure with the cells of a map, and axes in meters of its frame. Call it within `picture_settings`.
 
     Args:
         grid: the map.
-        view: (2, 2) least and greatest x and y that are shown.
+        view: (2, 2) minimum and maximum x and y of the view.
     """
     shown = view[1] - view[0]
     width, height = (shown * _WIDTH / shown.max()).tolist()

@@ -1,4 +1,4 @@
-"""Figures of a map: its size and floor, the rooms with their areas and doors, and what robots reach."""
+"""Figures of a map: its size and floor, its rooms with areas and doors, and what robots reach."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -15,10 +15,10 @@ from thbridge.files.map_files import FOOTPRINT, Map, MapRoom
 from thbridge.hunt.rooms import Room
 
 Owners = NDArray[np.int32]
-"""(rows, cols) number of the room that holds each cell's center; 0 is the corridor."""
+"""(rows, cols) number of the room that contains each cell's center; 0 is the corridor."""
 
 GAP = 0.6
-"""Floor between two outlines that is no corridor but the sill of a door, square meters."""
+"""Area of floor between two outlines that is the sill of a door and not a corridor, square meters."""
 
 _TOUCHING = np.ones((3, 3), dtype=np.bool_)
 
@@ -29,10 +29,10 @@ class Doorway:
 
     Attributes:
         room: the room; of two rooms the one with the lower number.
-        beyond: what lies on the other side.
-        x: its middle, map frame, meters.
-        y: the same.
-        width: meters.
+        beyond: the room on the other side, or the corridor.
+        x: x of its middle, map frame, meters.
+        y: y of its middle.
+        width: its width, meters.
     """
 
     room: Room
@@ -60,8 +60,8 @@ class MapSurvey:
         free: share of free cells.
         occupied: share of occupied cells; the rest are unknown.
         rooms: the rooms in the order of their numbers.
-        pairs: number of ordered pairs of different places, a room as the second; the corridor is that of start 1.
-        reachable: those of them with a way for a robot.
+        pairs: number of ordered pairs of different places with a room as the second; the corridor is that of start 1.
+        reachable: number of these pairs with a path for a robot.
     """
 
     place: Map
@@ -78,7 +78,7 @@ class MapSurvey:
 
 
 def survey(place: Map, footprint: Polygon = FOOTPRINT) -> MapSurvey:
-    """Measure a map for robots with these corners in their own frame, meters; it may have faults."""
+    """Measure a map, with or without faults, for robots with these corners in their own frame, meters."""
     grid = place.grid
     floor = TraversabilityMap.of(grid, *radii(np.array(footprint)))
     owners = owners_of(place, floor)
@@ -109,7 +109,7 @@ def survey(place: Map, footprint: Polygon = FOOTPRINT) -> MapSurvey:
 
 
 def owners_of(place: Map, floor: TraversabilityMap) -> Owners:
-    """The room of every cell; where regions overlap the later one."""
+    """Return the room of every cell. Where regions overlap, the later one wins."""
     owners = np.zeros(place.grid.cells.shape, dtype=np.int32)
     for entry in place.rooms:
         box, held = floor.held_by(entry.region)
@@ -118,10 +118,10 @@ def owners_of(place: Map, floor: TraversabilityMap) -> Owners:
 
 
 def doorways(floor: TraversabilityMap, owners: Owners, footprint: Polygon = FOOTPRINT) -> Iterator[Doorway]:
-    """Yield the openings between rooms and what is beside them, ordered by room, then by what lies beyond, then place.
+    """Yield the openings of rooms, ordered by room, then by the room beyond, then by place.
 
-    An opening is a connected row of free cells of one side that touch free cells of the other; a robot fits through
-    where one of them has the clearance for its inscribed circle.
+    An opening is a connected row of free cells on one side that touch free cells on the other. A robot fits through if
+    one of them has the clearance for its inscribed circle.
     """
     grid = floor.grid
     inscribed, _ = radii(np.array(footprint))
@@ -149,7 +149,7 @@ def doorways(floor: TraversabilityMap, owners: Owners, footprint: Polygon = FOOT
 
 
 def _without_gaps(owners: Owners, free: Mask, resolution: float) -> Owners:
-    """Owners in which floor between outlines that is too small for a corridor belongs to the nearest room."""
+    """Return owners without small gaps: floor that is too small for a corridor belongs to the nearest room."""
     labels, _ = label(free & (owners == 0))
     small = np.bincount(labels.ravel()) * resolution**2 < GAP
     small[0] = False
@@ -163,7 +163,7 @@ def _without_gaps(owners: Owners, free: Mask, resolution: float) -> Owners:
 
 
 def _beside(mask: Mask) -> Mask:
-    """Cells with one of the mask above, below, left or right."""
+    """Return the cells next to a cell of the mask: above, below, left or right."""
     padded = np.pad(mask, 1)
     beside: Mask = padded[:-2, 1:-1] | padded[2:, 1:-1] | padded[1:-1, :-2] | padded[1:-1, 2:]
     return beside

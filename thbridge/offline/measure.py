@@ -16,7 +16,7 @@ from thbridge.files.map_files import Map
 from thbridge.hunt.rooms import Room
 
 LIMIT = 3600.0
-"""Simulated seconds after which a trip is given up; normally the navigator gives up much earlier."""
+"""Simulated seconds after which a trip ends. Normally the navigator gives up much earlier."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,7 +28,7 @@ class MeasurementSetup:
         world: bodies, motors and sensors.
         robot: the software that drives.
         seed: seed of all random numbers.
-        parts: those of labs that the software names.
+        parts: installed parts that the software names.
     """
 
     place: Map
@@ -42,8 +42,8 @@ class MeasurementSetup:
 class RoomTrip:
     """One drive from the goal pose of room `start` to that of room `goal`.
 
-    The corridor as `start` means the map's start poses: run 0 starts at the first, run 1 at the second, and so on. The
-    number of the run also selects the noise.
+    The corridor as `start` means the start poses of the map: run 0 starts at the first, run 1 at the second, and so on.
+    The number of the run also selects the noise.
     """
 
     start: Room
@@ -68,7 +68,7 @@ class TripTimes:
         start: the room of the start.
         goal: the room of the goal.
         seconds: simulated seconds of each trip that arrived.
-        refusals: reasons of those that did not arrive.
+        refusals: reasons of trips that did not arrive.
     """
 
     start: Room
@@ -78,7 +78,7 @@ class TripTimes:
 
     @property
     def mean(self) -> float | None:
-        """Mean simulated seconds; None where no trip arrived."""
+        """Mean simulated seconds; None if no trip arrived."""
         return fmean(self.seconds) if self.seconds else None
 
     @property
@@ -117,7 +117,7 @@ def drive(course: MeasurementSetup, trip: RoomTrip) -> TripResult:
 
 
 def by_pair(done: Iterable[TripResult]) -> tuple[TripTimes, ...]:
-    """The results of each pair of rooms, ordered by start and goal, independent of the order of `done`."""
+    """Return the results of each pair of rooms, ordered by start and goal, independent of the order of `done`."""
     pairs: dict[tuple[Room, Room], list[TripResult]] = {}
     for driven in sorted(done, key=lambda driven: driven.trip):
         pairs.setdefault((driven.trip.start, driven.trip.goal), []).append(driven)

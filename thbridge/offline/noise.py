@@ -1,4 +1,4 @@
-"""Effects of noise for drawings: spread of odometry, spread of a particle filter without scans, a noisy laser scan.
+"""Effects of noise, for drawings: spread of odometry, spread of a particle filter without scans, a noisy laser scan.
 
 The models are those of the simulation: odometry of `sim.world.physics`, amcl's of `sim.robot.localization.motion`, the
 laser's of `sim.world.sensors`. Seeds are fixed, so that two drawings differ only by the changed parameters.
@@ -37,7 +37,7 @@ CourseShape = Literal["straight", "square"]
 STRAIGHT = 10.0
 """Length of the straight course, meters."""
 SIDE = 2.5
-"""Side of the square course, which has the same length, meters."""
+"""Side of the square course, which is as long as the straight one, meters."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -62,14 +62,14 @@ class PathSpread:
 
 
 def odometry_spread(noise: OdometryNoise, course: CourseShape, speed: float, turn: float) -> PathSpread:
-    """Paths that odometry reports for a robot that drives a course exactly.
+    """Return paths that odometry reports for a robot that drives a course exactly.
 
     Args:
         noise: the true noise of the wheels' odometry.
         course: 10 m straight, or once around a square of 2.5 m.
-        speed: driving speed, m/s. The error of a tick is a share of the distance of that tick, so that a slow drive, of
-            many ticks, averages out more of it.
-        turn: speed of turning on the spot, rad/s.
+        speed: driving speed, m/s. The error of a tick is proportional to its distance. So a slow drive with many ticks
+            averages out more of it.
+        turn: rotation speed in place, rad/s.
     """
     movements = _movements(course, speed, turn)
     stride = max(1, len(movements) // _KEPT)
@@ -78,13 +78,13 @@ def odometry_spread(noise: OdometryNoise, course: CourseShape, speed: float, tur
 
 
 def belief_spread(amcl: AmclParameters, course: CourseShape, speed: float, turn: float) -> PathSpread:
-    """Paths of amcl's particles without scans, when odometry reports a course exactly.
+    """Return paths of amcl's particles without scans, for odometry that reports a course exactly.
 
     Args:
-        amcl: motion model, alphas, and least motion between two updates.
+        amcl: motion model, alphas, and minimum motion between two updates.
         course: as for `odometry_spread`.
         speed: driving speed, m/s.
-        turn: speed of turning on the spot, rad/s.
+        turn: rotation speed in place, rad/s.
     """
     driven = _poses(_movements(course, speed, turn))
     alphas = Alphas(amcl.odom_alpha1, amcl.odom_alpha2, amcl.odom_alpha3, amcl.odom_alpha4, amcl.odom_alpha5)
@@ -106,7 +106,7 @@ def belief_spread(amcl: AmclParameters, course: CourseShape, speed: float, turn:
 
 
 def _movements(course: CourseShape, speed: float, turn: float) -> FloatArray:
-    """(k, 2) motion of a robot in each tick: length of the chord (m), and half of the angle turned (rad)."""
+    """Return (k, 2) motion of a robot in each tick: length of the chord (m), and half of the angle turned (rad)."""
     if course == "straight":
         return _in_ticks(STRAIGHT, 0.0, STRAIGHT / speed)
     side, corner = _in_ticks(SIDE, 0.0, SIDE / speed), _in_ticks(0.0, 0.25 * math.pi, 0.5 * math.pi / turn)
@@ -120,7 +120,7 @@ def _in_ticks(distance: float, half: float, seconds: float) -> FloatArray:
 
 @lru_cache(maxsize=4)
 def _draws(ticks: int) -> FloatArray:
-    """(n, ticks, 3) standard normals, the same for all parameters, so that drawings differ only by the parameters."""
+    """Return (n, ticks, 3) standard normals. They do not depend on parameters, so that drawings can be compared."""
     keys = np.array([key(SEED, "fan", f"path{i + 1}") for i in range(PATHS)], dtype=np.uint64)
     draws = np.empty((PATHS, ticks, 3))
     for i in range(PATHS):
@@ -136,7 +136,7 @@ def _draw(key: np.uint64, out: FloatArray) -> None:
 
 @njit(cache=True, nogil=True)
 def _reported(movements: FloatArray, draws: FloatArray, wheels: WheelNoise, stride: int) -> FloatArray:
-    """(n, k, 2) positions reported by the odometry of n robots: at the start, every `stride` ticks, and at the end."""
+    """Return (n, k, 2) positions by the odometry of n robots: at the start, every `stride` ticks, and at the end."""
     ticks = movements.shape[0]
     kept = 1 + (ticks + stride - 1) // stride
     paths = np.zeros((draws.shape[0], kept, 2))
@@ -155,7 +155,7 @@ def _reported(movements: FloatArray, draws: FloatArray, wheels: WheelNoise, stri
 
 @njit(cache=True)
 def _poses(movements: FloatArray) -> FloatArray:
-    """(k + 1, 3) poses of a robot that makes these movements exactly."""
+    """Return (k + 1, 3) poses of a robot that makes these movements exactly."""
     poses = np.zeros((movements.shape[0] + 1, 3))
     for tick in range(movements.shape[0]):
         chord, half = movements[tick]
@@ -185,7 +185,7 @@ class RoomScan:
         laser: (2,) position of the laser.
         true: (m, 2) true ends of the beams that end within range.
         seen: (j, 2) ends of the beams in the noisy scan.
-        lost: number of beams that end within range, but have no reading.
+        lost: number of beams that end within range but have no reading.
         beams: number of beams.
     """
 
@@ -198,10 +198,10 @@ class RoomScan:
 
 
 def room_scan(world: WorldParameters) -> RoomScan:
-    """A scan of this laser with and without noise, in a room of 6 m by 4 m with a pillar and a door.
+    """Return a scan of this laser with and without noise, in a room of 6 m by 4 m with a pillar and a door.
 
     Raises:
-        ValueError: the laser's limits are the wrong way round, or its rate does not divide the ticks of a second.
+        ValueError: the laser's limits are in the wrong order, or its rate does not divide the ticks per second.
     """
     exact = replace(world.laser, range_noise=0.0, range_bias=0.0, dropout=0.0)
     seen, true = _sweep(world), _sweep(replace(world, laser=exact))
@@ -234,7 +234,7 @@ _WALLS = (
 
 
 def _sweep(world: WorldParameters) -> Scan:
-    """The scan of a robot in the room."""
+    """Return the scan of a robot in the room."""
     grid = _room()
     state = World(grid, world, SEED, 1.0).start([Pose2(*_LASER_STANDS)])
     if isinstance(state, Misplaced):
@@ -247,7 +247,7 @@ def _sweep(world: WorldParameters) -> Scan:
 
 
 def _ends(laser: FloatArray, theta: float, scan: Scan) -> FloatArray:
-    """(m, 2) ends of the beams; not finite for beams without a reading."""
+    """Return (m, 2) ends of the beams; not finite for beams without a reading."""
     angles = theta + scan.mount.angles()
     ranges = scan.ranges.astype(np.float64)
     with np.errstate(invalid="ignore"):
@@ -257,7 +257,7 @@ def _ends(laser: FloatArray, theta: float, scan: Scan) -> FloatArray:
 
 @lru_cache(maxsize=1)
 def _room() -> OccupancyGrid:
-    """The grid of the room, with walls one cell thick; behind its door is the far wall of another room."""
+    """Return the grid of the room. Its walls are one cell thick; the far wall of another room is behind its door."""
     cells = np.full((82, 162), FREE, dtype=np.int8)
     cells[0, :] = cells[-1, :] = cells[:, 0] = cells[:, -1] = OCCUPIED
     # The outer walls are one cell outside the room, so that their inner faces are at 0 and 6 m, 0 and 4 m.
@@ -268,7 +268,7 @@ def _room() -> OccupancyGrid:
 
 
 def covered(true: PathSpread, believed: PathSpread) -> float:
-    """Share of the true ends within the 95 % ellipse of the belief.
+    """Return the share of the true ends within the 95 % ellipse of the belief.
 
     The two spreads are mirror images: in one the robot is on the course and its odometry is not, in the other it is
     the other way round. Over such short distances the errors are the same.

@@ -1,4 +1,4 @@
-"""Odometry of a recording, interpolated at any time."""
+"""Odometry of a recording, interpolated for any time."""
 
 from bisect import bisect_right
 from collections.abc import Iterable
@@ -12,13 +12,13 @@ from sim.numerics.elementary import wrap_angle
 from thbridge.ros.odometry_faults import MissedMotion, OdometryRun, OdometrySample, sound_odometry
 
 LONGEST_GAP_NS = 1_000_000_000
-"""Longest time between two odometry messages over which poses are interpolated."""
+"""Maximum time between two odometry messages for interpolation between them."""
 REACH_NS = 100_000_000
-"""Longest extrapolation before the first and after the last message; amcl's transform_tolerance."""
+"""Maximum extrapolation before the first and after the last message; amcl's transform_tolerance."""
 
 
 def _pose_at(run: OdometryRun, stamp_ns: int) -> Pose2 | None:
-    """The pose at a time, interpolated linearly; None where the nearest samples are too far away."""
+    """Return the pose at a time, interpolated linearly; None if the nearest samples are too far away."""
     stamps, poses = run.stamps, run.poses
     if not stamps[0] - REACH_NS <= stamp_ns <= stamps[-1] + REACH_NS:
         return None
@@ -39,13 +39,13 @@ def _pose_at(run: OdometryRun, stamp_ns: int) -> Pose2 | None:
 class OdometryTrack:
     """All sound odometry of a recording (`odometry_faults`); its clock may have been changed.
 
-    Messages may come in any order; where the clock was changed a new run begins. A scan is looked up in the run that
+    Messages may come in any order. A new run starts where the clock was changed. A scan is looked up in the run that
     was recorded at the same time.
 
     Attributes:
-        faults: what was left out or joined.
+        faults: faults that were removed, or runs that were joined.
         begin_ns: time of recording of the first sample.
-        unstamped: number of samples with a stamp of 0, whose time of recording is used.
+        unstamped: number of samples with a stamp of 0; their time of recording is used.
     """
 
     def __init__(self, samples: Iterable[OdometrySample], max_speed: float | None = None) -> None:
@@ -61,7 +61,7 @@ class OdometryTrack:
         self._runs, self._missed = sound.runs, sound.missed
 
     def later(self, seconds: float) -> "OdometryTrack":
-        """Return the track with stamps that are later by some seconds, for odometry that leads the scans by as much."""
+        """Return the track with stamps later by `seconds`, for odometry that leads the scans by this time."""
         shift = round(seconds * 1e9)
         moved = copy(self)
         moved._runs = tuple(replace(run, stamps=run.stamps + shift) for run in self._runs)
@@ -69,7 +69,7 @@ class OdometryTrack:
 
     @property
     def longest_run(self) -> OdometryRun | None:
-        """The run with the most poses; None without any."""
+        """The run with the most poses; None without poses."""
         return max(self._runs, key=lambda run: len(run.stamps), default=None)
 
     def __len__(self) -> int:
@@ -77,15 +77,15 @@ class OdometryTrack:
         return sum(len(run.stamps) for run in self._runs)
 
     def missed(self, since_ns: int, until_ns: int) -> tuple[MissedMotion, ...]:
-        """Motions that the odometry does not report, recorded after one time and not after another."""
+        """Return motions that the odometry does not report, recorded after one time and not after the other."""
         return tuple(each for each in self._missed if since_ns < each.received_ns <= until_ns)
 
     def at(self, stamp_ns: int, received_ns: int) -> Pose2 | None:
-        """The pose of the base in odom; None when no odometry is near.
+        """Return the pose of the base in odom; None if no odometry is near.
 
         Args:
             stamp_ns: the time of the pose.
-            received_ns: stamp of recording of the scan, which selects the run where stamps of runs overlap.
+            received_ns: recording stamp of the scan; it selects the run if stamps of several runs overlap.
         """
         current = bisect_right([run.received_ns for run in self._runs], received_ns) - 1
         for index in (current, current - 1, current + 1):

@@ -27,10 +27,10 @@ class PlanResult:
     """The result of one query.
 
     Attributes:
-        found: True when there is a path.
+        found: True if there is a path.
         length: length of the path, meters; None without a path.
         milliseconds: planning time, without compilation.
-        reason: why there is no path, as a sentence; None when there is one.
+        reason: reason for the missing path, as a sentence; None if there is a path.
         code: the same reason as a code for programs.
     """
 
@@ -42,7 +42,7 @@ class PlanResult:
 
 
 def costmap(grid: OccupancyGrid, radius: float, inflation: float) -> Costs:
-    """(rows, cols) costs of a map: its occupied cells, inflated.
+    """Return (rows, cols) costs of a map: its occupied cells, inflated.
 
     Args:
         grid: the map.
@@ -70,7 +70,7 @@ def plan(
     """Plan a path for each query, in their order.
 
     Args:
-        grid: the map; its origin may be turned.
+        grid: the map; its origin may be rotated.
         queries: (n, 4) x and y of the start, x and y of the goal, map frame, meters; n at least 1.
         radius: as for `costmap`.
         inflation: as for `costmap`.

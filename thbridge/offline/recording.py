@@ -1,4 +1,4 @@
-"""Finds in a bag the data for localization: scans, odometry, and the mounting of the laser."""
+"""Search in a bag for the data of localization: scans, odometry, and the mounting of the laser."""
 
 import math
 from collections.abc import Callable, Iterator
@@ -25,7 +25,7 @@ T = TypeVar("T")
 
 TF_TYPES = (TFMESSAGE, "tf/tfMessage")
 SCANS = ("scan", "base_scan", "scan_filtered")
-"""Usual topics of the lasers by which robots localize themselves, the most usual first."""
+"""Usual topics of lasers for localization, the most usual first."""
 BASE_FRAMES = ("base_footprint", "base_link")
 LEVEL = math.radians(10)
 """Tilt above which a laser does not see the plane of the map, radians."""
@@ -48,10 +48,10 @@ class LocalizationBag:
         path: the bag.
         scan_topic: topic of the scans.
         messages: number of scans.
-        laser: converts the scans.
+        laser: converter of the scans.
         odometry: odometry of the same robot.
         odometry_source: topic of the odometry, or its frames in tf.
-        notices: sentences on assumptions and oddities.
+        notices: sentences about assumptions and anomalies.
     """
 
     path: Path
@@ -63,7 +63,7 @@ class LocalizationBag:
     notices: tuple[str, ...]
 
     def scans(self) -> Iterator[StampedScan]:
-        """Yield every scan in the order of recording. Raises BadFile: the bag is damaged."""
+        """Yield every scan in the order of recording. Raise BadFile if the bag is damaged."""
         return _scans(self.path, self.scan_topic)
 
 
@@ -78,28 +78,28 @@ def open_recording(
 
     Args:
         path: a ROS 1 bag.
-        scan_topic: topic of type sensor_msgs/LaserScan; None finds that of the only robot.
-        odom_topic: topic of type nav_msgs/Odometry; None finds that of the same robot. Without such a topic odometry is
-            taken from tf.
-        laser_in_base: pose of the laser on the base; None takes it from tf.
-        max_odom_speed: m/s that the robot cannot exceed; None takes it from its odometry.
+        scan_topic: topic of type sensor_msgs/LaserScan. If None, that of the only robot.
+        odom_topic: topic of type nav_msgs/Odometry. If None, that of the same robot. Without such a topic, odometry is
+            read from tf.
+        laser_in_base: pose of the laser on the base. If None, it is read from tf.
+        max_odom_speed: speed that the robot cannot exceed, m/s. If None, it is estimated from its odometry.
 
     Raises:
-        BadFile: the bag cannot be read, or lacks something; the message tells what it has instead.
+        BadFile: the bag cannot be read, or lacks something; the message lists what the bag has instead.
     """
     topics = info(path).topics
     notices: list[str] = []
     scan_name = scan_topic or _only_scans(path, topics, notices)
     scans = _topic(topics, scan_name, (LASER_SCAN,))
     if scans is None:
-        problem = f"there are no scans on {scan_name}; {_offer(topics, (LASER_SCAN,))}"
-        raise BadFile(path, problem, "name the topic by --scan-topic")
+        problem = f"it has no scans on {scan_name}; {_offer(topics, (LASER_SCAN,))}"
+        raise BadFile(path, problem, "give the topic with --scan-topic")
     first = next((read.scan for read in _scans(path, scans.name) if usable(read.scan)), None)
     if first is None:
         problem = "no scan has two beams and an angle between them"
-        raise BadFile(path, problem, "name another topic by --scan-topic", key=scans.name)
+        raise BadFile(path, problem, "give another topic with --scan-topic", key=scans.name)
 
-    # Several robots with separate tf topics may all have the same frame names, so only this robot's tf is read.
+    # Robots with separate tf topics may all use the same frame names. So only the tf of this robot is read.
     robot = namespace_of(scans.name)
     tf_topics = [
         topic.name
@@ -119,15 +119,15 @@ def open_recording(
         tree = _frames(path, tf_topics, lambda tree: _odom_edge(tree, first.frame, certain=True) is not None)
         edge = _odom_edge(tree, first.frame, certain=False)
         if edge is None:
-            problem = f"there is no odometry on {odom_name} and none in tf; {_offer(topics, (ODOMETRY,))}"
-            raise BadFile(path, problem, "name the topic by --odom-topic")
+            problem = f"it has no odometry on {odom_name} and none in tf; {_offer(topics, (ODOMETRY,))}"
+            raise BadFile(path, problem, "give the topic with --odom-topic")
         steps = _odometry_of_tf(path, tf_topics, edge)
         source = f"tf {edge[0]} -> {edge[1]}"
         bases = (edge[1],)
-        notices.append(f"There is no odometry on {odom_name}; it is taken from {source}.")
+        notices.append(f"No odometry on {odom_name}; using {source} instead.")
     track = OdometryTrack(steps, max_odom_speed)
     if not len(track):
-        raise BadFile(path, "there is no odometry in it", "name another topic by --odom-topic", key=source)
+        raise BadFile(path, "it contains no odometry", "give another topic with --odom-topic", key=source)
     if track.unstamped:
         notices.append(unstamped_sentence(source, track.unstamped))
     notices += fault_sentences(source, track.faults, track.begin_ns)
@@ -136,45 +136,45 @@ def open_recording(
         mount = _mount(tree, first.frame, bases)
         if mount is None:
             frame = frame_name(first.frame)
-            problem = f"tf does not say where the laser {frame!r} sits on {' or '.join(bases)}"
-            raise BadFile(path, problem, "give it by --laser-pose X Y YAW")
+            problem = f"tf has no transform from the laser {frame!r} to {' or '.join(bases)}"
+            raise BadFile(path, problem, "give the pose with --laser-pose X Y YAW")
         if mount.tilt > LEVEL:
             degrees = round(math.degrees(mount.tilt))
-            notices.append(f"The laser is tilted by {degrees} degrees; its scans are taken as if it were level.")
+            notices.append(f"The laser is tilted by {degrees} degrees; its scans are treated as level.")
         if mount.upside_down:
-            notices.append("The laser hangs upside down.")
+            notices.append("The laser is mounted upside down.")
     else:
         mount = PlanarMount(laser_in_base, upside_down=False, tilt=0.0)
     laser = Laser.of(first, mount)
     if laser.mount.range_max != first.range_max:
-        notices.append(f"range_max of the scans is {first.range_max}; {laser.mount.range_max:g} m is taken.")
+        notices.append(f"range_max of the scans is {first.range_max}; using {laser.mount.range_max:g} m instead.")
     return LocalizationBag(path, scans.name, scans.messages, laser, track, source, tuple(notices))
 
 
 def _only_scans(path: Path, topics: tuple[TopicInfo, ...], notices: list[str]) -> str:
-    """The topic of the scans, by type; of several lasers of a robot the one with the most usual name."""
+    """Return the topic of the scans, by type; if a robot has several lasers, the one with the most usual name."""
     names = usual_first(_of_type(topics, LASER_SCAN), SCANS)
     robots = sorted({namespace_of(name) for name in names})
     if len(robots) > 1:
-        problem = f"there are several robots: {_offer(topics, (LASER_SCAN,))}"
-        raise BadFile(path, problem, "name the topic of one by --scan-topic")
+        problem = f"it contains several robots: {_offer(topics, (LASER_SCAN,))}"
+        raise BadFile(path, problem, "give the topic of one robot with --scan-topic")
     if len(names) > 1:
-        notices.append(f"Scans are taken from {names[0]}; there are also {', '.join(names[1:])}.")
+        notices.append(f"Using the scans of {names[0]}; other topics with scans: {', '.join(names[1:])}.")
     return names[0] if names else f"/{SCANS[0]}"
 
 
 def _odometry_beside(scans: str, topics: tuple[TopicInfo, ...], notices: list[str]) -> str:
-    """The odometry topic of the robot with these scans."""
+    """Return the odometry topic of the robot with these scans."""
     names = [name for name in _of_type(topics, ODOMETRY) if not is_truth(name)]
     robots = {namespace_of(name) for name in (*names, scans)}
     own = usual_first((name for name in names if owner_of(name, robots) == owner_of(scans, robots)), (ODOM_FRAME,))
-    # Odometry in the namespace of a node belongs to the only robot, whatever the namespace of the scans is.
+    # Odometry in the namespace of a node belongs to the only robot, regardless of the namespace of the scans.
     own = own or usual_first((name for name in names if not namespace_of(name)), (ODOM_FRAME,))
     if not own and len(names) == 1 and len({namespace_of(name) for name in _of_type(topics, LASER_SCAN)}) == 1:
         own = names
-        notices.append(f"Odometry is taken from {names[0]}, the only such topic.")
+        notices.append(f"Using the odometry of {names[0]}, the only such topic.")
     if len(own) > 1:
-        notices.append(f"Odometry is taken from {own[0]}; there is also {', '.join(own[1:])}.")
+        notices.append(f"Using the odometry of {own[0]}; other topics with odometry: {', '.join(own[1:])}.")
     namespace = owner_of(scans, robots)
     return own[0] if own else f"/{namespace}/odom" if namespace else "/odom"
 
@@ -191,15 +191,15 @@ def _topic(topics: tuple[TopicInfo, ...], name: str, types: tuple[str, ...]) -> 
 
 def _offer(topics: tuple[TopicInfo, ...], types: tuple[str, ...]) -> str:
     names = _of_type(topics, types[0])
-    return f"{types[0]} is on {', '.join(names)}" if names else f"the bag has no {types[0]} at all"
+    return f"{types[0]} is on {', '.join(names)}" if names else f"the bag has no {types[0]}"
 
 
 def _decoded(raw: RawMessage, decode: Callable[[bytes], T], path: Path) -> T:
     try:
         return decode(raw.data)
     except ValueError as error:
-        remedy = "record the bag anew, or leave the topic out of it"
-        raise BadFile(path, f"a message of it is no {raw.msgtype}: {error}", remedy, key=raw.topic) from None
+        remedy = "record the bag again, or remove the topic from it"
+        raise BadFile(path, f"a message on it is not a valid {raw.msgtype}: {error}", remedy, key=raw.topic) from None
 
 
 def _scans(path: Path, topic: str) -> Iterator[StampedScan]:
@@ -209,12 +209,12 @@ def _scans(path: Path, topic: str) -> Iterator[StampedScan]:
 
 
 def unstamped_sentence(topic: str, count: int) -> str:
-    """The sentence on messages without a stamp."""
-    return f"{topic}: stamped 0, so that the time of recording is used: {count}."
+    """Return the sentence about messages without a stamp."""
+    return f"{topic}: {count} messages with stamp 0; using their time of recording."
 
 
 def _odometry_of_topic(path: Path, topic: str) -> tuple[list[OdometrySample], str]:
-    """All odometry of a topic, and its child frame."""
+    """Return all odometry of a topic, and its child frame."""
     steps = []
     child = ""
     for raw in messages(path, (topic,)):
@@ -234,7 +234,7 @@ def _odometry_of_tf(path: Path, topics: list[str], edge: tuple[str, str]) -> lis
 
 
 def _frames(path: Path, topics: list[str], enough: Callable[[FrameTree], bool]) -> FrameTree:
-    """The frame tree of a bag, read until it is sufficient."""
+    """Return the frame tree of a bag, read until it is sufficient."""
     tree = FrameTree()
     for raw in messages(path, topics):
         transforms = _decoded(raw, unpack.spatial_transforms, path)
@@ -245,7 +245,7 @@ def _frames(path: Path, topics: list[str], enough: Callable[[FrameTree], bool]) 
 
 
 def _base_names(child: str, laser: str) -> tuple[str, ...]:
-    """Possible names of the base frame: odometry's child frame, or usual names with the laser's prefix."""
+    """Return possible names of the base frame: odometry's child frame, or usual names with the laser's prefix."""
     prefix = frame_name(laser).rpartition("/")[0]
     usual = [f"{prefix}/{name}" if prefix else name for name in BASE_FRAMES]
     return tuple(dict.fromkeys(name for name in (frame_name(child), *usual) if name))
@@ -257,7 +257,7 @@ def _mount(tree: FrameTree, laser: str, bases: tuple[str, ...]) -> PlanarMount |
 
 
 def _odom_edge(tree: FrameTree, laser: str, certain: bool) -> tuple[str, str] | None:
-    """The transform with odometry: the one above the laser, or else, unless `certain`, the only one there is."""
+    """Return the transform with odometry: the one above the laser, or, unless `certain`, the only one that exists."""
     chain = tree.chain(laser)
     for child, parent in pairwise(chain):
         if is_odom_frame(parent):

@@ -1,10 +1,10 @@
-"""Rooms found on an occupancy grid, as floor that narrows at its doors.
+"""Search for rooms on an occupancy grid: floor that narrows at doorways.
 
 Method: segmentation by the distance transform with the persistence of its peaks, refined by a watershed. The clearance
-(distance to the nearest wall) of a room has a peak in its middle and a saddle in each door. Floor is looked at above a
-rising clearance; where it falls apart into parts whose peaks are high enough above the saddle, each part is a place of
-its own. A watershed from there puts the borders onto the narrowest lines. What connects places is corridor: floor that
-belongs to no peak, long floor with many doors, floor with more openings than walls.
+(distance to the nearest wall) of a room has a peak in its middle and a saddle in each doorway. The algorithm examines
+the floor above a rising clearance. If it splits into parts with peaks high enough above the saddle, each part is a
+separate place. A watershed from there puts the borders onto the narrowest lines. Everything that connects places is
+corridor: floor without a peak, long floor with many doorways, floor with more openings than walls.
 
 Sources: R. Bormann, F. Jordan, W. Li, J. Hampp and M. Haegele, "Room Segmentation: Survey, Implementation, and
 Analysis", ICRA 2016 (distance transform, clutter); S. Thrun, "Learning metric-topological maps for indoor mobile robot
@@ -31,38 +31,38 @@ Span: TypeAlias = "slice[int, int, None]"
 """Range of rows or columns."""
 
 SPECK = 0.5
-"""Greatest extent of what counts as noise or a leg of a table, meters."""
+"""Maximum extent of noise and of table legs, meters."""
 FURNITURE = 2.5
-"""Greatest extent of what stands alone on the floor and is looked through, meters; thin things are walls."""
+"""Maximum extent of isolated things on the floor that are ignored, meters; thin things are walls."""
 SLENDER = 0.3
-"""Ratio of a thing's width to its length below which it is a piece of wall."""
+"""Ratio of width to length below which a thing is a piece of wall."""
 LEVEL = 0.05
-"""Meters of clearance from one look to the next, at least a cell's half."""
+"""Step of clearance between two examinations, meters; at least half a cell."""
 PASSAGE = 0.3
-"""Clearance of what counts as a passage and not as a room's corner, meters."""
+"""Clearance above which floor is a passage and not a corner of a room, meters."""
 CORNER = 1.5
-"""Floor that is no farther from where a robot drives, in radii of its inner circle, belongs to the room."""
+"""Distance from where a robot drives within which floor belongs to the room, in radii of the robot's inner circle."""
 WIDEST_DOOR = 10.0
-"""Meters: a wider opening parts no rooms."""
+"""Width above which an opening does not separate rooms, meters."""
 SHED = 3.0
-"""Floor of a corridor that makes itself felt when it falls off a single room, square meters."""
+"""Area above which a corridor is noticed when it splits off from a single room, square meters."""
 TINY = 1.0
-"""Floor too small for a corridor, square meters."""
+"""Area below which floor is too small for a corridor, square meters."""
 LONG = 3.2
-"""Length of floor, in widths of its own, times its doors but one, from which on it is a corridor."""
+"""Threshold of length divided by width, times the number of doorways minus one; above it, floor is a corridor."""
 OPEN = 0.35
-"""Share of openings in a border from which on floor is no room."""
+"""Share of openings in a border above which floor is not a room."""
 
 _TOUCHING = np.ones((3, 3), dtype=np.bool_)
 
 
 @dataclass(frozen=True, slots=True)
 class RoomFindingOptions:
-    """Thresholds of what counts as a room.
+    """Thresholds for rooms.
 
     Attributes:
-        prominence: least ratio of a room's clearance in its middle to that in its widest door.
-        area: least floor, square meters.
+        prominence: minimum ratio of the clearance in a room's middle to that in its widest doorway.
+        area: minimum floor area, square meters.
     """
 
     prominence: float = 1.25
@@ -70,21 +70,21 @@ class RoomFindingOptions:
 
 
 RELAXED = (RoomFindingOptions(), RoomFindingOptions(1.15, 2.0), RoomFindingOptions(1.08, 1.0))
-"""Thresholds tried in turn until enough rooms are found."""
+"""Thresholds that are tried in turn until enough rooms are found."""
 
 
 def find_rooms(grid: OccupancyGrid, inscribed: float, circumscribed: float, wanted: int | None = None) -> Labels:
     """Find the rooms of a map. The same grid gives the same rooms.
 
     Args:
-        grid: the map; noise, furniture and unknown space are tolerated, unknown space is no floor.
-        inscribed: radius of the robot's inner circle, meters: it drives where this fits.
-        circumscribed: radius of its outer circle, meters: a room has a place where the robot can turn.
-        wanted: number of rooms; more than these are left to the corridor, the smallest first. None: as many as there
-            are by the usual thresholds.
+        grid: the map; noise, furniture and unknown space are tolerated, but unknown space is not floor.
+        inscribed: radius of the robot's inner circle, meters; the robot drives where this circle fits.
+        circumscribed: radius of its outer circle, meters; a room has a place where the robot can turn.
+        wanted: maximum number of rooms; smaller rooms are then assigned to the corridor. If None, all rooms by the
+            usual thresholds.
 
     Returns:
-        As many rooms as were found: with `wanted` perhaps fewer.
+        The rooms found; perhaps fewer than `wanted`.
     """
     floor = drivable_floor(grid, inscribed)
     if not floor.any():
@@ -103,9 +103,9 @@ def find_rooms(grid: OccupancyGrid, inscribed: float, circumscribed: float, want
 
 
 def drivable_floor(grid: OccupancyGrid, inscribed: float) -> Mask:
-    """Cells that a robot's center reaches on the largest connected floor.
+    """Return the cells that a robot's center reaches on the largest connected floor.
 
-    Floor that runs off the image is left aside when there is enough inside: it is the paper around a drawn plan.
+    Floor that touches the image's border is ignored if there is enough inside: it is the paper around a drawn plan.
     """
     areas, count = label(cells_away(grid.cells == FREE) * grid.resolution > inscribed)
     if count == 0:
@@ -123,9 +123,9 @@ def drivable_floor(grid: OccupancyGrid, inscribed: float) -> Mask:
 
 
 def in_reading_order(labels: Labels) -> Labels:
-    """Number rooms as one reads: rows from the top, each from the left.
+    """Number rooms in reading order: rows from the top, each from the left.
 
-    A row of rooms holds those whose middle is beside its first one.
+    A row holds the rooms whose middle is within the vertical extent of its first room.
     """
     boxes = {number: box for number, box in enumerate(find_objects(labels), start=1) if box is not None}
     waiting = sorted(boxes, key=lambda number: (-boxes[number][0].stop, boxes[number][1].start))
@@ -146,7 +146,7 @@ def in_reading_order(labels: Labels) -> Labels:
 
 
 def _around(mask: Mask, margin: int) -> tuple[Span, Span]:
-    """The box around a mask's cells, with a margin."""
+    """Return the box around a mask's cells, with a margin."""
     rows, cols = (np.nonzero(mask.any(axis=axis))[0] for axis in (1, 0))
     return (
         slice(max(0, int(rows[0]) - margin), int(rows[-1]) + margin + 1),
@@ -155,7 +155,7 @@ def _around(mask: Mask, margin: int) -> tuple[Span, Span]:
 
 
 def _without_furniture(grid: OccupancyGrid) -> Mask:
-    """Free cells, and those of what stands alone on them and is no wall."""
+    """Return the free cells, including those of isolated things that are not walls."""
     free: Mask = grid.cells == FREE
     things, _ = label(~free, structure=_TOUCHING)
     filled = free.copy()
@@ -174,7 +174,7 @@ def _at_border(box: tuple[Span, ...], shape: tuple[int, ...]) -> bool:
 
 
 def _is_slender(mask: Mask) -> bool:
-    """Return True where a thing's width is a small part of its length, by its second moments."""
+    """Return True if a thing is narrow compared with its length, by its second moments."""
     cells = np.argwhere(mask).astype(np.float64)
     small, large = np.linalg.eigvalsh(np.cov(cells.T, bias=True) + np.eye(2) / 12)
     return bool(np.sqrt(small / large) < SLENDER)
@@ -182,7 +182,7 @@ def _is_slender(mask: Mask) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class _Core:
-    """The middle of a place: its cells as flat indices, and the clearance of its widest door, meters."""
+    """The middle of a place: its cells as flat indices, and the clearance of its widest doorway, meters."""
 
     cells: NDArray[np.int64]
     door: float
@@ -191,7 +191,7 @@ class _Core:
 def _segment(
     free: Mask, floor: Mask, turning: Mask, resolution: float, inscribed: float, options: RoomFindingOptions
 ) -> Labels:
-    """Number the rooms; in no order."""
+    """Number the rooms, in arbitrary order."""
     clearance = cells_away(free) * resolution
     areas, _ = label(clearance > inscribed)
     wide = np.isin(areas, np.unique(areas[floor]))
@@ -208,7 +208,7 @@ def _segment(
 
 
 def _cores(clearance: FloatArray, resolution: float, inscribed: float, options: RoomFindingOptions) -> Iterator[_Core]:
-    """Yield the middles of places: floor above the clearance of their doors."""
+    """Yield the middles of places: floor above the clearance of their doorways."""
     level, step = inscribed, max(LEVEL, resolution / 2)
     above, areas, peaks = _above(clearance, level, resolution)
     parts = {number: _Core(np.flatnonzero(above == number), level) for number in range(1, len(peaks))}
@@ -240,7 +240,7 @@ def _cores(clearance: FloatArray, resolution: float, inscribed: float, options: 
 
 
 def _above(clearance: FloatArray, level: float, resolution: float) -> tuple[Labels, FloatArray, FloatArray]:
-    """Connected floor above a clearance: its labels, and of each the area of its discs of that radius and its peak."""
+    """Return labels of connected floor above a clearance, the area of its discs of this radius, and its peaks."""
     above, count = label(clearance > level)
     labels: Labels = np.asarray(above, dtype=np.int32)
     if count == 0:
@@ -252,21 +252,21 @@ def _above(clearance: FloatArray, level: float, resolution: float) -> tuple[Labe
 
 
 def _peaks(clearance: FloatArray, labels: Labels, count: int) -> FloatArray:
-    """(count,) greatest clearance of each label."""
+    """Return (count,) maximum clearance of each label."""
     peaks = np.zeros(count)
     np.maximum.at(peaks, labels.ravel(), clearance.ravel())
     return peaks
 
 
 def _within(labels: Labels, distance: float, resolution: float) -> Labels:
-    """Labels with the cells around them: each within the distance has the label that is nearest."""
+    """Return labels that are extended to the cells within the distance; each gets the nearest label."""
     away, nearest = distance_transform_edt(labels == 0, return_indices=True)
     grown: Labels = np.where(np.asarray(away) * resolution <= distance, labels[tuple(np.asarray(nearest))], 0)
     return grown
 
 
 def _places_around(cores: Sequence[_Core], clearance: FloatArray, resolution: float) -> Labels:
-    """Divide the floor: place i + 1 around core i, and further places for what lies between."""
+    """Divide the floor: place i + 1 around core i, and further places for the floor between."""
     markers = np.zeros(clearance.shape, dtype=np.int32)
     opened = np.zeros(clearance.shape, dtype=np.bool_)
     for door in sorted({core.door for core in cores}):
@@ -309,7 +309,7 @@ def _flood(markers: Labels, clearance: FloatArray, resolution: float) -> Labels:
 def _rooms_among(
     places: Labels, cores: int, clearance: FloatArray, resolution: float, options: RoomFindingOptions
 ) -> list[int]:
-    """The places around cores that are rooms and no corridors."""
+    """Return the places around cores that are rooms and not corridors."""
     borders, areas = _borders(places), np.bincount(places.ravel()) * resolution**2
     peaks = _peaks(clearance, places, len(areas))
     rooms = []
@@ -326,7 +326,7 @@ def _rooms_among(
 
 
 def _with_alcoves(places: Labels, cores: int, resolution: float) -> Labels:
-    """The places, where floor between cores that is tiny or lies beside one place alone is a part of that place."""
+    """Assign floor between cores to a place if it is tiny or next to this place alone."""
     while True:
         borders, areas = _borders(places), np.bincount(places.ravel()) * resolution**2
         renumbered = np.arange(len(areas), dtype=np.int32)
@@ -342,7 +342,7 @@ def _with_alcoves(places: Labels, cores: int, resolution: float) -> Labels:
 
 
 def _borders(places: Labels) -> NDArray[np.int64]:
-    """(n + 1, n + 1) number of cell sides between every two places; 0 is what is no floor."""
+    """Return (n + 1, n + 1) number of cell sides between every two places; 0 is everything that is not floor."""
     size = int(places.max()) + 1
     padded = np.pad(places, 1).astype(np.int64)
     sides = np.zeros((size, size), dtype=np.int64)

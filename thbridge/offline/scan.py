@@ -10,25 +10,25 @@ from sim.numerics.float_array import FloatArray
 
 
 def beam_angles(beams: int, angle_min: float, angle_max: float | None) -> FloatArray:
-    """(beams,) radians, evenly from `angle_min` to `angle_max`, both included, as in sensor_msgs/LaserScan.
+    """Return (beams,) angles from `angle_min` to `angle_max`, both included, as in sensor_msgs/LaserScan; radians.
 
-    Without an `angle_max` they are a full circle: the last beam is one step before the first.
+    Without an `angle_max` they cover a full circle: the last beam is one step before the first.
     """
     last = angle_min + math.tau * (beams - 1) / beams if angle_max is None else angle_max
     return np.linspace(angle_min, last, beams)
 
 
 def scan(grid: OccupancyGrid, poses: FloatArray, angles: FloatArray, range_max: float) -> list[list[float | None]]:
-    """Exact ranges from every pose.
+    """Return the exact ranges from every pose.
 
     Args:
-        grid: the map; beams end at occupied cells, and pass unknown ones and the outside of the map.
+        grid: the map; beams end at occupied cells, and pass unknown cells and the space outside the map.
         poses: (n, 3) poses of the laser in the map frame.
         angles: (m,) radians in the laser's frame.
         range_max: meters, finite.
 
     Returns:
-        n lists of m ranges in meters; None where nothing is within `range_max`.
+        n lists of m ranges in meters; None if nothing is within `range_max`.
     """
     ranges = Raycaster.of(grid).ranges(poses, angles, range_max)
     return [[reach if math.isfinite(reach) else None for reach in row] for row in ranges.tolist()]

@@ -1,4 +1,4 @@
-"""Headings of a robot by its scans alone, to compare the clocks of scans and odometry."""
+"""Headings of a robot from its scans alone, to compare the clocks of scans and odometry."""
 
 import math
 
@@ -14,9 +14,9 @@ from thbridge.offline.time_offset import TimeOffset, time_offset
 
 _BEAMS = 60
 _PERIOD_NS = 50_000_000
-"""Least time between scans that are matched."""
+"""Minimum time between scans that are matched."""
 _SEARCHED = 0.6
-"""Meters by which the pose that a match begins with may put a point wrong."""
+"""Maximum displacement of a point due to the initial pose of a match, meters."""
 
 
 class ScanHeadings:
@@ -34,7 +34,7 @@ class ScanHeadings:
         self._headings: list[float] = []
 
     def add(self, stamp_ns: int, scan: Scan, base_in_map: Pose2) -> None:
-        """Match a scan near a pose, unless the last one is very near in time; stamps that go back are left out."""
+        """Match a scan near a pose, unless it is too close in time to the last one. Stamps that go back are skipped."""
         if self._stamps and stamp_ns - self._stamps[-1] < _PERIOD_NS:
             return
         match = self._matcher.match(base_in_map, self._beams.end_points(scan), _SEARCHED)
@@ -43,7 +43,7 @@ class ScanHeadings:
         self._headings.append(match.base_in_map.theta if match is not None and good else math.nan)
 
     def time_offset(self, odometry: OdometryTrack) -> TimeOffset | None:
-        """Return the offset between the clocks of odometry and scans; None where it cannot be found."""
+        """Return the offset between the clocks of odometry and scans; None if it cannot be found."""
         run = odometry.longest_run
         if run is None or not self._stamps:
             return None

@@ -1,4 +1,4 @@
-"""Time by which odometry leads or trails the scans of a recording, estimated from the turns that both measure."""
+"""Time by which odometry leads or trails the scans of a recording, estimated from turns that both measure."""
 
 from typing import NamedTuple
 
@@ -7,23 +7,23 @@ import numpy as np
 from sim.numerics.float_array import FloatArray
 
 LONGEST_OFFSET = 0.5
-"""Seconds: offsets beyond this are not found."""
+"""Maximum offset that can be found, seconds."""
 _STEP = 0.01
-"""Seconds between the offsets that are compared; a parabola finds the best one between them."""
+"""Step between the compared offsets, seconds; a parabola finds the best offset between them."""
 _BLOCKS = 20
-"""Parts of the recording, each left out once: the estimates without it show how far the estimate can be trusted."""
+"""Number of parts of the recording. Each is left out once: the spread of the estimates shows their accuracy."""
 _FEWEST_TURNS = 3 * _BLOCKS
 _EXPLAINED = 0.3
-"""Least share of the squared turns of the scans that odometry must explain; below, the two do not belong together."""
+"""Minimum share of the scans' squared turns that odometry must explain. Below, the two do not belong together."""
 
 
 class TimeOffset(NamedTuple):
     """Offset between the clocks of odometry and scans.
 
     Attributes:
-        seconds: odometry shows a turn so long before the scans do; negative where it shows it later.
-        deviation: standard deviation of it, seconds.
-        turns: radians that odometry reports for each radian that the scans show.
+        seconds: time by which odometry shows a turn before the scans do; negative if it shows it later.
+        deviation: its standard deviation, seconds.
+        turns: rotation that odometry reports for each radian of rotation in the scans, radians.
     """
 
     seconds: float
@@ -36,21 +36,21 @@ def time_offset(
 ) -> TimeOffset | None:
     """Estimate the offset from headings by odometry and by scans.
 
-    The turns between successive scans are compared with those of odometry over the same intervals, moved by each
-    offset: at the right one, odometry explains most of them by least squares.
+    The turns between successive scans are compared with those of odometry over the same intervals, shifted by each
+    offset. At the right offset, odometry explains most of them by least squares.
 
     Args:
         odometry_times: (m,) seconds, increasing.
         odometry_headings: (m,) radians.
         scan_times: (n,) seconds, increasing.
-        scan_headings: (n,) radians; NaN where a scan shows none.
+        scan_headings: (n,) radians; NaN for a scan without a heading.
 
     Returns:
-        None where the offset cannot be found: the robot turns too little, the best offset lies at the end of the range,
+        The offset. None if it cannot be found: the robot turns too little, the best offset is at the end of the range,
         or odometry explains too little of the turns.
 
-    Source: Quenouille, Notes on bias in estimation (1956), for the deviation (the jackknife), which holds for errors
-        that depend on each other within a part.
+    Source: Quenouille, Notes on bias in estimation (1956), for the deviation (the jackknife). It is valid for errors
+        that are dependent within a part.
     """
     offsets = np.arange(-LONGEST_OFFSET, LONGEST_OFFSET + _STEP / 2, _STEP)
     first, last = odometry_times[0] + LONGEST_OFFSET, odometry_times[-1] - LONGEST_OFFSET
@@ -78,7 +78,7 @@ def time_offset(
 
 
 def _best(sums: FloatArray, offsets: FloatArray) -> float | None:
-    """The offset at which odometry explains most of the scans' turns, by the (3, n) sums of squares and products."""
+    """Return the offset at which odometry explains most turns of scans, from (3, n) sums of squares and products."""
     squares, common, seen = sums
     explained = np.where(common > 0.0, common * common / np.maximum(squares, 1e-12), 0.0)
     top = int(np.argmax(explained))

@@ -1,4 +1,4 @@
-"""Trajectories in the format of the TUM RGB-D benchmark, which evo and others read."""
+"""Trajectories in the format of the TUM RGB-D benchmark, which evo and other programs read."""
 
 import math
 
@@ -6,7 +6,7 @@ from sim.common.geometry import Pose2
 
 
 def tum_line(stamp_ns: int, pose: Pose2) -> str:
-    """`timestamp tx ty tz qx qy qz qw`: seconds, meters, a unit quaternion."""
+    """Return the line `timestamp tx ty tz qx qy qz qw`: seconds, meters, a unit quaternion."""
     seconds, nanoseconds = divmod(stamp_ns, 1_000_000_000)
     qz, qw = math.sin(pose.theta / 2), math.cos(pose.theta / 2)
     return f"{seconds}.{nanoseconds:09d} {pose.x:.9f} {pose.y:.9f} 0 0 0 {qz:.9f} {qw:.9f}"

@@ -1,4 +1,4 @@
-"""Obstacles that stand in the world and not in the robot's map, drawn as a map of their own."""
+"""Obstacles that are in the world but not in the robot's map, drawn as a map of their own."""
 
 from pathlib import Path
 
@@ -10,42 +10,41 @@ from sim.numerics.elementary import wrap_angle
 from thbridge.files.errors import BadFile
 
 _SAME_YAW = 1e-6
-"""Radians by which the yaws of two origins may differ."""
+"""Tolerance between the yaws of two origins, radians."""
 _SLIVER = 1e-3
-"""Share of a cell that an obstacle may overlap without filling it: origins in files are rounded."""
+"""Share of a cell that an obstacle may overlap without filling it, because origins in files are rounded."""
 
 
 def with_unmapped(grid: OccupancyGrid, unmapped: OccupancyGrid, path: Path) -> tuple[OccupancyGrid, int]:
-    """The true map: the robot's, with every cell occupied that an occupied cell of the other one overlaps.
+    """Return the true map: the robot's map plus every cell that an occupied cell of the other map overlaps.
 
-    Free and unknown cells of the other map change nothing; its size, resolution and place may be its own.
-
+    Free and unknown cells of the other map have no effect. It may have its own size, resolution and place.
     Args:
         grid: the robot's map.
-        unmapped: the obstacles, in the same frame, turned as the map is.
-        path: the file that the obstacles are from, for faults.
+        unmapped: the obstacles, in the same frame and with the same rotation as the map.
+        path: file of the obstacles, for errors.
 
     Returns:
-        The true map, and the number of occupied cells that lie outside it and so stand nowhere.
+        The true map, and the number of occupied cells outside of it, which are ignored.
 
     Raises:
-        BadFile: it is turned otherwise than the map, has no occupied cell, or none on the map.
+        BadFile: the rotation differs from that of the map, or no cell is occupied, or none on the map.
     """
     if abs(wrap_angle(unmapped.origin.theta - grid.origin.theta)) > _SAME_YAW:
-        problem = f"it is turned by {unmapped.origin.theta:g} rad, the map by {grid.origin.theta:g}"
-        raise BadFile(path, problem, "draw it with the same yaw", key="origin")
+        problem = f"it is rotated by {unmapped.origin.theta:g} rad, the map by {grid.origin.theta:g} rad"
+        raise BadFile(path, problem, "use the yaw of the map", key="origin")
     rows, cols = np.nonzero(unmapped.cells == OCCUPIED)
     if not len(rows):
-        remedy = "draw obstacles darker than occupied_thresh says, or leave --unmapped out"
-        raise BadFile(path, "it has no occupied cell, so there is no obstacle", remedy)
+        remedy = "draw obstacles darker than occupied_thresh requires, or omit --unmapped"
+        raise BadFile(path, "it has no occupied cell, so it contains no obstacle", remedy)
     corner = grid.origin.inverse().transform(np.array([[unmapped.origin.x, unmapped.origin.y]]))[0]
     top, bottom = _overlapped(rows, float(corner[1]), unmapped.resolution, grid.resolution, grid.rows)
     left, right = _overlapped(cols, float(corner[0]), unmapped.resolution, grid.resolution, grid.cols)
     here = (top < bottom) & (left < right)
     if not here.any():
-        problem = f"all its {len(rows)} occupied cells lie outside the map"
+        problem = f"all of its {len(rows)} occupied cells are outside the map"
         raise BadFile(path, problem, "give it an origin in the map's frame", key="origin")
-    # A rectangle of cells is four corners of a table whose sums from the origin on count how many cover a cell.
+    # Summed-area table: a rectangle of cells adds to four corners; the sums then count the rectangles over each cell.
     corners = np.zeros((grid.rows + 1, grid.cols + 1), np.int64)
     for row, col, count in ((top, left, 1), (top, right, -1), (bottom, left, -1), (bottom, right, 1)):
         np.add.at(corners, (row[here], col[here]), count)
@@ -60,7 +59,7 @@ IntArray = NDArray[np.int64]
 def _overlapped(
     indices: IntArray, corner: float, side: float, resolution: float, count: int
 ) -> tuple[IntArray, IntArray]:
-    """First cell of the map, and the one after the last, that cells along one axis overlap; within the map."""
+    """Return, within the map, the first cell that cells along one axis overlap, and the cell after the last one."""
     first = np.floor((corner + indices * side) / resolution + _SLIVER)
     last = np.ceil((corner + (indices + 1) * side) / resolution - _SLIVER)
     return np.clip(first, 0, count).astype(np.int64), np.clip(last, 0, count).astype(np.int64)

@@ -124,11 +124,11 @@ class Costmap2D:
         return self._layered.update()
 
     def without_robots(self) -> Costs:
-        """(rows, cols) costs as they would be if the other robots were not there."""
+        """Return (rows, cols) costs as they would be if the other robots were not there."""
         return self._composed([layer for layer in self._layers if layer is not self._robots])
 
     def without_observations(self) -> Costs:
-        """(rows, cols) costs as they would be if, besides, the laser had seen nothing; not to be written to."""
+        """Return (rows, cols) costs as they would be if, besides, the laser had seen nothing; not to be written to."""
         if self._walls is not None:
             return self._walls
         blank = self.obstacles.copied()
@@ -195,7 +195,7 @@ def _enabled(
 
 @lru_cache(maxsize=8)
 def _walls_of(parameters: CostmapParameters, grid: OccupancyGrid, inscribed_radius: float) -> Costs:
-    """(rows, cols) costs of a costmap that covers the map, before anything is seen or heard of.
+    """Return (rows, cols) costs of a costmap that covers the map, before anything is seen or heard of.
 
     All robots with the same parameters share them, so they must not be written to.
     """

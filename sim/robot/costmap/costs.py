@@ -46,12 +46,12 @@ class Window(NamedTuple):
         return self.row_end <= self.row or self.col_end <= self.col
 
     def of(self, costs: Costs, origin: tuple[int, int] = (0, 0)) -> Costs:
-        """The part of an array that lies in this window, as a view; `origin` is the cell at which the array begins."""
+        """Return the part of an array that lies in this window, as a view; `origin` is the cell at which the array begins."""
         row, col = origin
         return costs[self.row - row : self.row_end - row, self.col - col : self.col_end - col]
 
     def meets(self, other: "Window") -> bool:
-        """Return True when the two have cells in common; neither is empty."""
+        """Return True if the two have cells in common; neither is empty."""
         return (
             self.row < other.row_end
             and other.row < self.row_end
@@ -60,7 +60,7 @@ class Window(NamedTuple):
         )
 
     def union(self, other: "Window") -> "Window":
-        """The smallest rectangle around both."""
+        """Return the smallest rectangle around both."""
         if self.empty:
             return other
         if other.empty:

@@ -12,7 +12,7 @@ from sim.numerics.float_array import FloatArray
 
 
 def of_radius(radius: float) -> FloatArray:
-    """(16, 2) corners of the polygon that costmap_2d takes for a round robot."""
+    """Return (16, 2) corners of the polygon that costmap_2d takes for a round robot."""
     return radius * np.array([elementary.cos_sin(i * 2 * math.pi / 16) for i in range(16)])
 
 
@@ -30,7 +30,7 @@ def pad(footprint: FloatArray, padding: float) -> FloatArray:
 
 
 def radii(footprint: FloatArray) -> tuple[float, float]:
-    """Inscribed and circumscribed radius about the base frame's origin, meters.
+    """Return the inscribed and circumscribed radius about the base frame's origin, meters.
 
     Args:
         footprint: (n, 2) corners in order; the last is joined to the first.
@@ -44,7 +44,7 @@ def radii(footprint: FloatArray) -> tuple[float, float]:
 
 
 def outline(footprint: FloatArray, spacing: float) -> FloatArray:
-    """(m, 2) points along the outline, corners included, no farther apart than `spacing` meters."""
+    """Return (m, 2) points along the outline, corners included, no farther apart than `spacing` meters."""
     points: list[FloatArray] = []
     for start, end in zip(footprint, np.roll(footprint, -1, axis=0), strict=True):
         steps = max(1, math.ceil(elementary.hypot(*(end - start)) / spacing))

@@ -18,7 +18,7 @@ COLLIDES = -1.0
 
 @njit(cache=True)
 def in_cells(footprint: FloatArray, frame: CostFrame, x: float, y: float, theta: float) -> FloatArray:
-    """(n, 2) column and row, in cells, of a footprint's (n, 2) corners when its base is at (x, y, theta) in the map."""
+    """Return (n, 2) column and row, in cells, of a footprint's (n, 2) corners when its base is at (x, y, theta) in the map."""
     c, s = elementary.cos_sin(theta)
     corners = np.empty_like(footprint)
     for i in range(footprint.shape[0]):
@@ -38,7 +38,7 @@ def circumscribed_radius(footprint: FloatArray) -> float:
 
 @njit(cache=True)
 def _line_cost(costs: Costs, row: int, col: int, row_end: int, col_end: int) -> float:
-    """Greatest cost along a line of cells (Bresenham), or COLLIDES."""
+    """Return the greatest cost along a line of cells (Bresenham), or COLLIDES."""
     rows, cols = costs.shape
     dr, dc = abs(row_end - row), abs(col_end - col)
     step_r = 1 if row_end >= row else -1
@@ -65,7 +65,7 @@ def _line_cost(costs: Costs, row: int, col: int, row_end: int, col_end: int) -> 
 
 @njit(cache=True)
 def footprint_cost(costs: Costs, frame: CostFrame, footprint: FloatArray, x: float, y: float, theta: float) -> float:
-    """Greatest cost under the outline of a footprint, or COLLIDES.
+    """Return the greatest cost under the outline of a footprint, or COLLIDES.
 
     Args:
         costs: (rows, cols).

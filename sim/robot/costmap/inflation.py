@@ -26,7 +26,7 @@ FAR = np.float32(1e9)
 
 @njit(cache=True)
 def cost_at(distance: float, inscribed_radius: float, cost_scaling_factor: float) -> int:
-    """Cost of a cell this far from the nearest obstacle: LETHAL on it, INSCRIBED within that radius, then falling.
+    """Return the cost of a cell this far from the nearest obstacle: LETHAL on it, INSCRIBED within that radius, then falling.
 
     Args:
         distance: meters, at least 0.
@@ -42,7 +42,7 @@ def cost_at(distance: float, inscribed_radius: float, cost_scaling_factor: float
 
 @njit(cache=True)
 def _columns_away(costs: Costs, row: int, row_end: int, left: int, right: int, reach: int) -> NDArray[np.float32]:
-    """(row_end - row, right - left) squared distance of each cell to the nearest lethal one of its own column."""
+    """Return (row_end - row, right - left) squared distance of each cell to the nearest lethal one of its own column."""
     away = np.empty((row_end - row, right - left), np.float32)
     last = np.full(right - left, np.float32(1e4))
     for r in range(max(0, row - reach), row_end):
@@ -74,7 +74,7 @@ def _inflate(
     Args:
         costs: (rows, cols).
         table: (k * k + 1,) the cost at each squared distance in cells, k the reach.
-        inflate_unknown: True when unknown cells take any cost, not only that of the inscribed radius.
+        inflate_unknown: True if unknown cells take any cost, not only that of the inscribed radius.
         row: begin of the window; so col, row_end and col_end. Within `costs`.
     """
     reach = int(math.sqrt(table.shape[0] - 1))

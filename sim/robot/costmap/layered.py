@@ -101,7 +101,7 @@ class LayeredCostmap:
         grid: the map whose cells are used; its origin must not be turned.
         layers: in the order in which they write.
         shape: rows and columns of a rolling window; None covers the map.
-        track_unknown_space: True when cells that no layer writes are unknown; else they are free.
+        track_unknown_space: True if cells that no layer writes are unknown; else they are free.
         ready: (rows, cols) costs that the layers wrote when they were new, of a costmap that covers the map: only what
             changes from then on is written. Left as they are. None: the first update writes all.
     """

@@ -17,7 +17,7 @@ from sim.robot.costmap.costs import FREE, Costs
 
 @njit(cache=True)
 def line(row: int, col: int, row_end: int, col_end: int, longest: int) -> NDArray[np.int64]:
-    """(n, 2) rows and columns from one cell toward another, both included (Bresenham).
+    """Return (n, 2) rows and columns from one cell toward another, both included (Bresenham).
 
     Args:
         row: that of the first cell; so col.

@@ -85,7 +85,7 @@ def _rays(
     theta: float, angle_min: float, angle_increment: float, ranges: NDArray[np.float32], range_min: float,
     range_max: float,
 ) -> tuple[FloatArray, FloatArray]:  # fmt: skip
-    """Readings and rays of a `Sweep`, of a scan from a laser that heads for `theta` in the map."""
+    """Return the readings and rays of a `Sweep`, of a scan from a laser that heads for `theta` in the map."""
     readings, rays = np.empty(ranges.shape[0]), np.empty((ranges.shape[0], 2))
     for i in range(ranges.shape[0]):
         reading = float(ranges[i])
@@ -279,7 +279,7 @@ def _combine(
 
 @njit(cache=True)
 def _tiles_other_than(marks: Costs, mark: int) -> NDArray[np.int64]:
-    """(n, 2) rows and columns of the tiles in which a mark other than this one is, row by row."""
+    """Return (n, 2) rows and columns of the tiles in which a mark other than this one is, row by row."""
     rows, cols = (marks.shape[0] + TILE - 1) // TILE, (marks.shape[1] + TILE - 1) // TILE
     tiles = np.empty((rows * cols, 2), np.int64)
     count = 0
@@ -303,7 +303,7 @@ def _tiles_other_than(marks: Costs, mark: int) -> NDArray[np.int64]:
 
 @njit(cache=True)
 def _any_lethal(marks: Costs, row: int, col: int, standing: NDArray[np.int64]) -> bool:
-    """Return True when something stands in a window; when not, the window becomes empty.
+    """Return True if something stands in a window; when not, the window becomes empty.
 
     Args:
         marks: (rows, cols).
@@ -338,8 +338,8 @@ def _observe(
         range_max: meters for which beams stand that hit nothing, where those are valid.
         sources: (s, 5) of each source: whether it clears, whether beams that hit nothing are valid, its raytrace_range,
             whether it marks, its obstacle_range.
-        clears: True when the space before the readings is cleared.
-        clears_between: True when it is cleared between beams as well.
+        clears: True if the space before the readings is cleared.
+        clears_between: True if it is cleared between beams as well.
         explained_distance: see `KnownObstacles`, as the next two.
         footprint: (n, 2) padded corners of the robot, base frame; (0, 2) where its own place is not cleared.
         x: place of the robot in the map; so y, and theta.
@@ -382,7 +382,7 @@ class ObstacleLayer:
         footprint: (n, 2) padded corners of the robot, base frame: its own place is free.
         track_unknown_space: that of the costmap, which counts where the layer's own is not given.
         shape: rows and columns of a rolling costmap; None covers the map.
-        explained_by_walls: True when the costmap shows the map's walls, so that readings near them need no mark.
+        explained_by_walls: True if the costmap shows the map's walls, so that readings near them need no mark.
 
     Attributes:
         marks: (rows, cols): LETHAL where something stands, FREE where nothing does, else UNKNOWN.
@@ -462,7 +462,7 @@ class ObstacleLayer:
 
         Args:
             seen: the scan.
-            clears: True when the space before the readings is cleared, which takes longest.
+            clears: True if the space before the readings is cleared, which takes longest.
         """
         (row, col), corner, base, sweep = self._origin, self._grid.origin, seen.base_in_map, seen.sweep
         changed = np.array([*self.marks.shape, -1, -1], dtype=np.int64)

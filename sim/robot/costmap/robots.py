@@ -49,7 +49,7 @@ def _fill(costs: Costs, corners: FloatArray, row: int, col: int, row_end: int, c
 
 @njit(cache=True)
 def _around(points: FloatArray) -> tuple[int, int, int, int]:
-    """The window around (n, 2) columns and rows."""
+    """Return the window around (n, 2) columns and rows."""
     low, high = points[:, 1].min(), points[:, 1].max()
     left, right = points[:, 0].min(), points[:, 0].max()
     return math.floor(low), math.floor(left), math.floor(high) + 1, math.floor(right) + 1
@@ -59,7 +59,7 @@ def _around(points: FloatArray) -> tuple[int, int, int, int]:
 def _outline(
     footprint: FloatArray, frame: CostFrame, x: float, y: float, theta: float
 ) -> tuple[FloatArray, tuple[int, int, int, int]]:
-    """(n, 2) columns and rows of a footprint's corners when its base is at (x, y, theta), and the window around."""
+    """Return (n, 2) columns and rows of a footprint's corners when its base is at (x, y, theta), and the window around."""
     corners = in_cells(footprint, frame, x, y, theta)
     return corners, _around(corners)
 
@@ -67,7 +67,7 @@ def _outline(
 def neighbours_reaching(
     neighbours: Sequence[Neighbour], left: float, low: float, right: float, high: float
 ) -> list[tuple[Neighbour, float]]:
-    """Neighbors whose bodies may reach into a rectangle of the map, with their circumscribed radii, meters."""
+    """Return the neighbors whose bodies may reach into a rectangle of the map, with their circumscribed radii, meters."""
     met: list[tuple[Neighbour, float]] = []
     footprint: FloatArray | None = None
     radius = 0.0
@@ -150,7 +150,7 @@ class RobotsLayer:
         return moved < MIN_MOTION and turned < 2 * MIN_MOTION and same_path
 
     def _path_ahead(self, neighbour: Neighbour) -> FloatArray:
-        """(m, 2) column and row of the first points of a path, which ends at its greatest length."""
+        """Return (m, 2) column and row of the first points of a path, which ends at its greatest length."""
         if self._parameters.path_length == 0.0 or len(neighbour.path) < 2:
             return _NO_PATH
         path = neighbour.path[:, :2]

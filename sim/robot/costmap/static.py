@@ -13,7 +13,7 @@ from sim.robot.costmap.costs import FREE, LETHAL, UNKNOWN, Costs, Window
 
 
 def interpretation(parameters: StaticParameters) -> Costs:
-    """(256,) the cost of each value of an occupancy grid, taken as an unsigned byte as ROS takes it, -1 for 255."""
+    """Return (256,) the cost of each value of an occupancy grid, taken as an unsigned byte as ROS takes it, -1 for 255."""
     values = np.arange(256)
     lethal = parameters.lethal_cost_threshold
     scaled = values / max(lethal, 1) * LETHAL
@@ -24,7 +24,7 @@ def interpretation(parameters: StaticParameters) -> Costs:
 
 @lru_cache(maxsize=8)
 def _costs_of(parameters: StaticParameters, grid: OccupancyGrid) -> Costs:
-    """(rows, cols) of the map; read-only: all robots on a map share them."""
+    """Return (rows, cols) of the map; read-only: all robots on a map share them."""
     costs: Costs = interpretation(parameters)[grid.cells.view(np.uint8)]
     costs.setflags(write=False)
     return costs

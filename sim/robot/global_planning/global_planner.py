@@ -44,7 +44,7 @@ FILL_REACH = 2
 
 
 def passage_costs(parameters: GlobalPlannerParameters) -> CellCosts:
-    """(256,) cost of passing a cell, for each of a costmap's costs."""
+    """Return (256,) cost of passing a cell, for each of a costmap's costs."""
     costs = np.arange(256)
     lethal = parameters.lethal_cost
     if not parameters.use_dijkstra:
@@ -213,7 +213,7 @@ class GlobalPlanner:
 
 
 def orientations(points: FloatArray, mode: int, window: int, start: float, goal: float) -> FloatArray:
-    """(m,) headings on (m, 2) points, m at least 2.
+    """Return (m,) headings on (m, 2) points, m at least 2.
 
     Args:
         points: meters.

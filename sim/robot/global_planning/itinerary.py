@@ -125,7 +125,7 @@ def _shares(counts: NDArray[np.int64]) -> FloatArray:
 
 @njit(cache=True)
 def start_time(now: float, x: float, y: float, others: OtherItineraries, separation: float) -> float:
-    """Time at which the itinerary of a robot that stands at (x, y) may begin.
+    """Return the time at which the itinerary of a robot that stands at (x, y) may begin.
 
     It is now, unless another robot that is late has yet to come by: to that one, the robot has been here before.
     """
@@ -146,7 +146,7 @@ def start_time(now: float, x: float, y: float, others: OtherItineraries, separat
 
 @njit(cache=True)
 def _place(points: FloatArray, times: FloatArray, begin: int, end: int, time: float) -> tuple[float, float]:
-    """Place of the itinerary points[begin:end] at a time, x and y."""
+    """Return the place of the itinerary points[begin:end] at a time, x and y."""
     if end - begin == 1 or time <= times[begin]:
         return points[begin, 0], points[begin, 1]
     if time >= times[end - 1]:
@@ -168,7 +168,7 @@ def _place(points: FloatArray, times: FloatArray, begin: int, end: int, time: fl
 
 @njit(cache=True)
 def keeps_separation(points: FloatArray, times: FloatArray, others: OtherItineraries, separation: float) -> bool:
-    """Return True when an itinerary keeps its distance, time for time, from all others.
+    """Return True if an itinerary keeps its distance, time for time, from all others.
 
     Args:
         points: (m, 2) of the itinerary.
@@ -270,7 +270,7 @@ def right_of_way(
 
 @njit(cache=True)
 def executable(points: FloatArray, times: FloatArray, others: OtherItineraries, separation: float) -> bool:
-    """Return True when an itinerary can be driven to its end, and no other robot is worse off than if it stayed.
+    """Return True if an itinerary can be driven to its end, and no other robot is worse off than if it stayed.
 
     Itineraries that keep their distance at equal times always can. But robots that stand nearer than that already may
     plan to stay so for a while, and then could bar each other's next points for good. So the right of way is simulated,
@@ -301,7 +301,7 @@ def executable(points: FloatArray, times: FloatArray, others: OtherItineraries, 
 
 @njit(cache=True)
 def _driven(points: FloatArray, times: FloatArray, others: OtherItineraries, separation: float) -> NDArray[np.int64]:
-    """(k + 1,) points that a robot and k others reach by right of way: indices into the points of all, in a row."""
+    """Return (k + 1,) points that a robot and k others reach by right of way: indices into the points of all, in a row."""
     own = points.shape[0]
     count = others.starts.shape[0]
     all_points = np.concatenate((points, others.points))
@@ -329,7 +329,7 @@ def _open(
     robot: int,
     separation: float,
 ) -> bool:
-    """Return True when a robot at its point at[robot] may drive to the next one, the others being at theirs."""
+    """Return True if a robot at its point at[robot] may drive to the next one, the others being at theirs."""
     x, y = points[at[robot], 0], points[at[robot], 1]
     px, py, time = points[at[robot] + 1, 0], points[at[robot] + 1, 1], times[at[robot] + 1]
     for k in range(at.shape[0]):
@@ -350,7 +350,7 @@ def _open(
 
 @njit(cache=True)
 def reached_index(points: FloatArray, index: int, x: float, y: float) -> int:
-    """Index of the point that a robot at (x, y) has reached: of those just ahead the nearest; it never goes back."""
+    """Return the index of the point that a robot at (x, y) has reached: of those just ahead the nearest; it never goes back."""
     best = index
     best_distance = elementary.hypot(points[index, 0] - x, points[index, 1] - y)
     along = 0.0

@@ -237,7 +237,7 @@ class ItineraryPlanner:
         return PlanRefusal("blocked_by_obstacle", "an obstacle that is not on the map blocks the way")
 
     def obstructed(self, points: FloatArray) -> bool:
-        """Return True when an obstacle that was seen lies on (m, 2) points of a path."""
+        """Return True if an obstacle that was seen lies on (m, 2) points of a path."""
         radius = self.costmap.inscribed_radius - self._frame.resolution
         seen = self.costmap.obstacles
         return seen.any_marks and bool(_touched(points, seen.marks, self._frame, radius))
@@ -275,7 +275,7 @@ class ItineraryPlanner:
         return None if met < 0 else met
 
     def obstructs(self, place: FloatArray, wanted_path: FloatArray) -> bool:
-        """Return True when a robot at a (2,) place obstructs another one on its (m, 2) path."""
+        """Return True if a robot at a (2,) place obstructs another one on its (m, 2) path."""
         return bool(
             (
                 elementary_arrays.hypot(wanted_path[:, 0] - place[0], wanted_path[:, 1] - place[1]) < self.separation
@@ -306,7 +306,7 @@ class ItineraryPlanner:
 
 @lru_cache(maxsize=8)
 def _coarse(static: OccupancyGrid, radius: float) -> tuple[Roadmap, NDArray[np.int32]]:
-    """The coarse grid for robots of a radius, meters, and (n, 2) the cells of the map in which its centers lie.
+    """Return the coarse grid for robots of a radius, meters, and (n, 2) the cells of the map in which its centers lie.
 
     All robots of one size share them, so they must not be written to.
     """
@@ -316,7 +316,7 @@ def _coarse(static: OccupancyGrid, radius: float) -> tuple[Roadmap, NDArray[np.i
 
 @njit(cache=True)
 def _touched(points: FloatArray, marks: Costs, frame: CostFrame, radius: float) -> bool:
-    """Return True when a marked cell's center is within `radius` of any of (m, 2) points."""
+    """Return True if a marked cell's center is within `radius` of any of (m, 2) points."""
     span = int(radius / frame.resolution) + 1
     for k in range(points.shape[0]):
         row = math.floor((points[k, 1] - frame.y) / frame.resolution)
@@ -330,7 +330,7 @@ def _touched(points: FloatArray, marks: Costs, frame: CostFrame, radius: float) 
 
 @njit(cache=True)
 def thinned(points: FloatArray, spacing: float) -> FloatArray:
-    """(k, 2) of (m, 2) points: both ends, and those at least `spacing` meters apart."""
+    """Return (k, 2) of (m, 2) points: both ends, and those at least `spacing` meters apart."""
     kept = np.empty((points.shape[0] + 1, 2))
     kept[0] = points[0]
     count = 1

@@ -36,7 +36,7 @@ def make_plan(
         start: pose at the beginning, in the costmap's frame.
         goal: pose at the end.
         tolerance: half the side of the largest square, meters.
-        add_unreachable_goal: True when the goal itself follows after a place near to it.
+        add_unreachable_goal: True if the goal itself follows after a place near to it.
 
     Returns:
         (m, 3) poses in the costmap's frame, or why there is no path to the goal itself.
@@ -69,7 +69,7 @@ _SIGNS = np.array([(-1, -1), (1, -1), (-1, 1), (1, 1)])
 
 
 def _square(ring: int) -> FloatArray:
-    """(k, 2) x and y, in steps, of points on a square so many steps around (0, 0), in the order in which ROS goes."""
+    """Return (k, 2) x and y, in steps, of points on a square so many steps around (0, 0), in the order in which ROS goes."""
     along = np.arange(ring + 1)
     sides = np.column_stack([np.full(ring, ring), along[:-1]])
     ends = np.column_stack([along, np.full(ring + 1, ring)])

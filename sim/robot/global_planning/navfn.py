@@ -22,7 +22,7 @@ COST_OBSTACLE = LETHAL
 
 
 def passage_costs(allow_unknown: bool) -> CellCosts:
-    """(256,) cost of passing a cell, for each of a costmap's costs: 50 when free, more near obstacles."""
+    """Return (256,) cost of passing a cell, for each of a costmap's costs: 50 when free, more near obstacles."""
     costs = np.arange(256)
     table: CellCosts = np.minimum(COST_NEUTRAL + np.floor(COST_FACTOR * costs), COST_OBSTACLE - 1).astype(np.uint8)
     table[INSCRIBED] = table[LETHAL] = BLOCKED

@@ -73,7 +73,7 @@ def plan_refusal(code: PlanRefusalCode) -> PlanRefusal:
 def with_edge(
     refusal: PlanRefusal, shape: tuple[int, ...], frame: CostFrame, start: Pose2, goal: Pose2, radius: float = 0.0
 ) -> PlanRefusal:
-    """The refusal, and in its sentence that an end lies at the map's edge, where planners and bodies have limits.
+    """Return the refusal, and in its sentence that an end lies at the map's edge, where planners and bodies have limits.
 
     Args:
         refusal: why there is no path.
@@ -124,7 +124,7 @@ class RobotPathPlanner(PathPlanner, Protocol):
         """Plan a path at once; see `search`."""
 
     def reached(self, costs: Costs, frame: CostFrame, start: Pose2) -> NDArray[np.bool_]:
-        """(rows, cols) True in the cells where a path from a start may end; see `search`."""
+        """Return (rows, cols) True in the cells where a path from a start may end; see `search`."""
 
 
 class PlannerFactory(Protocol):
@@ -136,6 +136,6 @@ class PlannerFactory(Protocol):
 
 
 def headings(points: FloatArray, last: float) -> FloatArray:
-    """(m, 3) poses on (m, 2) points: each heads for the next, the last has the heading given."""
+    """Return (m, 3) poses on (m, 2) points: each heads for the next, the last has the heading given."""
     steps = np.diff(points, axis=0)
     return np.column_stack([points, np.append(elementary_arrays.atan2(steps[:, 1], steps[:, 0]), last)])

@@ -49,10 +49,10 @@ class PotentialMethod(Protocol):
         """
 
     def trace(self, potential: Potential, cols: int, x: float, y: float, end_x: float, end_y: float) -> Points:
-        """(m, 2) positions from a place that was reached down to where the wave began."""
+        """Return (m, 2) positions from a place that was reached down to where the wave began."""
 
     def orient(self, points: FloatArray, start: float, goal: float) -> FloatArray:
-        """(m, 3) poses on (m, 2) points, from the headings at both ends."""
+        """Return (m, 3) poses on (m, 2) points, from the headings at both ends."""
 
 
 class PotentialPlanner:
@@ -69,11 +69,11 @@ class PotentialPlanner:
         self._space = space or Workspace(0, 0)
 
     def reached(self, costs: Costs, frame: CostFrame, start: Pose2) -> NDArray[np.bool_]:
-        """(rows, cols) True in the cells where a path from a start may end; arguments as for `plan`."""
+        """Return (rows, cols) True in the cells where a path from a start may end; arguments as for `plan`."""
         return self.potential(costs, frame, start) < UNREACHED
 
     def potential(self, costs: Costs, frame: CostFrame, start: Pose2) -> Potential:
-        """(rows, cols) potential from a start, UNREACHED where no path from there may end; arguments as for `plan`."""
+        """Return (rows, cols) potential from a start, UNREACHED where no path from there may end; arguments as for `plan`."""
         rows, cols = costs.shape
         x, y = _position(frame, start)
         if not (0 <= round(y) < rows and 0 <= round(x) < cols) or costs[round(y), round(x)] == LETHAL:
@@ -87,7 +87,7 @@ class PotentialPlanner:
         return space.potential.reshape(rows, cols).copy()
 
     def descend(self, potential: Potential, frame: CostFrame, place: Pose2, start: Pose2) -> FloatArray | None:
-        """(m, 2) points from a place down to the start of a `potential`, meters in its frame; None where unreached."""
+        """Return (m, 2) points from a place down to the start of a `potential`, meters in its frame; None where unreached."""
         rows, cols = potential.shape
         (x, y), (end_x, end_y) = _position(frame, place), _position(frame, start)
         if not (0 <= round(y) < rows and 0 <= round(x) < cols) or potential[round(y), round(x)] >= UNREACHED:
@@ -189,7 +189,7 @@ class PotentialPlanner:
 
 
 def _position(frame: CostFrame, pose: Pose2) -> tuple[float, float]:
-    """Position in cells, such that rounding gives the cell: whole numbers are centers."""
+    """Return the position in cells, such that rounding gives the cell: whole numbers are centers."""
     x, y = (pose.x - frame.x) / frame.resolution, (pose.y - frame.y) / frame.resolution
     # The lower edge is a cell's own, also where rounding to even would say otherwise.
     return _within(x), _within(y)
@@ -203,7 +203,7 @@ def _within(position: float) -> float:
 
 
 def _nearest_reached(space: Workspace, x: float, y: float, tolerance: float) -> tuple[int, int] | None:
-    """(col, row) of the reached cell nearest to a position, none farther than the tolerance; all in cells."""
+    """Return (col, row) of the reached cell nearest to a position, none farther than the tolerance; all in cells."""
     rows, cols = space.shape
     top, left = max(0, math.floor(y - tolerance)), max(0, math.floor(x - tolerance))
     window = space.potential.reshape(rows, cols)[

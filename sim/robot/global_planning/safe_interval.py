@@ -182,7 +182,7 @@ def _traffic(
 
 @njit(cache=True)
 def _distances(free: BoolArray, targets: BoolArray, side: float) -> FloatArray:
-    """(rows, cols) meters to the nearest target through free cells; inf where none can be reached.
+    """Return (rows, cols) meters to the nearest target through free cells; inf where none can be reached.
 
     The grid is swept forward and backward in turn until nothing changes (a distance transform over eight neighbors). A
     cell is looked at again only where one of its neighbors has changed since: nothing else can have become nearer.
@@ -277,7 +277,7 @@ def _search(
     free: BoolArray, traffic: BusyBins, targets: BoolArray, centres: FloatArray, side: float, start_row: int,
     start_col: int, bin_length: float, speed: float,
 ) -> FloatArray:  # fmt: skip
-    """(m, 4) x, y, seconds from now, and seconds that would be left there without other robots.
+    """Return (m, 4) x, y, seconds from now, and seconds that would be left there without other robots.
 
     They are those of the quickest path to a target where one may stay; (0, 4): there is none.
     """
@@ -396,7 +396,7 @@ def _search(
 def _off_path(
     free: BoolArray, centres: FloatArray, corner: FloatArray, side: float, path: FloatArray, distance: float
 ) -> BoolArray:  # fmt: skip
-    """(rows, cols) the free cells that are so many meters or more from each of (m, 2) points."""
+    """Return (rows, cols) the free cells that are so many meters or more from each of (m, 2) points."""
     off = free.copy()
     rows, cols = free.shape
     span = distance / side + 1.0

@@ -96,7 +96,7 @@ def prepare(
 def wave_value(
     left: np.float32, right: np.float32, below: np.float32, above: np.float32, cost: np.float32, quadratic: bool
 ) -> np.float32:
-    """Potential of a cell by those of its four neighbors and its own cost of passage."""
+    """Return the potential of a cell by those of its four neighbors and its own cost of passage."""
     across = left if left < right else right
     along = below if below < above else above
     gap = across - along
@@ -268,7 +268,7 @@ def spread(
         attraction: cost per cell of the straight line to the target, which A* adds in choosing what comes first; or 0.
         threshold: cells of at most this cost are first ...
         increment: ... then those of so much more, and so on.
-        quadratic: True when the wave runs in all directions alike, or along rows and columns.
+        quadratic: True if the wave runs in all directions alike, or along rows and columns.
         portion: cells to visit at a time, and the rest of a round.
 
     Yields:
@@ -288,7 +288,7 @@ def spread(
 
 @njit(cache=True)
 def _slope(potential: Potential, cell: int, cols: int) -> tuple[np.float32, np.float32]:
-    """Unit vector (x, y) of the steepest descent at a cell; (0, 0) when it is level."""
+    """Return the unit vector (x, y) of the steepest descent at a cell; (0, 0) when it is level."""
     here = potential[cell]
     dx = dy = np.float32(0.0)
     left, right, below, above = potential[cell - 1], potential[cell + 1], potential[cell - cols], potential[cell + cols]

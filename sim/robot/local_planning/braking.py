@@ -66,7 +66,7 @@ class Surroundings(NamedTuple):
 
 @njit(cache=True)
 def _inside(x: float, y: float, polygon: FloatArray) -> bool:
-    """Return True when a point lies in a polygon (even-odd rule)."""
+    """Return True if a point lies in a polygon (even-odd rule)."""
     inside = False
     j = polygon.shape[0] - 1
     for i in range(polygon.shape[0]):
@@ -115,7 +115,7 @@ def stopping_poses(
     x: float, y: float, theta: float, v: float, w: float, wanted_v: float, wanted_w: float, hold: float,
     acc_lim_x: float, acc_lim_theta: float,
 ) -> FloatArray:  # fmt: skip
-    """(k, 3) poses of a robot that obeys a command for `hold` seconds and then brakes, until it stands."""
+    """Return (k, 3) poses of a robot that obeys a command for `hold` seconds and then brakes, until it stands."""
     # Two ticks a step, and 8 s at most: brakes too weak for that make the search no longer.
     dt = 0.04
     poses = np.empty((200, 3))
@@ -201,7 +201,7 @@ def beside_obstacles(
 
 @njit(cache=True)
 def _bodies(states: FloatArray, footprints: FloatArray, acc_lim_x: float, hold: float) -> FloatArray:
-    """(3 k, n, 2) outlines of k robots: where they are, and halfway and all the way to where they can stop.
+    """Return (3 k, n, 2) outlines of k robots: where they are, and halfway and all the way to where they can stop.
 
     Args:
         states: (k, 5) x, y, theta and the linear and angular velocity of each.
@@ -227,7 +227,7 @@ def _bodies(states: FloatArray, footprints: FloatArray, acc_lim_x: float, hold: 
 
 @njit(cache=True)
 def _gaps(body: FloatArray, bodies: FloatArray) -> FloatArray:
-    """(k,) meters from one polygon to each of k others; to those of one robot, the least of the three."""
+    """Return (k,) meters from one polygon to each of k others; to those of one robot, the least of the three."""
     out = np.empty(bodies.shape[0])
     for k in range(0, bodies.shape[0], 3):
         least = min(gap(body, bodies[k]), gap(body, bodies[k + 1]), gap(body, bodies[k + 2]))
@@ -300,7 +300,7 @@ def safe(
     around: Surroundings, footprint: FloatArray, outline: FloatArray, x: float, y: float, theta: float, v: float,
     w: float, wanted_v: float, wanted_w: float, hold: float, acc_lim_x: float, acc_lim_theta: float, margin: float,
 ) -> bool:  # fmt: skip
-    """Return True when a command leaves room to stop; see the module's docstring.
+    """Return True if a command leaves room to stop; see the module's docstring.
 
     Args:
         around: the surroundings at this pose.

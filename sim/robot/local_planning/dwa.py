@@ -50,7 +50,7 @@ class _Samples(NamedTuple):
         v: (k,) m/s; w (m,) rad/s.
         least_v: a command slower than both least_v and least_w is not tried.
         only_v: the sign that v must have, or 0; only_w that of w.
-        at_once: True when a command's speed is reached in the first instant.
+        at_once: True if a command's speed is reached in the first instant.
         sim_time: see DwaPlannerParameters, and so on.
     """
 
@@ -73,7 +73,7 @@ class _Critics(NamedTuple):
         path: per cell that the body ends off the path; alignment the same for the nose.
         goal: per cell from there to the path's end, for both.
         obstacles: per unit of cost.
-        sum_scores: True when the costs along the trajectory add up.
+        sum_scores: True if the costs along the trajectory add up.
         twirling: per rad/s.
         nose: meters that the nose is forward of the center.
         scaling_speed: m/s above which the footprint grows, up to 1 + max_scaling_factor times at max_vel_trans.
@@ -93,7 +93,7 @@ class _Critics(NamedTuple):
 
 @njit(cache=True)
 def _growth(v: float, critics: _Critics) -> float:
-    """Factor by which the footprint is scaled: it grows with speed, so that fast robots keep more room."""
+    """Return the factor by which the footprint is scaled: it grows with speed, so that fast robots keep more room."""
     above = abs(v) - critics.scaling_speed
     span = critics.max_vel_trans - critics.scaling_speed
     return 1.0 + critics.max_scaling_factor * above / span if above > 0.0 and span > 0.0 else 1.0
@@ -111,7 +111,7 @@ def _best(
     costs: Costs, frame: CostFrame, grid: MapGrids, path: FloatArray, around: Surroundings, body: RobotBody,
     now: MotionState, samples: _Samples, critics: _Critics,
 ) -> tuple[float, float, float]:  # fmt: skip
-    """The best safe command (v, w) and its score; infinite: there is none."""
+    """Return the best safe command (v, w) and its score; infinite: there is none."""
     rows, cols = costs.shape
     total = samples.v.shape[0] * samples.w.shape[0]
     out = candidate_commands(total)
@@ -176,7 +176,7 @@ def _best(
 
 
 def _spaced(low: float, high: float, samples: int) -> FloatArray:
-    """(k,) speeds from low to high, evenly; zero is put in where they pass it."""
+    """Return (k,) speeds from low to high, evenly; zero is put in where they pass it."""
     if low >= high:
         return np.array([high])
     speeds = np.linspace(low, high, max(2, samples))

@@ -46,7 +46,7 @@ class PlannedCommand:
     Attributes:
         command: the velocity asked for.
         local_plan: (k, 3) map poses it leads through.
-        stuck: True when every command that leads on was unsafe or blocked.
+        stuck: True if every command that leads on was unsafe or blocked.
     """
 
     command: Twist
@@ -67,7 +67,7 @@ class PlannerLimits:
         sim_time: seconds a trajectory is rolled out.
         sim_granularity: meters between its points.
         xy_goal_tolerance: meters; yaw_goal_tolerance radians.
-        latch_xy_goal_tolerance: True when a robot that was at the goal only turns.
+        latch_xy_goal_tolerance: True if a robot that was at the goal only turns.
         trans_stopped_vel: m/s that count as standing; theta_stopped_vel rad/s.
     """
 
@@ -163,7 +163,7 @@ class LocalPlanner(ABC):
         self._escape_speed = self.limits.escape_vel
 
     def safe(self, pose: Pose2, twist: Twist, command: Twist, around: Surroundings) -> bool:
-        """Return True when a command leaves room to stop."""
+        """Return True if a command leaves room to stop."""
         return bool(command_safe(around, self._body, _motion(pose, twist), command.linear, command.angular))
 
     def turn(self, pose: Pose2, twist: Twist, heading: float, around: Surroundings) -> PlannedCommand:
@@ -304,11 +304,11 @@ class LocalPlanner(ABC):
             path: see there.
             greatest_v: m/s that it may not exceed, whatever its parameters say.
             around: see there.
-            stalled: True when obstacles count only where they are hit, and standing is no choice.
+            stalled: True if obstacles count only where they are hit, and standing is no choice.
         """
 
     def _is_stalled(self, pose: Pose2) -> bool:
-        """Return True when the robot has driven for long without moving on.
+        """Return True if the robot has driven for long without moving on.
 
         ROS's planners can find it best to turn to and fro for ever, or to stand, where all that leads on has a cost.
         """

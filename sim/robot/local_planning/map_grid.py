@@ -53,7 +53,7 @@ def map_grids(rows: int, cols: int) -> MapGrids:
 
 @njit(cache=True)
 def index_of(costs: Costs, frame: CostFrame, x: float, y: float) -> int:
-    """The flat index of the cell at a map point; -1 off the costmap."""
+    """Return the flat index of the cell at a map point; -1 off the costmap."""
     rows, cols = costs.shape
     row = math.floor((y - frame.y) / frame.resolution)
     col = math.floor((x - frame.x) / frame.resolution)
@@ -91,7 +91,7 @@ def survey(costs: Costs, frame: CostFrame, x: float, y: float, own_radius: float
 
 @njit(cache=True)
 def cells_along(costs: Costs, frame: CostFrame, path: FloatArray) -> Steps:
-    """The flat indices of the cells along (m, 2) map points, a cell apart or less; those off the costmap are left out.
+    """Return the flat indices of the cells along (m, 2) map points, a cell apart or less; those off the costmap are left out.
 
     The first point may stand more than once; a cell too.
     """

@@ -61,10 +61,10 @@ class TrajectoryCost(NamedTuple):
     """Costs along the trajectory of a command.
 
     Attributes:
-        legal: True when the center stays on the costmap and off obstacles.
+        legal: True if the center stays on the costmap and off obstacles.
         worst: the greatest cost under the center.
         total: the sum of the costs under the center.
-        doubtful: True when the outline may touch something, and must be looked at.
+        doubtful: True if the outline may touch something, and must be looked at.
         x: the pose that is scored; so y and theta.
     """
 
@@ -79,7 +79,7 @@ class TrajectoryCost(NamedTuple):
 
 @njit(cache=True)
 def surely_free(body: RobotBody, scale: float) -> int:
-    """Cost under the center below which a footprint grown by `scale` and COMFORT touches nothing, however turned."""
+    """Return the cost under the center below which a footprint grown by `scale` and COMFORT touches nothing, however turned."""
     # Inflation makes the cost at the center a measure of the distance to the nearest obstacle.
     radius = body.circumscribed * scale + 1.5 * COMFORT
     if radius >= body.inflation_radius:
@@ -91,7 +91,7 @@ def surely_free(body: RobotBody, scale: float) -> int:
 def rollout(
     now: MotionState, wanted_v: float, wanted_w: float, body: RobotBody, sim_time: float, steps: int
 ) -> FloatArray:
-    """(steps, 3) poses that a command leads through, the present one first.
+    """Return (steps, 3) poses that a command leads through, the present one first.
 
     Velocities approach the command at the limits of acceleration. Sine and cosine are turned along, which is
     faster than computing them anew at each pose.
@@ -171,7 +171,7 @@ def trajectory_cost(
 
 @njit(cache=True)
 def outline_free(costs: Costs, frame: CostFrame, footprint: FloatArray, poses: FloatArray, free: int) -> bool:
-    """Return True when a footprint touches nothing along (k, 3) poses, the first left out; see `surely_free`."""
+    """Return True if a footprint touches nothing along (k, 3) poses, the first left out; see `surely_free`."""
     for i in range(1, poses.shape[0]):
         x, y, theta = poses[i]
         row, col = math.floor((y - frame.y) / frame.resolution), math.floor((x - frame.x) / frame.resolution)
@@ -198,7 +198,7 @@ def comfortable(costs: Costs, frame: CostFrame, body: RobotBody, poses: FloatArr
 
 @njit(cache=True)
 def command_safe(around: Surroundings, body: RobotBody, now: MotionState, wanted_v: float, wanted_w: float) -> bool:
-    """Return True when a command leaves room to stop (`sim.robot.local_planning.braking.safe`)."""
+    """Return True if a command leaves room to stop (`sim.robot.local_planning.braking.safe`)."""
     return safe(
         around, body.footprint, body.outline, now.x, now.y, now.theta, now.v, now.w, wanted_v, wanted_w, body.hold,
         body.acc_lim_x, body.acc_lim_theta, body.margin,
@@ -254,7 +254,7 @@ def best_safe_command(
         body: the robot's.
         now: the robot's pose and velocities.
         sim_time: seconds rolled out.
-        at_once: True when a command's speed is reached in the first instant.
+        at_once: True if a command's speed is reached in the first instant.
     """
     second_best, second_score = -1, np.inf
     crowded = footprint_cost(costs, frame, body.roomy, now.x, now.y, now.theta) < 0.0

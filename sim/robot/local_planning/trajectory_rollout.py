@@ -64,7 +64,7 @@ class _Weights(NamedTuple):
     Attributes:
         path: per cell off the path; goal per cell left; obstacles per cost.
         heading_time: seconds into a trajectory at which its heading is scored; negative: its end is scored.
-        straight: True when the goal counts by the squared meters to it.
+        straight: True if the goal counts by the squared meters to it.
     """
 
     path: float
@@ -85,7 +85,7 @@ def _steps(v: float, w: float, samples: _Samples, by_time: bool) -> int:
 
 @njit(cache=True)
 def _in_sight(costs: Costs, frame: CostFrame, x: float, y: float, to_x: float, to_y: float) -> bool:
-    """Return True when no obstacle lies on the straight line between two map points."""
+    """Return True if no obstacle lies on the straight line between two map points."""
     pieces = max(1, math.ceil(elementary.hypot(to_x - x, to_y - y) / (0.5 * frame.resolution)))
     for piece in range(pieces + 1):
         share = piece / pieces
@@ -98,7 +98,7 @@ def _in_sight(costs: Costs, frame: CostFrame, x: float, y: float, to_x: float, t
 
 @njit(cache=True)
 def _heading_off(costs: Costs, frame: CostFrame, path: FloatArray, x: float, y: float, theta: float) -> float:
-    """Radians from a heading to the farthest point of the path in sight; infinite when none is."""
+    """Return the radians from a heading to the farthest point of the path in sight; infinite when none is."""
     for i in range(path.shape[0] - 1, -1, -1):
         if _in_sight(costs, frame, x, y, path[i, 0], path[i, 1]):
             return abs(wrap_angle(elementary.atan2(path[i, 1] - y, path[i, 0] - x) - theta))
@@ -110,7 +110,7 @@ def _best(
     costs: Costs, frame: CostFrame, grid: MapGrids, path: FloatArray, around: Surroundings, body: RobotBody,
     now: MotionState, samples: _Samples, weights: _Weights,
 ) -> tuple[float, float, float]:  # fmt: skip
-    """The best safe command (v, w) and its score less that of standing still; infinite: there is none."""
+    """Return the best safe command (v, w) and its score less that of standing still; infinite: there is none."""
     cols = costs.shape[1]
     by_time = weights.heading_time >= 0.0
     free = surely_free(body, 1.0)

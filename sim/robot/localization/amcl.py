@@ -70,9 +70,9 @@ class ParticleBelief:
         rival: where else it may be, as long as there is reason to look.
         lead: by how much the rival has explained scans better of late, see `WON`.
         anywhere: True while the place itself is looked for all over the map.
-        proven: True when the place was told, or has been tracked for long.
+        proven: True if the place was told, or has been tracked for long.
         lost: the verdict, see `Estimate`.
-        requested: True when the next scan is weighed in any case.
+        requested: True if the next scan is weighed in any case.
         p_wrong: probability that the place is wrong, see `Estimate`; None before the first scan.
     """
 
@@ -107,7 +107,7 @@ AmclState = PosePrior | UniformPrior | ParticleBelief
 
 
 def saved(parameters: AmclParameters, estimate: Estimate) -> AmclParameters:
-    """Parameters with which a new filter begins where this estimate ends, as amcl writes to the parameter server."""
+    """Return the parameters with which a new filter begins where this estimate ends, as amcl writes to the parameter server."""
     pose, variances = estimate.base_in_map, np.diag(estimate.covariance)
     return replace(
         parameters,
@@ -132,7 +132,7 @@ class Amcl:
     def __init__(
         self, parameters: AmclParameters, grid: OccupancyGrid, mount: LaserMount, seed: int, robot: str
     ) -> None:
-        """A filter for one robot.
+        """Return a filter for one robot.
 
         Args:
             parameters: amcl's.
@@ -220,7 +220,7 @@ class Amcl:
         )
 
     def _due(self, belief: ParticleBelief, odometry: Odometry) -> bool:
-        """Return True when the robot moved enough along an axis of the odom frame, or turned enough (amcl_node.cpp)."""
+        """Return True if the robot moved enough along an axis of the odom frame, or turned enough (amcl_node.cpp)."""
         before, now, limit = belief.base_in_odom, odometry.base_in_odom, self._parameters.update_min_d
         return (
             belief.place.updates == 0
@@ -272,7 +272,7 @@ class Amcl:
         return replace(now, p_wrong=probability(PARTICLES, evidence_of(now)))
 
     def _seeks_rival(self, belief: ParticleBelief, place: Hypothesis) -> bool:
-        """Return True when a search has a result, which may be a twin of the right place, or scans are suspicious."""
+        """Return True if a search has a result, which may be a twin of the right place, or scans are suspicious."""
         if belief.anywhere:
             return place.settled >= SETTLED_SCANS
         return belief.lead > 0.0 or (self._parameters.recovers and place.agreement.suspicious)

@@ -37,7 +37,7 @@ def _sums(
     sigma_hit: float,
     lambda_short: float,
 ) -> FloatArray:
-    """(n,) sums over m readings of their log probability, where (n, m) ranges are expected."""
+    """Return (n,) sums over m readings of their log probability, where (n, m) ranges are expected."""
     out = np.zeros(expected.shape[0])
     for j in range(ranges.size):
         measured = ranges[j]
@@ -123,11 +123,11 @@ class BeamModel:
 
     @classmethod
     def of(cls, grid: OccupancyGrid, beams: Beams, parameters: AmclParameters) -> "BeamModel":
-        """The model on a map."""
+        """Return the model on a map."""
         return cls(Raycaster.of(grid), beams, parameters)
 
     def expected(self, particles: FloatArray) -> FloatArray:
-        """(n, m) meters that the beams should measure from (n, 3) base poses in the map; inf beyond `range_max`."""
+        """Return (n, m) meters that the beams should measure from (n, 3) base poses in the map; inf beyond `range_max`."""
         laser = self.beams.mount.laser_in_base
         c, s = elementary_arrays.cos(particles[:, 2]), elementary_arrays.sin(particles[:, 2])
         poses = particles.copy()
@@ -141,7 +141,7 @@ class BeamModel:
         return out
 
     def log_likelihood(self, particles: FloatArray, ranges: FloatArray) -> FloatArray:
-        """(n,) log likelihood of (m,) ranges (see `Beams.ranges`) from each of (n, 3) base poses in the map.
+        """Return (n,) log likelihood of (m,) ranges (see `Beams.ranges`) from each of (n, 3) base poses in the map.
 
         Source: Probabilistic Robotics, table 6.1, with amcl's factors (a good reading's density is not normalized);
             exact ranges. Differs: sums of logarithms, where amcl adds cubes; a beam that saw nothing counts as the

@@ -11,7 +11,7 @@ REACH = 1.0
 
 @njit(cache=True)
 def interpolate(field: FloatArray, along: float, across: float) -> tuple[float, float, float]:
-    """Value and slope per cell (columns, rows) between the four centers around a point given in cells.
+    """Return the value and slope per cell (columns, rows) between the four centers around a point given in cells.
 
     Beyond the outermost centers the field is flat: slope 0.
     """

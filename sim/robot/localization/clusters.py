@@ -59,7 +59,7 @@ class CloudSummary(NamedTuple):
 
 @njit(cache=True)
 def _slot(slots: NDArray[np.int64], corners: NDArray[np.int64], col: int, row: int, sector: int) -> int:
-    """Slot of the bin with this lattice place in the table, or the empty slot where it would go.
+    """Return the slot of the bin with this lattice place in the table, or the empty slot where it would go.
 
     Open addressing with linear probing; the table is at least half empty, so the search ends.
     """
@@ -97,7 +97,7 @@ def _bin(particles: FloatArray) -> tuple[NDArray[np.int64], NDArray[np.int64], N
 
 
 def bin_particles(particles: FloatArray) -> ParticleBins:
-    """The bins that (n, 3) poses lie in."""
+    """Return the bins that (n, 3) poses lie in."""
     return ParticleBins(*_bin(particles))
 
 
@@ -135,7 +135,7 @@ def _cluster(corners: NDArray[np.int64], slots: NDArray[np.int64]) -> NDArray[np
 
 
 def cluster_bins(bins: ParticleBins) -> NDArray[np.int64]:
-    """(k,) the cluster of each bin, numbered from 0: connected components of touching bins."""
+    """Return (k,) the cluster of each bin, numbered from 0: connected components of touching bins."""
     return _cluster(bins.corners, bins.slots)
 
 

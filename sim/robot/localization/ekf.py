@@ -97,24 +97,24 @@ class TrackingState:
 
 
 def _anywhere(grid: OccupancyGrid) -> FloatArray:
-    """(3, 3) covariance of a pose that may be anywhere on the map: uniform over its extent and all headings."""
+    """Return (3, 3) covariance of a pose that may be anywhere on the map: uniform over its extent and all headings."""
     rows, cols = grid.cells.shape
     spread = (rows * rows + cols * cols) * (grid.resolution * grid.resolution) / 12.0
     return np.diag((spread, spread, math.pi * math.pi / 3.0))
 
 
 def _covariance(match: ScanMatch) -> FloatArray:
-    """(3, 3) covariance of a match."""
+    """Return (3, 3) covariance of a match."""
     return inverse(match.information + _LEAST_INFORMATION)
 
 
 def _surprise(innovation: FloatArray, expected: FloatArray) -> float:
-    """Squared Mahalanobis distance of an innovation, or of some of its elements, by their covariance."""
+    """Return the squared Mahalanobis distance of an innovation, or of some of its elements, by their covariance."""
     return float((innovation * solution(expected, innovation[:, np.newaxis])[:, 0]).sum())
 
 
 def _learnt(scales: tuple[float, float], innovation: FloatArray, expected: FloatArray) -> tuple[float, float]:
-    """The factors on the variances of distances and turns, after one more innovation and its (3, 3) covariance."""
+    """Return the factors on the variances of distances and turns, after one more innovation and its (3, 3) covariance."""
     drive = _surprise(innovation[:2], np.ascontiguousarray(expected[:2, :2])) / 2.0
     turn = innovation[2] * innovation[2] / expected[2, 2]
     lessons = (elementary.exp(_LEARNING * (min(each, GATE / 3.0) - 1.0)) for each in (drive, turn))
@@ -140,7 +140,7 @@ class KalmanLocalizer:
     """
 
     def __init__(self, software: RobotParameters, grid: OccupancyGrid, mount: LaserMount) -> None:
-        """A filter for one robot, on its static map, for the laser whose scans `update` will bring."""
+        """Return a filter for one robot, on its static map, for the laser whose scans `update` will bring."""
         self._mount = mount
         self.configure(software)
         self._matcher = ScanMatcher.of(grid, mount.laser_in_base)
@@ -232,7 +232,7 @@ class KalmanLocalizer:
         )
 
     def _due(self, state: TrackingState) -> bool:
-        """Return True when the robot moved enough since the last match, by amcl's rule."""
+        """Return True if the robot moved enough since the last match, by amcl's rule."""
         if state.matched is None:
             return True
         here, there, limit = state.base_in_odom, state.matched, self._parameters.update_min_d

@@ -26,8 +26,8 @@ class Estimate:
         odom_in_map: the correction itself, what tf publishes as map -> odom.
         covariance: (3, 3) of x, y, theta in the map frame; m^2, m rad, rad^2.
         particles: (n, 3) poses in the map; (0, 3) where the localizer has none.
-        updated: True when a scan (or whatever it corrects by) was weighed in this tick.
-        lost: True when the localizer itself holds that the pose cannot be relied on.
+        updated: True if a scan (or whatever it corrects by) was weighed in this tick.
+        lost: True if the localizer itself holds that the pose cannot be relied on.
         agreement: share of the last scan weighed that the map explains from this place, 0..1; None where the localizer
             weighs none, or has not yet.
         p_wrong: probability that the pose is wrong (`wrong_pose`) by the last scan weighed, 0..1; None likewise.
@@ -67,7 +67,7 @@ def read_only(array: FloatArray) -> FloatArray:
 
 @njit(cache=True)
 def propagated(corrections: FloatArray, odometry: FloatArray) -> FloatArray:
-    """Propagated poses in the map, (n, 3), of poses of odom in the map and in odom: `Pose2.compose`, to the bit."""
+    """Return the propagated poses in the map, (n, 3), of poses of odom in the map and in odom: `Pose2.compose`, to the bit."""
     out = np.empty_like(odometry)
     for i in range(odometry.shape[0]):
         c, s = elementary.cos_sin(corrections[i, 2])

@@ -19,7 +19,7 @@ ELSEWHERE = (1.0, 0.5)
 
 @lru_cache(maxsize=8)
 def _free_cells(grid: OccupancyGrid) -> NDArray[np.uint32]:
-    """(n,) free cells, numbered row by row; read-only: all robots on a map share them.
+    """Return (n,) free cells, numbered row by row; read-only: all robots on a map share them.
 
     They are found when they are first needed: most robots never have to look for themselves all over the map.
     """
@@ -32,7 +32,7 @@ def _free_cells(grid: OccupancyGrid) -> NDArray[np.uint32]:
 
 @njit(cache=True)
 def _poses(free: NDArray[np.uint32], cols: int, frame: GridFrame, drawn: FloatArray) -> FloatArray:
-    """(n, 3) poses of (2 n,) uniforms: first those that draw cells, then those that draw headings."""
+    """Return (n, 3) poses of (2 n,) uniforms: first those that draw cells, then those that draw headings."""
     n = drawn.size // 2
     out = np.empty((n, 3))
     for i in range(n):
@@ -46,7 +46,7 @@ def _poses(free: NDArray[np.uint32], cols: int, frame: GridFrame, drawn: FloatAr
 
 @njit(cache=True)
 def elsewhere(poses: FloatArray, x: float, y: float, theta: float) -> NDArray[np.bool_]:
-    """(n,) True where (n, 3) poses are at another place than this one, see `ELSEWHERE`."""
+    """Return (n,) True where (n, 3) poses are at another place than this one, see `ELSEWHERE`."""
     out = np.empty(poses.shape[0], dtype=np.bool_)
     for i in range(poses.shape[0]):
         dx, dy = poses[i, 0] - x, poses[i, 1] - y
@@ -66,7 +66,7 @@ class FreeSpace:
     grid: OccupancyGrid
 
     def draw(self, count: int, noise: NoiseStream, tick: int) -> FloatArray:
-        """(count, 3) poses in the middles of free cells, uniform over the map and all headings.
+        """Return (count, 3) poses in the middles of free cells, uniform over the map and all headings.
 
         Source: AmclNode::uniformPoseGenerator.
         """

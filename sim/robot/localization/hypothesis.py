@@ -147,7 +147,7 @@ class CloudNoise:
 
     @classmethod
     def named(cls, seed: int, *names: str) -> "CloudNoise":
-        """The streams of a seed and a path of names."""
+        """Return the streams of a seed and a path of names."""
         motion, resampling, jitter, places = (
             NoiseStream.named(seed, *names, kind) for kind in ("motion", "resampling", "jitter", "recovery")
         )
@@ -295,13 +295,13 @@ class CloudFilter:
         )
 
     def _narrow(self, summary: CloudSummary) -> bool:
-        """Return True when the heaviest cluster is as narrow as the parameters ask for."""
+        """Return True if the heaviest cluster is as narrow as the parameters ask for."""
         parameters = self._parameters
         levels = (parameters.std_warn_level_x, parameters.std_warn_level_y, parameters.std_warn_level_yaw)
         return bool((np.sqrt(summary.variances) <= levels).all())
 
     def _log_likelihood(self, particles: FloatArray, view: ScanView) -> FloatArray:
-        """(n,) log likelihood of a scan from each particle, by the model that the parameters name."""
+        """Return (n,) log likelihood of a scan from each particle, by the model that the parameters name."""
         parameters = self._parameters
         if parameters.laser_model_type == "beam":
             return self._beam_model.log_likelihood(particles, view.ranges)
@@ -352,13 +352,13 @@ class CloudFilter:
     def _jittered(
         self, particles: FloatArray, tick: int, noise: CloudNoise, spread: tuple[float, float, float] = JITTER
     ) -> FloatArray:
-        """(n, 3) particles, each a little off, so that no two are the same."""
+        """Return (n, 3) particles, each a little off, so that no two are the same."""
         return particles + noise.jitter.normals(tick, 3 * len(particles)).reshape(-1, 3) * spread
 
     def _anywhere(
         self, count: int, view: ScanView, noise: CloudNoise, besides: Pose2 | None, most: int = MAX_CANDIDATES
     ) -> FloatArray:
-        """(count, 3) places from all over the map where a scan fits, drawn in proportion to how well.
+        """Return (count, 3) places from all over the map where a scan fits, drawn in proportion to how well.
 
         Source: Lenser and Veloso, Sensor resetting localization for poorly modelled mobile robots (2000). Differs:
             amcl draws blindly; such places hardly ever lie near enough to the truth to survive.
@@ -376,7 +376,7 @@ class CloudFilter:
         return self._fitting(count, likely, FITTING_SHARE * len(rough) / len(likely), view, noise)
 
     def _nearby(self, place: Pose2, count: int, view: ScanView, noise: CloudNoise) -> FloatArray:
-        """(count, 3) places around one where a scan fits, drawn in proportion to how well.
+        """Return (count, 3) places around one where a scan fits, drawn in proportion to how well.
 
         Wheels that are a fifth off, or a map that is some decimeters wrong, carry a cloud away from the truth step by
         step: none of its particles' heirs comes back.
@@ -389,7 +389,7 @@ class CloudFilter:
     def _fitting(
         self, count: int, candidates: FloatArray, share: float, view: ScanView, noise: CloudNoise
     ) -> FloatArray:
-        """(count, 3) of the candidates, drawn so that this share of them remains effective."""
+        """Return (count, 3) of the candidates, drawn so that this share of them remains effective."""
         fit = self._field.log_likelihood(candidates, view.points)
         offset = noise.resampling.uniforms(view.tick, 3)[2]
         chosen: FloatArray = candidates[systematic(tempered(fit, share), count, offset)]

@@ -33,7 +33,7 @@ def facing_distance(grid: OccupancyGrid, max_distance: float) -> NDArray[np.floa
 def facing_levels(
     grid: OccupancyGrid, max_distance: float
 ) -> tuple[NDArray[np.float32], NDArray[np.uint16 | np.uint32]]:
-    """(n,) the different distances of `facing_distance`, and (4, rows, cols) the number of each cell's.
+    """Return (n,) the different distances of `facing_distance`, and (4, rows, cols) the number of each cell's.
 
     Between cells there are few different distances, so their numbers take half the memory or less.
     """
@@ -78,7 +78,7 @@ def _shifted(mask: NDArray[np.bool_], rows: int, cols: int) -> NDArray[np.bool_]
 def _table(
     grid: OccupancyGrid, max_distance: float, z_hit: float, random: float, sigma_hit: float
 ) -> tuple[NDArray[np.float32], NDArray[np.uint16 | np.uint32]]:
-    """(n,) log probabilities of readings that end at each distance, and (4, rows, cols) the number of each cell's.
+    """Return (n,) log probabilities of readings that end at each distance, and (4, rows, cols) the number of each cell's.
 
     Read-only: a map never changes, and all robots on it with the same laser share one table. See `facing_levels`.
     """
@@ -99,7 +99,7 @@ def _sum_over_points(
     particles: FloatArray,
     points: FloatArray,
 ) -> FloatArray:
-    """(n,) sums of the field's values at (m, 2) points, as seen from each of (n, 3) poses.
+    """Return (n,) sums of the field's values at (m, 2) points, as seen from each of (n, 3) poses.
 
     This loop takes most of the filter's time. So it is in one piece, computes in cells, has no branch on the quadrant,
     which no processor could predict, and no index that might be negative: that makes it four times faster.
@@ -184,7 +184,7 @@ class Beams:
         return cls(mount, indices, directions, range_min, range_max)
 
     def end_points(self, scan: Scan) -> FloatArray:
-        """(m, 2) points of the base frame where the readings that mean something ended; meters.
+        """Return (m, 2) points of the base frame where the readings that mean something ended; meters.
 
         NaN, infinite, too short (at most `range_min`) and too long (`range_max` and more) readings are left out.
         """
@@ -192,7 +192,7 @@ class Beams:
         return _end_points(scan.ranges, self.indices, self.directions, laser.x, laser.y, self.range_min, self.range_max)
 
     def ranges(self, scan: Scan) -> FloatArray:
-        """(m,) meters along every beam; `range_max` where it saw nothing, NaN where it is lost or too short."""
+        """Return (m,) meters along every beam; `range_max` where it saw nothing, NaN where it is lost or too short."""
         ranges = scan.ranges[self.indices].astype(np.float64)
         ranges[ranges <= self.range_min] = np.nan
         return np.minimum(ranges, self.range_max)
@@ -232,7 +232,7 @@ class LikelihoodField:
     def of(
         cls, grid: OccupancyGrid, beams: Beams, z_hit: float, z_rand: float, sigma_hit: float, max_dist: float
     ) -> "LikelihoodField":
-        """The field of a map under a mixture of good and random readings.
+        """Return the field of a map under a mixture of good and random readings.
 
         Args:
             grid: the map.
@@ -252,7 +252,7 @@ class LikelihoodField:
         return cls(values, level, grid.frame, outside, laser, noise)
 
     def log_likelihood(self, particles: FloatArray, points: FloatArray) -> FloatArray:
-        """Log likelihood of a scan from each of several places.
+        """Return the log likelihood of a scan from each of several places.
 
         Args:
             particles: (n, 3) base poses in the map.
@@ -268,7 +268,7 @@ class LikelihoodField:
     def explained(
         self, particles: FloatArray, points: FloatArray, distance: float, threshold: float, error_threshold: float
     ) -> FloatArray:
-        """The points of a scan that enough particles can explain: amcl's beam skipping.
+        """Return the points of a scan that enough particles can explain: amcl's beam skipping.
 
         Args:
             particles: (n, 3) base poses in the map that agree on where the robot is.

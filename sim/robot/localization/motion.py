@@ -86,7 +86,7 @@ class OmniSpread(NamedTuple):
 
 
 def diff_increment(before: Pose2, after: Pose2) -> DiffIncrement:
-    """The movement between two odometry poses, both in the odom frame.
+    """Return the movement between two odometry poses, both in the odom frame.
 
     Source: Probabilistic Robotics, table 5.6, lines 2 to 4; amcl_odom.cpp for the bearing of a robot that hardly moved.
     """
@@ -97,12 +97,12 @@ def diff_increment(before: Pose2, after: Pose2) -> DiffIncrement:
 
 
 def _turning(angle: float) -> float:
-    """Radians that the wheels turned the robot by: driving backwards seems half a turn, which they never made."""
+    """Return the radians that the wheels turned the robot by: driving backwards seems half a turn, which they never made."""
     return min(abs(angle), abs(wrap_angle(angle - math.pi)))
 
 
 def diff_spread(moved: DiffIncrement, alphas: Alphas, corrected: bool) -> DiffSpread:
-    """Standard deviations of the true movement from the measured one.
+    """Return the standard deviations of the true movement from the measured one.
 
     Args:
         moved: the measured movement.
@@ -125,7 +125,7 @@ def diff_spread(moved: DiffIncrement, alphas: Alphas, corrected: bool) -> DiffSp
 
 @njit(cache=True)
 def diff_move(particles: FloatArray, moved: DiffIncrement, spread: DiffSpread, noise: FloatArray) -> FloatArray:
-    """Particles after a movement, each with an error of its own.
+    """Return the particles after a movement, each with an error of its own.
 
     Args:
         particles: (n, 3) poses in the map.
@@ -152,14 +152,14 @@ def diff_move(particles: FloatArray, moved: DiffIncrement, spread: DiffSpread, n
 
 
 def omni_increment(before: Pose2, after: Pose2) -> OmniIncrement:
-    """The movement between two odometry poses, both in the odom frame, of a base that keeps its heading or not."""
+    """Return the movement between two odometry poses, both in the odom frame, of a base that keeps its heading or not."""
     dx, dy = after.x - before.x, after.y - before.y
     bearing = wrap_angle(elementary.atan2(dy, dx) - before.theta)
     return OmniIncrement(bearing, elementary.hypot(dx, dy), wrap_angle(after.theta - before.theta))
 
 
 def omni_spread(moved: OmniIncrement, alphas: Alphas, corrected: bool) -> OmniSpread:
-    """Standard deviations of the true slide from the measured one.
+    """Return the standard deviations of the true slide from the measured one.
 
     Args:
         moved: the measured movement.
@@ -199,7 +199,7 @@ def _slide(particles: FloatArray, moved: OmniIncrement, spread: OmniSpread, nois
 
 @njit(cache=True)
 def _square_ratios(noise: FloatArray, before: FloatArray, after: FloatArray) -> FloatArray:
-    """(3,) weighted mean squares of (3 n,) normals by the weights after a scan, over those by the weights before."""
+    """Return (3,) weighted mean squares of (3 n,) normals by the weights after a scan, over those by the weights before."""
     squares = np.zeros((2, 3))
     for i in range(before.size):
         for k in range(3):
@@ -225,7 +225,7 @@ class MotionModel:
     def move(
         self, particles: FloatArray, before: Pose2, after: Pose2, noise: FloatArray, scales: NoiseScales = AS_BELIEVED
     ) -> FloatArray:
-        """(n, 3) particles after the robot went from one odometry pose to another; `noise` is (3 n,) normals.
+        """Return (n, 3) particles after the robot went from one odometry pose to another; `noise` is (3 n,) normals.
 
         Differs: distances and turns are never believed to better than a tenth, see `_SYSTEMATIC`.
         """
@@ -254,7 +254,7 @@ class MotionModel:
     def learned(
         self, scales: NoiseScales, rate: float, noise: FloatArray, before: FloatArray, after: FloatArray
     ) -> NoiseScales:
-        """The factors on the errors of odometry after one more scan.
+        """Return the factors on the errors of odometry after one more scan.
 
         If odometry errs as much as particles do, those that a scan confirms have errors as large as all have. If it
         errs more, those with the greatest errors survive: their mean square, as a ratio to that of all, says by how

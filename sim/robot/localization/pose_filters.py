@@ -42,7 +42,7 @@ class MeasuredMotion:
     turn_variance: float
 
     def noise(self, here: Pose2) -> FloatArray:
-        """(3, 3) covariance that the motion adds if it starts here.
+        """Return (3, 3) covariance that the motion adds if it starts here.
 
         An error of the distance is along the chord. The chord of an arc points half of the turn aside, and so does an
         error of the turn.
@@ -55,7 +55,7 @@ class MeasuredMotion:
 
 
 def residual(one: FloatArray, other: FloatArray) -> FloatArray:
-    """(3,) difference of two poses, its heading in [-pi, pi)."""
+    """Return (3,) difference of two poses, its heading in [-pi, pi)."""
     difference: FloatArray = one - other
     difference[2] = wrap_angle(difference[2])
     return difference
@@ -173,7 +173,7 @@ def _moved(pose: FloatArray, _: float, step: Pose2) -> FloatArray:
 
 
 def _mean(poses: FloatArray, weights: FloatArray) -> FloatArray:
-    """(3,) weighted mean of (n, 3) poses, by their differences from the first."""
+    """Return (3,) weighted mean of (n, 3) poses, by their differences from the first."""
     first = poses[0]
     differences = np.array([residual(pose, first) for pose in poses])
     mean: FloatArray = first + np.array([math.fsum(each) for each in (weights * differences.T).tolist()])

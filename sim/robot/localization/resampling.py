@@ -21,7 +21,7 @@ _HALVINGS = 8
 
 @njit(cache=True)
 def _effective(logs: FloatArray, exponent: float) -> float:
-    """Effective number, (sum w)^2 / sum w^2, of particles of weights w = exp(exponent * logs); no log is above 0."""
+    """Return the effective number, (sum w)^2 / sum w^2, of particles of weights w = exp(exponent * logs); no log is above 0."""
     total, squares = 0.0, 0.0
     for log in logs:
         weight = elementary.exp(exponent * log)
@@ -32,7 +32,7 @@ def _effective(logs: FloatArray, exponent: float) -> float:
 
 @njit(cache=True)
 def tempered(logs: FloatArray, share: float) -> FloatArray:
-    """Likelihoods, to a power so low that they leave a share of equal particles effective.
+    """Return the likelihoods, to a power so low that they leave a share of equal particles effective.
 
     Beams end on the same walls and share the map's errors: multiplied as though they were independent, those of one
     scan often leave one particle of a hundred. Such a filter is surer than it is right, and forgets the other places

@@ -50,7 +50,7 @@ class ScanAgreement:
     last: float = 1.0
 
     def after(self, agreement: float, alpha_slow: float, alpha_fast: float) -> "ScanAgreement":
-        """The averages with one more scan in them.
+        """Return the averages with one more scan in them.
 
         They begin as plain means, over as many scans as the fast one remembers: the first scan, weighed from a vague
         start, must not stay in the slow one for a thousand more.
@@ -78,7 +78,7 @@ class ScanAgreement:
         return ScanAgreement(slow, fast, recent, self.count + 1, misfit, agreement)
 
     def searching(self, agreement: float) -> "ScanAgreement":
-        """The averages with one more scan of a place that is looked for, of which nothing is usual yet."""
+        """Return the averages with one more scan of a place that is looked for, of which nothing is usual yet."""
         recent = self.recent + _MEMORY * (agreement - self.recent)
         return replace(self, recent=recent, fast=recent, last=agreement)
 

@@ -107,7 +107,7 @@ def _normal_equations(
 def _match(
     field: FloatArray, frame: GridFrame, x: float, y: float, theta: float, points: FloatArray, width: float
 ) -> tuple[float, float, float, float]:
-    """Pose at which the points lie on surfaces, and the mean weight of the points there."""
+    """Return the pose at which the points lie on surfaces, and the mean weight of the points there."""
     while True:
         for _ in range(_STEPS):
             matrix, right, _ = _normal_equations(field, frame, x, y, theta, points, width)
@@ -124,7 +124,7 @@ def _match(
 
 @njit(cache=True)
 def _shares(field: FloatArray, frame: GridFrame, poses: FloatArray, points: FloatArray) -> FloatArray:
-    """(n,) mean weights of the points, at the coarsest width, seen from each pose."""
+    """Return (n,) mean weights of the points, at the coarsest width, seen from each pose."""
     shares = np.empty(poses.shape[0])
     for i in range(poses.shape[0]):
         c, s = elementary.cos_sin(poses[i, 2])
@@ -170,7 +170,7 @@ class ScanMatcher:
         return cls(signed_distance(grid, REACH), grid.frame, free_squares_of(grid), laser, free)
 
     def search(self, points: FloatArray, near: Pose2 | None = None) -> ScanMatch | None:
-        """The one pose from which the points lie on the map's walls, anywhere, or first within `NEAR` of a pose.
+        """Return the one pose from which the points lie on the map's walls, anywhere, or first within `NEAR` of a pose.
 
         Returns:
             None where no pose fits, or where another one fits nearly as well: a map that looks the same from two
@@ -197,12 +197,12 @@ class ScanMatcher:
         return self.match(here, points, _FINEST) if best >= GOOD else None
 
     def _drawn(self, guess: Pose2, points: FloatArray, width: float) -> tuple[Pose2, float]:
-        """Pose near a guess from which the points lie on the map's walls, and the share of them that do."""
+        """Return the pose near a guess from which the points lie on the map's walls, and the share of them that do."""
         x, y, theta, share = _match(self.field, self.frame, guess.x, guess.y, guess.theta, points, width)
         return Pose2(x, y, theta), share
 
     def match(self, guess: Pose2, points: FloatArray, error: float) -> ScanMatch | None:
-        """The pose near `guess` from which the points lie on the map's walls.
+        """Return the pose near `guess` from which the points lie on the map's walls.
 
         Args:
             guess: base in map, within some decimeters of the truth.

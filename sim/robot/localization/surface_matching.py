@@ -50,7 +50,7 @@ def _surfaces(
     pose: tuple[float, float, float],
     points: FloatArray,
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """(m, 3) slopes of each point's distance to the surface that its beam meets, (m,) distances, and (m,) offsets.
+    """Return (m, 3) slopes of each point's distance to the surface that its beam meets, (m,) distances, and (m,) offsets.
 
     Distances are negative behind the surface; an offset is that of the surface's plane from the base, along its normal.
     All are 0 for a beam that meets no surface.
@@ -103,7 +103,7 @@ def refined(
     width: float,
     damping: float,
 ) -> tuple[float, float, float, FloatArray, FloatArray, float, float]:
-    """The pose at which points lie on the surfaces that their beams meet.
+    """Return the pose at which points lie on the surfaces that their beams meet.
 
     Args:
         field: (rows, cols) signed meters to the nearest surface, see `scan_matching.signed_distance`.
@@ -145,7 +145,7 @@ def refined(
 
 @njit(cache=True)
 def _information(slopes: FloatArray, distances: FloatArray, width: float) -> FloatArray:
-    """(3, 3) information of a pose; see `refined`."""
+    """Return (3, 3) information of a pose; see `refined`."""
     m = distances.shape[0]
     hessian, scatter = np.zeros((3, 3)), np.zeros((3, 3))
     curvatures = np.empty(m)

@@ -79,7 +79,7 @@ class Controller:
             self.planner = self._chosen_planner()
 
     def command_due(self, tick: int) -> bool:
-        """Return True when a command is due in this tick."""
+        """Return True if a command is due in this tick."""
         return (tick - self._robot) % self.control_ticks == 0
 
     def next_command(self, tick: int) -> int:
@@ -87,7 +87,7 @@ class Controller:
         return next_turn(tick, self._robot, self.control_ticks)
 
     def update_due(self, tick: int) -> bool:
-        """Return True when the costmap is to be updated before the command of this tick."""
+        """Return True if the costmap is to be updated before the command of this tick."""
         return (tick - self._robot) % _ticks(self._parameters.local_costmap.update_frequency) < self.control_ticks
 
     def keep_scan(self, seen: CostmapObservation) -> None:
@@ -149,12 +149,12 @@ class Controller:
 
 
 def _ticks(frequency: float) -> int:
-    """Ticks from one time to the next of what is done so often, Hz."""
+    """Return the ticks from one time to the next of what is done so often, Hz."""
     return max(1, round(TICKS_PER_SECOND / frequency))
 
 
 def _made_from(parameters: RobotParameters) -> tuple[object, ...]:
-    """All parameters that a local planner depends on."""
+    """Return all parameters that a local planner depends on."""
     return (
         parameters.move_base.base_local_planner,
         parameters.move_base.controller_frequency,

@@ -23,7 +23,7 @@ class CostmapPublisher:
         publish_frequency: Hz; 0: never.
         turned: its map, in the grid's frame.
         robot: its index in the team: robots take turns.
-        at_once: True when it is also published when first asked, however seldom it is due.
+        at_once: True if it is also published when first asked, however seldom it is due.
     """
 
     def __init__(
@@ -40,7 +40,7 @@ class CostmapPublisher:
         self._period = max(1, round(TICKS_PER_SECOND / publish_frequency)) if publish_frequency > 0.0 else 0
 
     def due(self, tick: int) -> bool:
-        """Return True when the costmap is to be published in this tick."""
+        """Return True if the costmap is to be published in this tick."""
         return self._period > 0 and (self._first or (tick - self._robot) % self._period == 0)
 
     def next_due(self, tick: int) -> int | None:

@@ -92,7 +92,7 @@ class FollowerOutput:
     Attributes:
         command: the velocity asked for.
         local_plan: (k, 3) map poses it leads through.
-        arrived: True when the robot stands at the end of the itinerary.
+        arrived: True if the robot stands at the end of the itinerary.
         waiting: True while it waits for its right of way.
         waits_for: the robot before whose itinerary or body it stands.
         blocked_by_others: True while others keep it from going farther.
@@ -120,7 +120,7 @@ class Follower:
         tick: the present one.
         itinerary: its first point is where the robot is.
         heading: that of the pose at its last point.
-        turns_at_end: True when the robot has to turn to it there.
+        turns_at_end: True if the robot has to turn to it there.
         before: the follower of the itinerary that this one replaces while the robot drives on. What it and the local
             planner have begun goes on: a robot with ten plans a second would else begin to back up ten times.
 
@@ -181,12 +181,12 @@ class Follower:
         return self.ahead[2]
 
     def held_up(self, tick: int) -> bool:
-        """Return True when the robot has not come on along the itinerary for too long."""
+        """Return True if the robot has not come on along the itinerary for too long."""
         timeout = STUCK_TIMEOUT if self._stuck else QUEUE_TIMEOUT
         return tick - self._held_up_since > timeout * TICKS_PER_SECOND
 
     def obstructed(self) -> bool:
-        """Return True when an obstacle that was seen lies on the itinerary ahead."""
+        """Return True if an obstacle that was seen lies on the itinerary ahead."""
         return self._itinerary_planner.obstructed(self.ahead[0][:, :2])
 
     def step(self, tick: int, pose: Pose2, twist: Twist, neighbours: Sequence[Neighbour]) -> FollowerOutput:
@@ -310,7 +310,7 @@ class Follower:
 
 @njit(cache=True)
 def _as_far_as(left: FloatArray, index: int, reach: float) -> int:
-    """Last point of a path within `reach` meters along it from point `index`; (m,) meters are left at each."""
+    """Return the last point of a path within `reach` meters along it from point `index`; (m,) meters are left at each."""
     last = index
     while last + 1 < left.shape[0] and left[index] - left[last + 1] <= reach:
         last += 1

@@ -169,7 +169,7 @@ class Navigator:
         return poses if isinstance(poses, PlanRefusal) else turned.poses_in_map(poses)
 
     def _planner(self, parameters: RobotParameters, space: Workspace | None = None) -> RobotPathPlanner:
-        """The global planner that these parameters name; `space` as for `Navigator`."""
+        """Return the global planner that these parameters name; `space` as for `Navigator`."""
         if (factory := self._planners.get(parameters.move_base.base_global_planner)) is not None:
             return factory(parameters, int(noise.key(self._seed, "global planner")))
         return global_planner(*_plans_by(parameters), space)
@@ -183,7 +183,7 @@ class Navigator:
         neighbours: Sequence[Neighbour],
         lost: bool = False,
     ) -> Navigation:
-        """One tick.
+        """Return one tick.
 
         Args:
             tick: the present one.
@@ -191,7 +191,7 @@ class Navigator:
             twist: its velocity, by odometry.
             scan: the laser's, where it was due.
             neighbors: broadcasts of the other robots in the last tick.
-            lost: True when that pose cannot be relied on: with a goal the robot looks around until it can.
+            lost: True if that pose cannot be relied on: with a goal the robot looks around until it can.
         """
         execution = self._execution
         if tick != self._tick + 1:
@@ -325,11 +325,11 @@ class Navigator:
 
 
 def _plans_by(parameters: RobotParameters) -> tuple[str, NavfnParameters, GlobalPlannerParameters]:
-    """All parameters that a global planner is made from."""
+    """Return all parameters that a global planner is made from."""
     return parameters.move_base.base_global_planner, parameters.NavfnROS, parameters.GlobalPlanner
 
 
 def _discs(neighbours: Sequence[Neighbour], laser: Pose2, reach: float) -> FloatArray:
-    """(k, 3) x, y and circumscribed radius of those neighbors that come within `reach` meters of the laser."""
+    """Return (k, 3) x, y and circumscribed radius of those neighbors that come within `reach` meters of the laser."""
     near = neighbours_reaching(neighbours, laser.x - reach, laser.y - reach, laser.x + reach, laser.y + reach)
     return np.array([(other.base_in_map.x, other.base_in_map.y, radius) for other, radius in near]).reshape(-1, 3)

@@ -99,7 +99,7 @@ class PlanningCycle:
         return tick - self._execution.progress.last_valid > patience * TICKS_PER_SECOND
 
     def _replans(self, tick: int) -> bool:
-        """Return True when a plan is due although the present one is good."""
+        """Return True if a plan is due although the present one is good."""
         rate = self._execution.move_base.planner_frequency
         return rate > 0.0 and tick - self._execution.progress.planned >= TICKS_PER_SECOND / rate
 

@@ -57,7 +57,7 @@ class GoalProgress:
         return self._retries
 
     def patience_over(self, tick: int, seconds: float) -> bool:
-        """Return True when there has been no plan for more than so many seconds."""
+        """Return True if there has been no plan for more than so many seconds."""
         return tick - self._planning_since > seconds * TICKS_PER_SECOND
 
     def restart_distance(self, tick: int) -> None:
@@ -76,7 +76,7 @@ class GoalProgress:
         return True
 
     def timed_out(self, tick: int) -> bool:
-        """Return True when the robot has not come nearer for too long."""
+        """Return True if the robot has not come nearer for too long."""
         return tick - self._shortest_tick > (PROGRESS_TIMEOUT + self._longest / ITINERARY_SPEED) * TICKS_PER_SECOND
 
     def restart_stay(self) -> None:

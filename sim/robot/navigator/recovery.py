@@ -117,7 +117,7 @@ class RecoveryBehaviours:
         return self._names[self._next - 1]
 
     def reset_side(self, behaviour: str) -> float:
-        """Side, meters, of the square around the robot outside of which a reset forgets marks; 0 for a rotation."""
+        """Return the side, meters, of the square around the robot outside of which a reset forgets marks; 0 for a rotation."""
         return self._squares.get(behaviour, 0.0)
 
 
@@ -155,5 +155,5 @@ class OscillationDetector:
         self._since += ticks
 
     def due(self, tick: int) -> bool:
-        """Return True when the time is over."""
+        """Return True if the time is over."""
         return tick - self._since > self._ticks

@@ -18,7 +18,7 @@ _NO_BODIES = np.empty((0, 0, 2))
 
 
 def _end_points(scan: Scan) -> FloatArray:
-    """(beams, 2) where beams ended, base frame; those that met nothing end at the laser's greatest range."""
+    """Return (beams, 2) where beams ended, base frame; those that met nothing end at the laser's greatest range."""
     mount, ranges = scan.mount, scan.ranges.astype(np.float64)
     ranges = np.where(ranges < mount.range_max, ranges, mount.range_max)
     angles = mount.angles()
@@ -48,7 +48,7 @@ def seen_around(scan: Scan, corners: int) -> Surroundings:
 
 
 def may_turn(scan: Scan, radius: float) -> bool:
-    """Return True when the space behind the robot, which the laser does not see, leaves room to turn in.
+    """Return True if the space behind the robot, which the laser does not see, leaves room to turn in.
 
     A straight wall behind the robot reaches out to both sides, where the outermost beams end on it. So the worst case
     is a wall along the line between the ends of these two beams.

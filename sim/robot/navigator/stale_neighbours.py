@@ -31,7 +31,7 @@ _ROBOT = attrgetter("robot")
 
 @njit(cache=True)
 def _looks_through(angles: FloatArray, ranges: NDArray[np.float32], bearing: float, away: float) -> bool:
-    """Return True when any of (m,) beams, radians, reaches beyond the core of a body so many meters away."""
+    """Return True if any of (m,) beams, radians, reaches beyond the core of a body so many meters away."""
     beyond = np.float32(away + CORE_RADIUS)
     for i in range(angles.shape[0]):
         off = abs((angles[i] - bearing + math.pi) % math.tau - math.pi)

@@ -57,7 +57,7 @@ class Controlling:
 
     Attributes:
         follower: follows it.
-        gives_way: True when the itinerary leads out of another robot's path, with or without a goal of its own.
+        gives_way: True if the itinerary leads out of another robot's path, with or without a goal of its own.
         output: that of the follower's last step.
         makes_way_for: the robot out of whose way the itinerary leads, or for which it waits or makes a detour.
     """

@@ -65,10 +65,10 @@ def test_maps_that_are_turned_alike_are_one_frame() -> None:
     [
         (
             drawn((4, 4), [(1, 1)], 0.1, Pose2(0.0, 0.0, 0.5)),
-            "boxes.yaml, origin: it is turned by 0.5 rad, the map by 0",
+            "boxes.yaml, origin: it is rotated by 0.5 rad, the map by 0 rad",
         ),
         (drawn((4, 4), [], 0.1, Pose2(0.0, 0.0, 0.0)), "it has no occupied cell"),
-        (drawn((4, 4), [(1, 1)], 0.1, Pose2(50.0, 0.0, 0.0)), "all its 1 occupied cells lie outside the map"),
+        (drawn((4, 4), [(1, 1)], 0.1, Pose2(50.0, 0.0, 0.0)), "all of its 1 occupied cells are outside the map"),
     ],
 )
 def test_what_does_not_fit_is_refused(unmapped: OccupancyGrid, told: str) -> None:

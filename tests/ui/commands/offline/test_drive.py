@@ -152,9 +152,9 @@ def test_what_is_wrong_with_obstacles_that_walk_is_named(tmp_path: Path, text: s
 
 def test_unmapped_obstacles_that_do_not_fit_are_named(tmp_path: Path) -> None:
     for name, cells, origin, told in (
-        ("turned", ["#"], "[0, 0, 0.3]", "origin: it is turned by 0.3 rad"),
+        ("turned", ["#"], "[0, 0, 0.3]", "origin: it is rotated by 0.3 rad"),
         ("empty", ["."], "[0, 0, 0]", "it has no occupied cell"),
-        ("far", ["#"], "[80, 0, 0]", "lie outside the map"),
+        ("far", ["#"], "[80, 0, 0]", "are outside the map"),
     ):
         file = grey(tmp_path, name, cells, origin)
         done = drive(*CORRIDOR, "--goal", "1.5", "0", "--unmapped", str(file))
