@@ -1,1 +1,1 @@
-"""One team of robots in one world, pure and deterministic: no ROS, wires, files, clocks or people in here."""
+"""A team of robots in one world, pure and deterministic: without ROS, networks, files, clocks or people."""

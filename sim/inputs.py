@@ -1,7 +1,7 @@
-"""Inputs of a team from outside: requests to its robots, and things that happen to them.
+"""Inputs of a team from outside: requests to its robots, and changes to robots and world.
 
-All are plain values, so that a recording can hold them and a run can be repeated: recordings hold the names in
-`TEAM_INPUTS` and those of the fields. A dead robot's software takes no requests.
+All are plain values, so that a recording can hold them and a run can be repeated. Recordings use the names in
+`TEAM_INPUTS` and the names of the fields. The software of a dead robot ignores requests.
 """
 
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ from sim.world.thing import Thing
 
 @dataclass(frozen=True, slots=True)
 class SendGoal:
-    """Send a robot to a goal; the goal that it is driving to, if any, is given up for it."""
+    """Send a robot to a goal. It gives up its present goal, if any."""
 
     robot: int
     goal: Goal
@@ -31,11 +31,11 @@ class CancelGoal:
 
 @dataclass(frozen=True, slots=True)
 class DriveManually:
-    """Drive by hand (ROS: cmd_vel): this command instead of the navigator's, for so many ticks; a goal ends for it.
+    """Drive by hand (ROS: cmd_vel): replace the navigator's commands for a number of ticks. A present goal ends.
 
     Attributes:
-        command: may ask for more than the motors can: they do what they can.
-        ticks: at least 1; another one that comes before they are over takes its place.
+        command: wanted velocity. It may exceed the limits of the motors, which then do what they can.
+        ticks: duration, at least 1. A further `DriveManually` before its end replaces it.
     """
 
     robot: int
@@ -45,10 +45,10 @@ class DriveManually:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SetPoseEstimate:
-    """Tell a robot where it is (ROS: initialpose): its localizer begins anew there; body and goal stay.
+    """Set a robot's pose estimate (ROS: initialpose). Its localizer restarts there; body and goal stay.
 
     Attributes:
-        covariance: (3, 3) of x, y and theta, how sure; m^2, m rad, rad^2.
+        covariance: (3, 3) covariance of x, y and theta; m^2, m rad, rad^2.
     """
 
     robot: int
@@ -58,14 +58,14 @@ class SetPoseEstimate:
 
 @dataclass(frozen=True, slots=True)
 class GlobalLocalization:
-    """Let a robot forget where it is (ROS: global_localization)."""
+    """Make a robot forget its pose and search for it on the whole map (ROS: global_localization)."""
 
     robot: int
 
 
 @dataclass(frozen=True, slots=True)
 class NomotionUpdate:
-    """Let a robot weigh its next scan even if it stands (ROS: request_nomotion_update)."""
+    """Let a robot use its next scan even if it stands still (ROS: request_nomotion_update)."""
 
     robot: int
 
@@ -82,8 +82,8 @@ class SetSoftwareParameters:
     """Change the parameters of a robot's software while it runs (ROS: dynamic_reconfigure).
 
     Attributes:
-        parameters: all of them; they may differ from those it has where `sim.parameters.reconfigured` could have made
-            them differ.
+        parameters: all parameters. They may differ from the present ones only where `sim.parameters.reconfigured`
+            allows a change.
     """
 
     robot: int
@@ -92,11 +92,11 @@ class SetSoftwareParameters:
 
 @dataclass(frozen=True, slots=True)
 class SetWorldParameters:
-    """Let a robot's sensors err otherwise from now on; its software, if it lives, is told nothing.
+    """Change a robot's true sensor noise; its software is not informed.
 
     Attributes:
-        parameters: the robot's true ones; they may differ from those before where `sim.parameters.reconfigured` could
-            have made them differ.
+        parameters: the robot's true parameters. They may differ from the present ones only where
+            `sim.parameters.reconfigured` allows a change.
     """
 
     robot: int
@@ -105,7 +105,7 @@ class SetWorldParameters:
 
 @dataclass(frozen=True, slots=True)
 class SetCharge:
-    """Set the energy that a robot has left."""
+    """Set the remaining energy of a robot."""
 
     robot: int
     charge: float
@@ -113,7 +113,7 @@ class SetCharge:
 
 @dataclass(frozen=True, slots=True)
 class PlaceRobot:
-    """Put a robot somewhere, and tell it so (a restart, not a kidnapping)."""
+    """Put a robot somewhere and set its estimate to this pose (a restart, not a kidnapping)."""
 
     robot: int
     base_in_map: Pose2
@@ -121,21 +121,21 @@ class PlaceRobot:
 
 @dataclass(frozen=True, slots=True)
 class PutThing:
-    """Put a thing in the way, as soon as its place is free; one of the same name vanishes."""
+    """Put a thing in the way as soon as its place is free. A thing of the same name vanishes."""
 
     thing: Thing
 
 
 @dataclass(frozen=True, slots=True)
 class RemoveThing:
-    """Take the thing of this name away."""
+    """Remove the thing of this name."""
 
     name: str
 
 
 @dataclass(frozen=True, slots=True)
 class KidnapRobot:
-    """Kidnap a robot: it is put somewhere else, as soon as no body stands there, and is told nothing."""
+    """Kidnap a robot: put it somewhere else as soon as no body stands there. Its software is not informed."""
 
     robot: int
     base_in_map: Pose2
@@ -143,14 +143,14 @@ class KidnapRobot:
 
 @dataclass(frozen=True, slots=True)
 class KillRobot:
-    """Kill a robot: its motors brake for good, its software stops and its goal is gone."""
+    """Kill a robot: its motors brake, its software stops, and its goal ends."""
 
     robot: int
 
 
 @dataclass(frozen=True, slots=True)
 class ReviveRobot:
-    """Revive a dead robot: it goes on where it stands, believing what it believed."""
+    """Revive a dead robot: it continues where it stands, with the estimate that it had."""
 
     robot: int
 
@@ -192,12 +192,12 @@ TEAM_INPUTS: dict[str, type[TeamInput]] = {
     "Die": KillRobot,
     "Revive": ReviveRobot,
 }
-"""Inputs by their names in recordings and at the watch port, which do not change."""
+"""Inputs by their names in recordings and at the watch port. These names never change."""
 
 
 @dataclass(frozen=True, slots=True)
 class ScheduledInput:
-    """An input that is due at a tick and known before the run."""
+    """An input for a given tick that is known before the run."""
 
     tick: int
     input: TeamInput

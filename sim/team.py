@@ -1,8 +1,8 @@
-"""N robots in one world, and the one order of doing things.
+"""A team of robots in one world, and the order of events within a tick.
 
-A tick: the world moves by the commands latched in the tick before; every sensor reads that one world; each robot
-estimates, plans and chooses a command. Robots receive each other's broadcasts one tick later, so the order in which
-they are stepped changes nothing.
+In each tick the world moves by the commands of the previous tick. Then all sensors read this world, and each robot
+estimates, plans and chooses a command. Robots receive broadcasts of others one tick later. So the order in which robots
+are stepped has no effect.
 """
 
 from bisect import bisect_left
@@ -59,12 +59,12 @@ class TeamSnapshot:
     """Everything that is true, perceived, believed and done in one tick.
 
     Attributes:
-        tick: the present one.
-        world: the truth; not for robots, and for people only where the study says so. None of real robots: nobody
-            knows it.
-        robots: one entry a robot, in the team's order.
+        tick: the present tick.
+        world: the truth. Robots never get it, and people only if the study allows it. None for real robots, because
+            their truth is unknown.
+        robots: one entry per robot, in the team's order.
         commands: (n, 2) m/s and rad/s given to the motors in this tick, by navigators or by hand.
-        dead: indices of the robots that perceive, broadcast and do nothing; their entries are the last ones alive.
+        dead: indices of dead robots, which perceive, broadcast and do nothing. Their entries are their last ones alive.
     """
 
     tick: int
@@ -78,25 +78,25 @@ class TeamSnapshot:
         """The truth about simulated robots.
 
         Raises:
-            ValueError: these are real.
+            ValueError: these are real robots.
         """
         if self.world is None:
-            raise ValueError("nobody knows the truth about real robots")
+            raise ValueError("the truth about real robots is unknown")
         return self.world
 
 
 START_COVARIANCE: FloatArray = np.diag([0.05 * 0.05, 0.05 * 0.05, 0.05 * 0.05])
-"""Covariance of the pose that a robot is given at the start: people place it on a mark, to 5 cm and 3 degrees."""
+"""Covariance of the start pose that a robot gets: people place it on a mark, to 5 cm and 3 degrees."""
 
 
 class _Broadcasts:
     """Messages that robots have broadcast in one tick.
 
     Args:
-        outputs: of the robots that did, in the team's order, by index.
+        outputs: outputs of the robots that broadcast, in the team's order, by index.
 
     Attributes:
-        claims: the claim of each, by index.
+        claims: claim of each robot, by index.
     """
 
     def __init__(self, outputs: Mapping[int, RobotOutput]) -> None:
@@ -109,29 +109,29 @@ class _Broadcasts:
         return tuple(output.neighbour for output in self._outputs.values())
 
     def others(self, robot: int) -> tuple[Neighbour, ...]:
-        """Return the broadcasts of the other robots: a slice of all, because many robots ask in every tick."""
+        """Return the broadcasts of the other robots: a slice of all, because many robots ask in each tick."""
         heard = self._all
         own = bisect_left(self._robots, robot)
         return heard[:own] + heard[own + 1 :] if robot in self.claims else heard
 
 
 class Team:
-    """The simulation environment: N robots, one world.
+    """The simulation: a team of robots in one world.
 
     Args:
         grid: the map that every robot knows.
         world: the truth about bodies, motors and sensors.
-        robots: each robot's own software parameters.
-        starts: a start pose a robot, map frame.
-        seed: seed of all noise in here.
-        charge: the energy each starts with.
-        schedule: inputs known beforehand; they act before those that come in at the same tick.
-        true_grid: the true map where it is not the one that robots know.
-        parts: those of labs that the parameters name; None: they name none.
+        robots: software parameters of each robot.
+        starts: start pose of each robot, map frame.
+        seed: seed of all noise in the simulation.
+        charge: initial energy of each robot.
+        schedule: inputs known beforehand; they act before other inputs of the same tick.
+        true_grid: the true map, if it differs from the map that robots know.
+        parts: installed parts that the parameters name. If None, they name none.
 
     Raises:
-        ValueError: robots and starts differ in number, a start is not free, or parameters name a part that is not
-            among `parts`.
+        ValueError: the numbers of robots and starts differ, a start is not free, or parameters name a part that is not
+            in `parts`.
     """
 
     def __init__(
@@ -165,11 +165,11 @@ class Team:
         self._carried: dict[int, KidnapRobot] = {}
         self._dead: set[int] = set()
         self._outputs: list[RobotOutput | None] = [None] * len(robots)
-        # What was broadcast in the last tick, and in the one before.
+        # Broadcasts of the last tick, and of the tick before.
         self._heard = self._heard_before = _Broadcasts({})
         self._corrections = np.zeros((len(robots), 3))
         footprint = np.array(world.footprint, dtype=np.float64)
-        # Robots plan one after the other: one workspace is enough, and stays in the processor's cache.
+        # Robots plan one after the other. So one workspace is enough, and it stays in the processor's cache.
         space = Workspace(*grid.cells.shape)
         self._robots: list[Robot] = []
         for index, parameters in enumerate(robots):
@@ -200,7 +200,7 @@ class Team:
             truth = parameters.fake_localization
             return FakeLocalization(truth, lambda: Pose2(*(float(value) for value in self._state.poses[index])))
         if parameters.localization in {"ekf", "ukf"}:
-            # filterpy takes long to import, and most teams need none of it.
+            # filterpy takes long to import, and most teams do not need it.
             from sim.robot.localization.ekf import KalmanLocalizer  # noqa: PLC0415
 
             return KalmanLocalizer(parameters, grid, mount_of(world.laser))
@@ -230,30 +230,30 @@ class Team:
         return tuple(self._worlds)
 
     def believed_pose(self, robot: int) -> Pose2:
-        """Return the pose in the map where a robot believes it is; before its first tick where it was put."""
+        """Return the pose in the map where a robot believes it is; before its first tick, the pose where it was put."""
         output = self._outputs[robot]
         return Pose2(*self._state.poses[robot].tolist()) if output is None else output.estimate.base_in_map
 
     def make_plan(self, robot: int, start: Pose2 | None, goal: Pose2, tolerance: float) -> FloatArray | PlanRefusal:
-        """Make a plan of a robot's on request (ROS: move_base/make_plan); nothing that follows changes by it.
+        """Make a plan for a robot on request (ROS: move_base/make_plan), without any effect on the simulation.
 
         Args:
-            robot: its index.
-            start: pose at the beginning; None: where the robot believes it is.
+            robot: index of the robot.
+            start: pose at the beginning. If None, the pose where the robot believes it is.
             goal: pose at the end.
-            tolerance: meters by which it may miss the goal, along x and along y, where that cannot be reached.
+            tolerance: meters by which the end may miss an unreachable goal, along x and along y.
 
         Returns:
-            (m, 3) poses in the map, or why there are none.
+            (m, 3) poses in the map, or the reason why no plan exists.
         """
         base_in_map = self.believed_pose(robot)
         return self._robots[robot].navigator.make_plan(base_in_map, start or base_in_map, goal, tolerance)
 
     def step(self, inputs: Sequence[TeamInput] = ()) -> TeamSnapshot:
-        """Step by one tick, with the inputs since the last one; they act in their order.
+        """Step by one tick, with the inputs since the last one, in their order.
 
         Raises:
-            ValueError: parameters differ that cannot change while a robot runs.
+            ValueError: an input changes parameters that cannot change while a robot runs.
         """
         tick = self._state.tick + 1
         requested = bool(inputs or self._carried)
@@ -270,9 +270,10 @@ class Team:
         return TeamSnapshot(tick, self._state, outputs, self._commands, frozenset(self._dead))
 
     def _step_robots(self, tick: int, requested: bool) -> tuple[RobotOutput, ...]:
-        """Step those robots for which anything is due; the outputs of the others are propagated.
+        """Step the robots for which something is due; the outputs of the others are propagated.
 
-        A request may concern any of them, and so does a change in who broadcasts, or asks others to clear its path.
+        A request may concern any robot. So may a change in the set of robots that broadcast, or ask others to clear a
+        path.
         """
         heard, before, state = self._heard, self._heard_before, self._state
         all_due = requested or heard.claims != before.claims
@@ -297,7 +298,7 @@ class Team:
                 output = robot.skip(tick, believed[index], twists[index], sense)
             self._outputs[index] = output
         outputs = [output for output in self._outputs if output is not None]
-        # The dead do not broadcast, nor do those that are lost.
+        # Dead robots do not broadcast, and neither do lost ones.
         broadcasting = [robot for robot in self._robots if robot.index not in self._dead and not robot.lost]
         self._heard_before = heard
         self._heard = _Broadcasts({robot.index: outputs[robot.index] for robot in broadcasting})
@@ -345,7 +346,7 @@ class Team:
                 | ClearCostmaps(robot)
                 | SetSoftwareParameters(robot)
             ) if robot in self._dead:
-                pass  # A dead robot's software takes no requests.
+                pass  # The software of a dead robot ignores requests.
             case SendGoal(robot, goal):
                 self._driven_by_hand.pop(robot, None)
                 self._robots[robot].navigator.go(goal)
@@ -386,10 +387,10 @@ class Team:
                 self._robots[robot].navigator.cancel()
                 self._dead.add(robot)
                 if (output := self._outputs[robot]) is not None:
-                    # The last output stands for the dead robot from now on: it ends no goal and shows no costmap twice.
+                    # The last output stands for the dead robot from now on. So it must not end a goal again.
                     last = replace(output.navigation, result=None, global_costmap=None, local_costmap=None, fault="")
                     self._outputs[robot] = RobotOutput(output.observations, output.estimate, last, output.neighbour)
-                # The last snapshot holds the old array.
+                # The last snapshot still holds the old array.
                 self._commands = self._commands.copy()
                 self._commands[robot] = 0.0
             case ReviveRobot(robot):
@@ -397,7 +398,7 @@ class Team:
 
 
 def _check_live(robot: int, before: P, after: P) -> None:
-    """Raise ValueError where parameters of a robot differ that cannot change while it runs."""
+    """Raise ValueError if parameters of a robot differ that cannot change while it runs."""
     fixed = fixed_differences(before, after)
     if fixed:
         raise ValueError(f"robot {robot} cannot change these while it runs: {', '.join(fixed)}")

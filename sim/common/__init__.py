@@ -1,1 +1,1 @@
-"""Shared ground of the world and a robot's software: geometry, grids, rays, and sensor messages."""
+"""Shared basis of the world and a robot's software: geometry, grids, rays, and sensor messages."""

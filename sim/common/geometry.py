@@ -1,4 +1,4 @@
-"""SE(2): poses of the plane, their composition, and angles in [-pi, pi)."""
+"""SE(2): poses in the plane, their composition, and angles in [-pi, pi)."""
 
 from functools import lru_cache
 
@@ -10,14 +10,14 @@ from sim.numerics.elementary import wrap_angle
 from sim.numerics.float_array import FloatArray
 
 _cos_sin = lru_cache(maxsize=1024)(elementary.cos_sin)
-"""A frame is asked for the same directions tick after tick: where a robot's odometry began, where its laser stands."""
+"""Cache size for directions of frames, because each tick needs the same ones, e.g. of odom and of the laser."""
 
 
 @frozen()
 class Pose2:
-    """A pose of the plane, equally the transform from its own frame to its parent's.
+    """A pose in the plane. It is also the transform from its own frame to its parent's.
 
-    `base_in_odom` reads: the pose of frame base in frame odom. Meters, radians in [-pi, pi).
+    `base_in_odom` means: the pose of frame base in frame odom. Meters, radians in [-pi, pi).
     """
 
     x: float
@@ -25,27 +25,27 @@ class Pose2:
     theta: float
 
     def compose(self, other: "Pose2") -> "Pose2":
-        """`a_in_b.compose(c_in_a)` is `c_in_b`."""
+        """Return the composition: `a_in_b.compose(c_in_a)` is `c_in_b`."""
         c, s = _cos_sin(self.theta)
         x = self.x + c * other.x - s * other.y
         y = self.y + s * other.x + c * other.y
         return Pose2(float(x), float(y), wrap_angle(self.theta + other.theta))
 
     def inverse(self) -> "Pose2":
-        """`a_in_b.inverse()` is `b_in_a`."""
+        """Return the inverse: `a_in_b.inverse()` is `b_in_a`."""
         c, s = _cos_sin(self.theta)
         return Pose2(-c * self.x - s * self.y, s * self.x - c * self.y, wrap_angle(-self.theta))
 
     def between(self, other: "Pose2") -> "Pose2":
-        """Return the pose of `other` as seen from this one; both are given in one frame."""
+        """Return the pose of `other` relative to this one; both are given in the same frame."""
         return self.inverse().compose(other)
 
     def distance(self, other: "Pose2") -> float:
-        """Meters between the two origins."""
+        """Return the distance between the two origins, meters."""
         return elementary.hypot(other.x - self.x, other.y - self.y)
 
     def transform(self, points: FloatArray) -> FloatArray:
-        """Return (..., 2) points of this frame, seen from its parent."""
+        """Return (..., 2) points of this frame in the parent frame."""
         c, s = _cos_sin(self.theta)
         points = np.asarray(points, dtype=np.float64)
         x, y = points[..., 0], points[..., 1]

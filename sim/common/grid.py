@@ -16,7 +16,7 @@ from sim.numerics import elementary
 from sim.numerics.float_array import FloatArray
 
 Cells = NDArray[np.int8]
-"""(rows, cols): 0 free, 100 occupied, all else unknown or undecided."""
+"""(rows, cols): 0 free, 100 occupied, all other values unknown or undecided."""
 
 MapMode = Literal["trinary", "scale", "raw"]
 
@@ -25,15 +25,15 @@ OCCUPIED = 100
 UNKNOWN = -1
 
 NOWHERE = (-1, -1)
-"""Row and column of a point that is not finite: outside every grid."""
+"""Row and column of a point that is not finite; outside every grid."""
 
 
 class GridFrame(NamedTuple):
-    """Pose and resolution of a grid in the world, in the form that compiled kernels take.
+    """Pose and resolution of a grid in the world, in the form for compiled kernels.
 
     Attributes:
-        x: origin of the grid (outer corner of cell (0, 0)) in the map frame, meters.
-        y: the same.
+        x: x of the grid's origin (outer corner of cell (0, 0)) in the map frame, meters.
+        y: y of the origin.
         cos: cosine of the origin's yaw.
         sin: sine of the origin's yaw.
         resolution: side of a cell, meters.
@@ -52,7 +52,7 @@ class OccupancyGrid:
 
     Attributes:
         cells: (rows, cols) int8; 0 free, 100 occupied, -1 unknown. Values between come from maps read in `scale` or
-            `raw` mode; localization and planning count only exact 0 as free and exact 100 as occupied. Read-only.
+            `raw` mode. For localization and planning only 0 is free and only 100 is occupied. Read-only.
         resolution: side of a cell, meters.
         origin: pose of the outer corner of cell (0, 0) in the map frame.
     """
@@ -63,7 +63,7 @@ class OccupancyGrid:
     _hash: int = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        """Own the cells: a caller's later writing must not change a map in use.
+        """Copy the cells, so that later writing by the caller does not change a map in use.
 
         Raises:
             ValueError: the cells are not a two-dimensional non-empty array, or the resolution is not positive.
@@ -75,14 +75,14 @@ class OccupancyGrid:
         cells = np.array(self.cells, dtype=np.int8, order="C")
         cells.setflags(write=False)
         object.__setattr__(self, "cells", cells)
-        # Kernels would be compiled once more for corners that are given as whole numbers.
+        # With whole numbers for corners, numba would compile the kernels once more.
         origin = Pose2(float(self.origin.x), float(self.origin.y), float(self.origin.theta))
         object.__setattr__(self, "origin", origin)
-        # Worked out once: whatever is shared by all robots on a map is looked up by it.
+        # Computed once, because everything shared by robots on a map is looked up by this hash.
         object.__setattr__(self, "_hash", hash((self.resolution, origin, cells.shape, zlib.crc32(cells.data))))
 
     def __eq__(self, other: object) -> bool:
-        """Same place, same size, same cells."""
+        """Return True if place, size and cells are equal."""
         if not isinstance(other, OccupancyGrid):
             return NotImplemented
         return self is other or (
@@ -92,7 +92,7 @@ class OccupancyGrid:
         )
 
     def __hash__(self) -> int:
-        """Agrees with equality."""
+        """Return a hash that is consistent with equality."""
         return self._hash
 
     @property
@@ -112,7 +112,7 @@ class OccupancyGrid:
         return GridFrame(self.origin.x, self.origin.y, *elementary.cos_sin(yaw), self.resolution)
 
     def cell_of(self, x: float, y: float) -> tuple[int, int]:
-        """Return (row, col) of the cell that holds a world point; outside the grid it may be negative or too large."""
+        """Return (row, col) of the cell with a world point; outside the grid it may be negative or too large."""
         frame = self.frame
         dx, dy = x - frame.x, y - frame.y
         col = (frame.cos * dx + frame.sin * dy) / frame.resolution
@@ -155,29 +155,29 @@ def interpret_image(
 ) -> Cells:
     """Return the cells of a map image, exactly as ROS reads it.
 
-    Dark is occupied: `occ = (255 - mean) / 255` (with `negate`: `mean / 255`) above `occupied_thresh` is occupied,
-    below `free_thresh` free. Between the two, `trinary` says unknown and `scale` 1..99 in proportion. `raw` takes the
-    mean itself, as a signed byte.
+    Dark is occupied. `occ` is `(255 - mean) / 255`, or `mean / 255` with `negate`. Above `occupied_thresh` a cell is
+    occupied, below `free_thresh` free. Between the two, `trinary` makes it unknown and `scale` gives 1 to 99 in
+    proportion. `raw` uses the mean itself, as a signed byte.
 
     Args:
         pixels: (rows, cols) gray, or (rows, cols, channels) RGB or RGBA; row 0 is the top of the picture.
-        negate: bright is occupied.
-        occupied_thresh: 0..1.
-        free_thresh: 0..1, less than `occupied_thresh`.
+        negate: True if bright is occupied.
+        occupied_thresh: 0 to 1.
+        free_thresh: 0 to 1, less than `occupied_thresh`.
         mode: map.yaml's `mode`.
 
     Returns:
         (rows, cols), row 0 at the bottom of the picture.
 
-    Source: ros-planning/navigation, map_server/src/image_loader.cpp; its particulars are kept: an alpha channel is
-        averaged with the colors in `trinary` mode and left out of the mean in the others, and in `scale` mode the
-        last of several channels (blue, when there is no alpha) being 0 makes a cell unknown.
+    Source: ros-planning/navigation, map_server/src/image_loader.cpp, with its peculiarities. An alpha channel is
+        averaged with the colors in `trinary` mode, and not included in the mean in the others. In `scale` mode, a cell
+        is unknown if the last of several channels (blue, without an alpha channel) is 0.
     """
     planes = pixels[:, :, np.newaxis] if pixels.ndim == 2 else pixels
     channels = planes.shape[2]
     averaged = 3 if channels == 4 and mode != "trinary" else channels
     sums = planes[::-1, :, :averaged].sum(axis=2, dtype=np.uint16)
-    # There are few shades, and many pixels of each.
+    # An image has few shades and many pixels, so convert each shade once.
     shades = np.arange(255 * averaged + 1) / averaged
     if negate:
         shades = 255 - shades

@@ -1,6 +1,6 @@
-"""Sensor messages and motor commands: all that passes between the world and a robot's own software.
+"""Sensor messages and motor commands: everything that passes between the world and a robot's software.
 
-Everything is stamped with a tick: the count of physics steps since the session began, `TICK` seconds each.
+Everything is stamped with a tick: the number of physics steps since the session began, of `TICK` seconds each.
 """
 
 from dataclasses import dataclass
@@ -15,17 +15,17 @@ from sim.numerics.float_array import FloatArray
 
 TICKS_PER_SECOND = 50
 TICK = 1.0 / TICKS_PER_SECOND
-"""Seconds of one physics step; odometry is sensed at every one."""
+"""Seconds of one physics step; each step has an odometry message."""
 
 
 def next_turn(tick: int, robot: int, period: int) -> int:
-    """Return the first tick after this one that is a robot's turn; robots take turns, each once in `period` ticks."""
+    """Return the first tick after this one in which it is a robot's turn. Each robot has one turn in `period` ticks."""
     return tick + period - (tick - robot) % period
 
 
 @frozen()
 class Twist:
-    """A velocity of the base, in its own frame: meters per second forward, radians per second anti-clockwise."""
+    """A velocity of the base, in its own frame: meters per second forward, radians per second counterclockwise."""
 
     linear: float
     angular: float
@@ -45,7 +45,7 @@ class Odometry:
 
 @frozen()
 class Imu:
-    """Gyroscope reading: the rate of turn, radians per second."""
+    """Gyroscope reading: the angular velocity, radians per second."""
 
     tick: int
     angular_velocity: float
@@ -53,9 +53,9 @@ class Imu:
 
 @dataclass(frozen=True, slots=True)
 class LaserMount:
-    """A planar laser: where it sits on the base and which beams it sends.
+    """A planar laser: its pose on the base, and its beams.
 
-    Beam i looks along `angle_min + i * angle_increment` in the laser's frame. Ranges in meters.
+    Beam i points at `angle_min + i * angle_increment` in the laser's frame. Ranges are in meters.
     """
 
     laser_in_base: Pose2
@@ -66,17 +66,16 @@ class LaserMount:
     range_max: float
 
     def angles(self) -> FloatArray:
-        """Return (beams,) radians in the laser's frame."""
+        """Return the (beams,) angles in the laser's frame, radians."""
         return self.angle_min + self.angle_increment * np.arange(self.beams, dtype=np.float64)
 
 
 @frozen()
 class Scan:
-    """One sweep of the laser.
+    """One scan of the laser.
 
     Attributes:
-        ranges: (beams,) float32 meters; +inf where nothing was hit within range_max (REP 117), NaN where the beam
-            was lost.
+        ranges: (beams,) float32 meters; +inf if nothing was hit within range_max (REP 117), NaN if the beam was lost.
     """
 
     tick: int
@@ -86,7 +85,7 @@ class Scan:
 
 @frozen()
 class Battery:
-    """The energy left, in the game's units; a robot starts with `capacity`."""
+    """The remaining energy, in the game's units; a robot starts with `capacity`."""
 
     tick: int
     charge: float
@@ -94,10 +93,10 @@ class Battery:
 
 
 class Claim(NamedTuple):
-    """Priority of a robot that asks others to clear its path; the lesser one goes first.
+    """Priority of a robot that asks others to clear its path. The smaller claim goes first.
 
     Attributes:
-        since: tick at which that robot took up its goal: the one that has waited longest goes first, so none starves.
+        since: tick at which the robot accepted its goal. The robot that has waited longest goes first, so none starves.
         robot: its index.
     """
 
@@ -107,18 +106,18 @@ class Claim(NamedTuple):
 
 @frozen()
 class Neighbour:
-    """State that a robot broadcasts to its team; the others receive it one tick later.
+    """State that a robot broadcasts to its team. The others receive it one tick later.
 
     Attributes:
         robot: its index in the team.
-        base_in_map: believed pose of the robot.
+        base_in_map: pose where the robot believes it is.
         twist: its velocity.
         footprint: (n, 2) corners in its base frame, meters.
-        path: (m, 2) map points it is heading along, its own place first; empty when it stands.
-        times: (m,) when it means to be there: the order in which robots pass a place
-            (`sim.robot.global_planning.itinerary`). Empty with a path that is only wanted: other robots obstruct it
-            and are asked to clear it.
-        claim: with a path that is only wanted: the priority of the robot that wants it.
+        path: (m, 2) map points of its planned path, starting with its own position; empty if it stands.
+        times: (m,) planned times at these points. They define the order in which robots pass a place
+            (`sim.robot.global_planning.itinerary`). Empty if the path is only wanted: other robots block it, and are
+            asked to clear it.
+        claim: priority of the robot, if its path is only wanted.
     """
 
     robot: int
@@ -132,7 +131,7 @@ class Neighbour:
 
 @frozen()
 class Observations:
-    """Everything one robot perceives in one tick; None where a sensor is not due."""
+    """Everything that one robot perceives in one tick; None for a sensor that is not due."""
 
     tick: int
     odometry: Odometry

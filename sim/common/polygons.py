@@ -17,11 +17,11 @@ _HALF_DIAGONAL = math.sqrt(0.5)
 
 
 class Polygons(NamedTuple):
-    """Several polygons in flat arrays, the form that compiled kernels take.
+    """Several polygons in flat arrays, the form for compiled kernels.
 
     Attributes:
-        corners: (v, 2) of all of them, meters.
-        ends: (p + 1,) int64; polygon i has the corners from ends[i] up to ends[i + 1].
+        corners: (v, 2) corners of all polygons, meters.
+        ends: (p + 1,) int64; the corners of polygon i are those from ends[i] up to ends[i + 1].
         circles: (p, 3) x, y and radius of a circle around each.
     """
 
@@ -31,7 +31,7 @@ class Polygons(NamedTuple):
 
 
 def pack_polygons(polygons: Sequence[FloatArray]) -> Polygons:
-    """Pack polygons, (v, 2) corners each, into flat arrays, which are read-only."""
+    """Pack polygons, (v, 2) corners each, into flat read-only arrays."""
     corners = np.concatenate([np.empty((0, 2)), *polygons])
     ends = np.cumsum([0, *(len(polygon) for polygon in polygons)], dtype=np.int64)
     circles = np.empty((len(polygons), 3))
@@ -51,13 +51,13 @@ def unpack_polygons(polygons: Polygons) -> list[FloatArray]:
 NO_POLYGONS = pack_polygons([])
 
 Clearance = NDArray[np.uint8]
-"""(rows, cols): how many king's moves from each cell to the nearest occupied one, 0 if itself, at most 255."""
+"""(rows, cols): number of king's moves from each cell to the nearest occupied one; 0 for itself, at most 255."""
 
 _CLEARANCE_LIMIT = 255
 
 
 def clearance_of(grid: OccupancyGrid) -> Clearance:
-    """Return the free square around every cell: all cells nearer (in king's moves) than this are not occupied."""
+    """Return the free square around every cell: no cell at fewer king's moves than this is occupied."""
     open_cells = grid.cells != OCCUPIED
     if open_cells.all():
         return np.full(grid.cells.shape, _CLEARANCE_LIMIT, dtype=np.uint8)
@@ -67,7 +67,7 @@ def clearance_of(grid: OccupancyGrid) -> Clearance:
 
 @njit(cache=True)
 def clearance_at(clearance: Clearance, row: int, col: int) -> int:
-    """Return the clearance of a cell that may lie outside the grid: there, the king's moves to the grid's nearest cell."""
+    """Return the clearance of a cell; if it is outside the grid, the king's moves to the grid's nearest cell."""
     rows: int = clearance.shape[0]
     cols: int = clearance.shape[1]
     if 0 <= row < rows and 0 <= col < cols:
@@ -77,7 +77,7 @@ def clearance_at(clearance: Clearance, row: int, col: int) -> int:
 
 @njit(cache=True)
 def _inside(x: float, y: float, polygon: FloatArray) -> bool:
-    """Return True if a point lies in a polygon (even-odd rule)."""
+    """Return True if a point is in a polygon (even-odd rule)."""
     inside = False
     last = polygon.shape[0] - 1
     for k in range(polygon.shape[0]):
@@ -105,7 +105,7 @@ def point_to_edge(x: float, y: float, ax: float, ay: float, bx: float, by: float
 
 @njit(cache=True)
 def _near_point(x: float, y: float, polygon: FloatArray, margin: float) -> bool:
-    """Return True if a point lies in a polygon or within `margin` of it."""
+    """Return True if a point is in a polygon or within `margin` of it."""
     last = polygon.shape[0] - 1
     for k in range(polygon.shape[0]):
         edge = point_to_edge(x, y, polygon[last, 0], polygon[last, 1], polygon[k, 0], polygon[k, 1])
@@ -117,7 +117,7 @@ def _near_point(x: float, y: float, polygon: FloatArray, margin: float) -> bool:
 
 @njit(cache=True)
 def side(ax: float, ay: float, bx: float, by: float, x: float, y: float) -> float:
-    """Positive where the point lies left of a-b."""
+    """Return a positive number if the point is to the left of a-b, a negative one if to the right."""
     return (bx - ax) * (y - ay) - (by - ay) * (x - ax)
 
 
@@ -132,20 +132,22 @@ def within_margin(a: FloatArray, b: FloatArray, margin: float) -> bool:
         for m in range(b.shape[0]):
             cx, cy, dx, dy = b[j, 0], b[j, 1], b[m, 0], b[m, 1]
             apart_cd = (side(ax, ay, bx, by, cx, cy) > 0.0) != (side(ax, ay, bx, by, dx, dy) > 0.0)
+            # Two segments cross if the ends of each are on different sides of the other.
             apart_ab = (side(cx, cy, dx, dy, ax, ay) > 0.0) != (side(cx, cy, dx, dy, bx, by) > 0.0)
             if apart_cd and apart_ab:
                 return True
-            # Edges that do not cross are nearest at an end of one of them; every corner ends some edge.
+            # Edges that do not cross are closest at an end of one of them; every corner is the end of some edge.
             if point_to_edge(bx, by, cx, cy, dx, dy) <= limit or point_to_edge(dx, dy, ax, ay, bx, by) <= limit:
                 return True
             j = m
         i = k
+    # Without crossing edges the polygons are apart, or one contains the other. Then any of its corners is inside.
     return _inside(a[0, 0], a[0, 1], b) or _inside(b[0, 0], b[0, 1], a)
 
 
 @njit(cache=True)
 def placed_at(footprint: FloatArray, x: float, y: float, theta: float) -> FloatArray:
-    """Return (v, 2) corners of a body at a pose, map frame."""
+    """Return the (v, 2) corners of a body at a pose, map frame."""
     c, s = elementary.cos_sin(theta)
     corners = np.empty_like(footprint)
     for k in range(footprint.shape[0]):
@@ -174,6 +176,7 @@ def near_wall(corners: FloatArray, clearance: Clearance, frame: GridFrame, margi
     cell = np.empty((4, 2))
     for row in range(first_row, last_row + 1):
         for col in range(first_col, last_col + 1):
+            # The circle around a cell is a cheap test that skips most cells.
             if clearance[row, col] > 0 or not _near_point(col + 0.5, row + 0.5, body, margin + _HALF_DIAGONAL):
                 continue
             cell[0, 0], cell[0, 1] = col, row
@@ -187,7 +190,7 @@ def near_wall(corners: FloatArray, clearance: Clearance, frame: GridFrame, margi
 
 @njit(cache=True)
 def is_clear_of_walls(x: float, y: float, distance: float, clearance: Clearance, frame: GridFrame) -> bool:
-    """Return True if surely no occupied cell lies within `distance` of a point; cheap, and False when in doubt."""
+    """Return True if certainly no occupied cell is within `distance` of a point; cheap, and False when in doubt."""
     dx = x - frame.x
     dy = y - frame.y
     col = math.floor((frame.cos * dx + frame.sin * dy) / frame.resolution)

@@ -1,14 +1,14 @@
 """Beams through an occupancy grid and against other robots' bodies: exact ranges, no sampling.
 
 A beam is followed from one grid line to the next (Amanatides and Woo, A fast voxel traversal algorithm for ray
-tracing, 1987), but in long strides. For each cell, and for each of the four diagonal directions, a table holds the side
-of the largest square without an occupied cell that begins there. A beam inside such a square can meet nothing before it
-leaves it, so it goes to the square's border in one step: in open space dozens of cells at once. Every crossing is
-computed from the beam's start and never summed up, so a range is the same to the last bit, whatever the strides were.
+tracing, 1987), but in long strides. For each cell and each of the four diagonal directions, a table has the side of the
+largest square without an occupied cell that starts there. A beam inside such a square meets nothing before it leaves
+the square. So one step goes to the square's border: dozens of cells in open space. Every crossing is computed from the
+beam's start and never summed up, so that strides of any length give the same range to the last bit.
 
-Only occupied cells (100) stop a beam. Unknown cells and everything outside the grid let it pass: nobody knows of
-anything there, and inventing walls would make a simulated laser mark obstacles that no map shows. A beam that starts
-in an occupied cell has range 0.
+Only occupied cells (100) stop a beam. Unknown cells and everything outside the grid let it pass. Nothing is known to be
+there, and with invented walls the simulated laser would mark obstacles that no map shows. A beam that starts in an
+occupied cell has range 0.
 """
 
 import math
@@ -25,16 +25,16 @@ from sim.numerics.float_array import FloatArray
 from sim.numerics.kernels import njit
 
 FreeSquares = NDArray[np.uint8]
-"""(4, rows, cols): sides, in cells, of the largest square without an occupied cell that has this cell for a corner and
+"""(4, rows, cols): side, in cells, of the largest square without an occupied cell that has this cell as a corner and
 extends towards 0: lower columns and rows, 1: higher columns and lower rows, 2: lower columns and higher rows, 3: higher
-columns and rows. 0 where the cell itself is occupied; at most 255. Outside the grid all is free."""
+columns and rows. 0 if the cell itself is occupied; at most 255. All cells outside the grid are free."""
 
 _LARGEST_SQUARE = 255
 
 
 @njit(cache=True)
 def _free_squares(cells: Cells) -> FreeSquares:
-    """Compute the table of free squares by dynamic programming, from the far end of each quadrant on."""
+    """Compute the table of free squares by dynamic programming, starting at the far end of each quadrant."""
     rows, cols = cells.shape
     squares = np.empty((4, rows, cols), dtype=np.uint8)
     for quadrant in range(4):
@@ -49,8 +49,9 @@ def _free_squares(cells: Cells) -> FreeSquares:
                 if cells[row, col] == OCCUPIED:
                     squares[quadrant, row, col] = 0
                     continue
-                # A square of side n is made of three of side n - 1 (beside, above, across) and this cell. Beyond the
-                # map's edge all is free, so what lies outside does not limit it.
+                # A square of side n consists of three squares of side n - 1 (at the side, above, diagonal) and this
+                # cell.
+                # All cells outside the map are free, so they do not limit the side.
                 smallest = _LARGEST_SQUARE - 1
                 if i > 0:
                     smallest = min(smallest, squares[quadrant, next_row, col])
@@ -64,9 +65,9 @@ def _free_squares(cells: Cells) -> FreeSquares:
 
 @lru_cache(maxsize=8)
 def free_squares_of(grid: OccupancyGrid) -> FreeSquares:
-    """Return the strides that a beam may take from every cell, for each quadrant that it may head for.
+    """Return the strides that a beam may make from every cell, for each quadrant of its direction.
 
-    Read-only: a map never changes, and all who cast beams through it share one table.
+    Read-only: a map never changes, and all users share one table.
     """
     squares = _free_squares(grid.cells)
     squares.setflags(write=False)
@@ -77,11 +78,11 @@ def free_squares_of(grid: OccupancyGrid) -> FreeSquares:
 def _line_after(
     start: int, step: int, origin: float, speed: float, pace: float, distance: float, inclusive: bool, hair: float
 ) -> int:
-    """Return the row (or column) that a beam is in after `distance`, having been in `start` before.
+    """Return the row (or column) of a beam after `distance`; it was in `start` before.
 
-    Where the beam is within a hair of a grid line, rounding could decide either way. There the line counts as crossed
-    when the very expression that `_cast` computes crossings with says so. So a beam that strides never passes other
-    cells than one that goes cell by cell.
+    If the beam is within a hair of a grid line, rounding could decide either way. In this case the line counts as
+    crossed if the same expression with which `_cast` computes crossings gives this result. So a beam with strides never
+    passes other cells than a beam that goes cell by cell.
     """
     reached = origin + speed * distance
     line = math.floor(reached)
@@ -107,21 +108,21 @@ def _line_after(
 def _cast(
     squares: FreeSquares, col_start: float, row_start: float, col_speed: float, row_speed: float, limit: float
 ) -> float:
-    """Meters along one beam to the first occupied cell; inf if there is none nearer than `limit`.
+    """Return the meters along one beam to the first occupied cell; inf if none is nearer than `limit`.
 
     Args:
-        squares: table of the grid; all ones on free cells would give the same range, slower.
+        squares: table of the grid. A table of ones on all free cells would give the same range, but slower.
         col_start: start of the beam, along the columns, in cells.
-        row_start: the same along the rows.
+        row_start: start along the rows.
         col_speed: cells per meter of beam along the columns.
-        row_speed: the same along the rows.
+        row_speed: cells per meter along the rows.
         limit: meters, finite.
 
-    See the module's docstring. On a corner the row is crossed first, here and in `_line_after` (`inclusive`).
+    See the module's docstring. At a corner the row is crossed first, here and in `_line_after` (`inclusive`).
     """
     rows = squares.shape[1]
     cols = squares.shape[2]
-    # A beam along a grid line must still have a finite pace across it, or 0 * inf would be met on the line itself.
+    # A beam along a grid line needs a finite pace across it. Otherwise 0 * inf would occur on the line itself.
     if col_speed == 0.0:
         col_speed = 1e-300
     if row_speed == 0.0:
@@ -130,12 +131,12 @@ def _cast(
     row_pace = 1.0 / row_speed
     col_step = 1 if col_speed > 0.0 else -1
     row_step = 1 if row_speed > 0.0 else -1
-    # Ahead of the lower edge of a cell is 1 where the beam leaves it by the upper one; behind is the other edge.
+    # The edge through which the beam enters a cell, relative to the cell's lower edge: 0, or 1 for the upper edge.
     col_behind = 0 if col_speed > 0.0 else 1
     row_behind = 0 if row_speed > 0.0 else 1
-    # Rounding moves a beam by some 1e-16 of the numbers it is computed from.
+    # Rounding moves a beam by about 1e-16 of the numbers from which it is computed.
     hair = 1e-13 * (abs(col_start) + abs(row_start) + rows + cols)
-    # The grid is convex: a beam that leaves it does not come back. So no stride below ends outside of it.
+    # The grid is convex: a beam that leaves it does not return. So no stride below ends outside of it.
     leaves_cols = ((cols if col_step > 0 else 0) - col_start) * col_pace
     leaves_rows = ((rows if row_step > 0 else 0) - row_start) * row_pace
     limit = min(limit, leaves_cols, leaves_rows)
@@ -157,9 +158,10 @@ def _cast(
     quadrant = squares[(1 - col_behind) + 2 * (1 - row_behind)]
     free = int(quadrant[np.uintp(row), np.uintp(col)])
     # Invariant: the beam enters cell (row, col) at `distance`, all cells before it are free, and `free` is the side of
-    # the free square that begins there: 0 in an occupied cell, which ends the beam.
+    # the free square that starts there: 0 in an occupied cell, which ends the beam.
     while free > 0:
-        # The square's far column and row, and the distances at which the beam reaches them: it leaves by the nearer.
+        # Far column and row of the square, and the distances at which the beam reaches them. It leaves by the nearer
+        # one.
         next_col = col + col_step * free
         next_row = row + row_step * free
         col_exit = (next_col + col_behind - col_start) * col_pace
@@ -188,13 +190,13 @@ def cast_beams(
 
     Args:
         squares: table of the grid.
-        frame: the grid's.
-        poses: (n, 3) of the sensors in the map frame.
+        frame: frame of the grid.
+        poses: (n, 3) poses of the sensors in the map frame.
         directions: (m, 2) cosine and sine of the beams' angles in the sensor's frame.
-        max_range: meters, finite; what is farther away has range inf.
+        max_range: meters, finite; beams that end farther away have range inf.
         out: (n, m) meters.
     """
-    # A cell at exactly max_range is still seen.
+    # A cell at exactly max_range is still visible.
     limit = np.nextafter(max_range, np.inf)
     for i in range(poses.shape[0]):
         dx = poses[i, 0] - frame.x
@@ -202,7 +204,7 @@ def cast_beams(
         col_start = (frame.cos * dx + frame.sin * dy) / frame.resolution
         row_start = (frame.cos * dy - frame.sin * dx) / frame.resolution
         c, s = elementary.cos_sin(poses[i, 2])
-        # The sensor's axes, in cells per meter along the grid's.
+        # The sensor's axes, in cells per meter along the grid's axes. So beams need no sine or cosine of their own.
         ahead_cols = (frame.cos * c + frame.sin * s) / frame.resolution
         ahead_rows = (frame.cos * s - frame.sin * c) / frame.resolution
         for j in range(directions.shape[0]):
@@ -230,13 +232,13 @@ def _circle(polygon: FloatArray) -> tuple[float, float, float]:
 
 @njit(cache=True)
 def shorten_by_polygon(polygon: FloatArray, directions: FloatArray, max_range: float, ranges: FloatArray) -> None:
-    """Shorten those of a sensor's ranges that a polygon cuts off.
+    """Shorten the ranges of a sensor that a polygon cuts off.
 
     Args:
-        polygon: (v, 2) corners in the sensor's frame, either way round, convex or not.
+        polygon: (v, 2) corners in the sensor's frame, in either direction, convex or not.
         directions: (m, 2) cosine and sine of the beams' angles in the sensor's frame.
-        max_range: meters; a farther edge is not seen.
-        ranges: (m,) meters, changed in place. A sensor inside the polygon sees its outline from within.
+        max_range: meters; farther edges are not seen.
+        ranges: (m,) meters, changed in place. A sensor inside the polygon sees its outline from inside.
     """
     corners = polygon.shape[0]
     centre_x, centre_y, radius = _circle(polygon)
@@ -245,6 +247,7 @@ def shorten_by_polygon(polygon: FloatArray, directions: FloatArray, max_range: f
     for j in range(directions.shape[0]):
         c = directions[j, 0]
         s = directions[j, 1]
+        # Most beams miss the circle around the polygon, or point away from it.
         if abs(c * centre_y - s * centre_x) > radius or c * centre_x + s * centre_y < -radius:
             continue
         last_along = c * polygon[corners - 1, 0] + s * polygon[corners - 1, 1]
@@ -252,7 +255,7 @@ def shorten_by_polygon(polygon: FloatArray, directions: FloatArray, max_range: f
         for k in range(corners):
             along = c * polygon[k, 0] + s * polygon[k, 1]
             across = c * polygon[k, 1] - s * polygon[k, 0]
-            # A corner on the beam belongs to one side, so that no beam slips between two edges.
+            # A corner on the beam belongs to only one side, so that no beam slips between two edges.
             if (across > 0.0) != (last_across > 0.0):
                 hit = along + (last_along - along) * across / (across - last_across)
                 if 0.0 <= hit <= max_range and hit < ranges[j]:
@@ -262,12 +265,12 @@ def shorten_by_polygon(polygon: FloatArray, directions: FloatArray, max_range: f
 
 
 class BeamFan(NamedTuple):
-    """Evenly spread beams, in the form that compiled kernels take.
+    """Evenly spread beams, in the form for compiled kernels.
 
     Attributes:
-        angle_min: angle of the first, radians in the sensor's frame.
-        angle_increment: from one to the next, more than 0.
-        directions: (m, 2) cosine and sine of their angles.
+        angle_min: angle of the first beam, radians in the sensor's frame.
+        angle_increment: angle from one beam to the next, greater than 0.
+        directions: (m, 2) cosine and sine of the beams' angles.
     """
 
     angle_min: float
@@ -277,11 +280,11 @@ class BeamFan(NamedTuple):
 
 @njit(cache=True)
 def shorten_fan_by_polygon(polygon: FloatArray, fan: BeamFan, max_range: float, ranges: FloatArray) -> None:
-    """Do the same as `shorten_by_polygon`, but look only at the beams that may meet the polygon."""
+    """Do the same as `shorten_by_polygon`, but examine only the beams that may meet the polygon."""
     beams = fan.directions.shape[0]
     centre_x, centre_y, radius = _circle(polygon)
     away = elementary.hypot(centre_x, centre_y)
-    # From nearer by, beams that lead away from its center may meet it too.
+    # From nearby, even beams that point away from the polygon's center may meet it.
     if away < 2.0 * radius:
         shorten_by_polygon(polygon, fan.directions, max_range, ranges)
         return
@@ -290,7 +293,7 @@ def shorten_fan_by_polygon(polygon: FloatArray, fan: BeamFan, max_range: float, 
     end = begin + 2.0 * half / fan.angle_increment
     turn = math.tau / fan.angle_increment
     for turns in (-1, 0, 1):
-        # One beam more on either side: no rounding leaves one out.
+        # One additional beam on either side, so that rounding omits none.
         first = max(0, math.floor(begin + turns * turn) - 1)
         last = min(beams, math.ceil(end + turns * turn) + 2)
         if first < last:
@@ -298,17 +301,17 @@ def shorten_fan_by_polygon(polygon: FloatArray, fan: BeamFan, max_range: float, 
 
 
 def directions_of(angles: FloatArray) -> FloatArray:
-    """Return (m, 2) cosine and sine of (m,) angles, the form in which kernels take beams."""
+    """Return (m,) angles as (m, 2) cosines and sines, the form of beams for kernels."""
     return np.column_stack((elementary_arrays.cos(angles), elementary_arrays.sin(angles)))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Raycaster:
-    """Table of strides of a grid, with the grid's frame: casts beams through the grid.
+    """Table of strides of a grid, with the grid's frame. It casts beams through the grid.
 
     Attributes:
-        squares: (4, rows, cols) for the kernels of this module.
-        frame: place of the grid in the map, for the same.
+        squares: (4, rows, cols) table for the kernels of this module.
+        frame: frame of the grid in the map.
     """
 
     squares: FreeSquares
@@ -316,14 +319,14 @@ class Raycaster:
 
     @classmethod
     def of(cls, grid: OccupancyGrid) -> "Raycaster":
-        """Prepare a grid; grids that are equal share one table."""
+        """Prepare a grid. Equal grids share one table."""
         return cls(free_squares_of(grid), grid.frame)
 
     def ranges(self, poses: FloatArray, angles: FloatArray, max_range: float) -> FloatArray:
-        """Meters to the first occupied cell along every beam; inf where there is none within `max_range`.
+        """Return the meters to the first occupied cell along every beam; inf if none is within `max_range`.
 
         Args:
-            poses: (n, 3) of the sensors in the map frame.
+            poses: (n, 3) poses of the sensors in the map frame.
             angles: (m,) radians in the sensor's frame.
             max_range: meters.
 

@@ -12,9 +12,9 @@ ROBOT_COLORS = (
     "#7060a0",
     "#700030",
 )
-"""One color a robot. They differ for color-blind people, too, and each has a contrast to white."""
+"""One color per robot. They also differ for color-blind people, and each has enough contrast to white."""
 
 
 def robot_color(index: int) -> str:
-    """Return the color of a robot, by its index from 0; after the last color the first comes again."""
+    """Return the color of a robot, by its index from 0. After the last color, the first comes again."""
     return ROBOT_COLORS[index % len(ROBOT_COLORS)]

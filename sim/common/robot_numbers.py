@@ -1,7 +1,8 @@
-"""Numbers of robots: the one place that converts between the program's counting and people's.
+"""Numbers of robots: the only place that converts between the program's counting and people's.
 
-In the program a robot is an `int`, its index in the team, from 0; text lines of 2016 carry that index, too. People,
-ROS names, MAVLink system ids, study files and bags count from 1. Convert with these functions, never by adding one.
+In the program a robot is an `int`, its index in the team, from 0. The text lines of 2016 contain this index, too.
+People, ROS names, MAVLink system ids, study files and bags count from 1. Convert with these functions, never by adding
+1.
 """
 
 from typing import NewType
@@ -11,12 +12,12 @@ RobotNumber = NewType("RobotNumber", int)
 
 
 def number_of(robot: int) -> RobotNumber:
-    """Return the number of the robot with this index; it is also the robot's MAVLink system id."""
+    """Return the number of the robot with this index. It is also the robot's MAVLink system id."""
     return RobotNumber(robot + 1)
 
 
 def index_of(number: int) -> int:
-    """Return the index of the robot with this number, which people, a file or a message gave."""
+    """Return the index of the robot with this number, as given by people, files or messages."""
     return number - 1
 
 

@@ -1,4 +1,4 @@
-"""Traversability: places on a map where a robot's body fits, and how far it gets from there; rooms as polygons."""
+"""Traversability: places on a map where a robot's body fits, and the places reached from there; rooms as polygons."""
 
 import math
 from collections.abc import Sequence
@@ -15,7 +15,7 @@ from sim.numerics.float_array import FloatArray
 
 Point = tuple[float, float]
 Polygon = tuple[Point, ...]
-"""Corners in turn, meters; the last is joined to the first."""
+"""Corners in order, meters; the last is connected to the first."""
 Mask = NDArray[np.bool_]
 Span: TypeAlias = "slice[int, int, None]"
 """Range of rows or columns."""
@@ -28,10 +28,10 @@ class TraversabilityMap:
     """Clearance everywhere on a map, for robots of one size.
 
     Attributes:
-        grid: the map. Its border counts as a wall: nothing is known of what lies beyond.
+        grid: the map. Its border counts as a wall, because nothing is known about the space outside.
         clearance: (rows, cols) meters from each cell's center to that of the nearest cell that is not free; 0 there.
-        inscribed: radius of the largest circle about a robot's center inside its footprint, meters.
-        circumscribed: radius of the smallest one around it.
+        inscribed: radius of the largest circle around a robot's center inside its footprint, meters.
+        circumscribed: radius of the smallest circle around its center that contains the footprint.
     """
 
     grid: OccupancyGrid
@@ -62,9 +62,9 @@ class TraversabilityMap:
         )
 
     def box_around(self, points: FloatArray, margin: float = 0.0) -> Box:
-        """Return the rows and columns that (n, 2) points of the map frame span, with so many meters more on all sides."""
+        """Return the rows and columns that (n, 2) points span, map frame, plus a margin in meters on all sides."""
         places = self.grid.origin.inverse().transform(points)[:, ::-1]
-        # A cell more: one at whose very edge a point is may be told by rounding to be beyond it.
+        # One additional cell: by rounding, a point on the edge of a cell may be computed to be beyond it.
         low, high = (
             np.clip(np.floor(ends / self.grid.resolution) + more, 0, self.grid.cells.shape).astype(np.int64).tolist()
             for ends, more in ((places.min(axis=0) - margin, -1), (places.max(axis=0) + margin, 2))
@@ -72,20 +72,20 @@ class TraversabilityMap:
         return slice(low[0], high[0]), slice(low[1], high[1])
 
     def held_by(self, polygon: Polygon) -> tuple[Box, Mask]:
-        """Return the cells whose centers a polygon in the map frame holds: a box, and a mask of it."""
+        """Return the cells whose centers are in a polygon (map frame): a box, and a mask of this box."""
         box = self.box_around(np.array(polygon))
         return box, inside(polygon, *self.centres(box))
 
     def clearance_at(self, pose: Pose2) -> float:
-        """Meters to the nearest cell that is not free; 0 outside the map."""
+        """Return the meters to the nearest cell that is not free; 0 outside the map."""
         row, col = self.grid.cell_of(pose.x, pose.y)
         return float(self.clearance[row, col]) if self.grid.contains(row, col) else 0.0
 
     def obstructed_by(self, other: Pose2) -> tuple[Box, Mask]:
-        """Return the cells in which no robot's center can be while another stands there, however the two are turned.
+        """Return the cells where no robot's center can be while another robot stands at `other`, for any headings.
 
         Returns:
-            A box, and a mask of it.
+            A box, and a mask of this box.
         """
         apart = self.inscribed + self.circumscribed
         box = self.box_around(np.array([[other.x, other.y]]), apart)
@@ -93,7 +93,7 @@ class TraversabilityMap:
         return box, np.sqrt(np.square(x - other.x) + np.square(y - other.y)) <= apart
 
     def reachable(self, start: Pose2) -> Mask:
-        """Return the cells to which a robot's center gets from a pose; none from a place where no robot fits."""
+        """Return the cells that a robot's center reaches from a pose; none if no robot fits there."""
         passable = self.clearance > self.inscribed
         areas = _areas(passable)
         row, col = self.grid.cell_of(start.x, start.y)
@@ -103,17 +103,17 @@ class TraversabilityMap:
 
 
 class CrowdedFloor:
-    """A map on which robots stand, all at a time.
+    """A map on which several robots stand at the same time.
 
     Args:
         floor: the map.
-        poses: where they stand, map frame.
+        poses: poses of the robots, map frame.
     """
 
     def __init__(self, floor: TraversabilityMap, poses: Sequence[Pose2]) -> None:
         self._floor, self._poses = floor, poses
         self._obstructed = [floor.obstructed_by(pose) for pose in poses]
-        # A cell is obstructed by as many robots as are close to it.
+        # Number of robots that obstruct a cell: all those that are close to it.
         self._robots = np.zeros(floor.grid.cells.shape, dtype=np.int16)
         for box, mask in self._obstructed:
             self._robots[box] += mask
@@ -125,9 +125,9 @@ class CrowdedFloor:
         return areas <= {0} if not cells else len(areas) == 1 and 0 not in areas
 
     def reached(self, robot: int, cells: Sequence[tuple[int, int]]) -> list[bool]:
-        """Return of each of these cells whether a robot gets there from its place, past all others."""
+        """Return for each of these cells whether a robot reaches it from its place, past all others."""
         floor, (box, own) = self._floor, self._obstructed[robot]
-        # What it alone obstructs connects areas, for itself.
+        # A robot does not obstruct itself. So cells that it alone obstructs connect areas for it.
         freed = _areas(own & (self._robots[box] == 1) & (floor.clearance[box] > floor.inscribed))
         mine, areas = np.zeros(int(freed.max(initial=0)) + 1, dtype=np.bool_), set[int]()
         place = floor.grid.cell_of(self._poses[robot].x, self._poses[robot].y)
@@ -145,22 +145,22 @@ class CrowdedFloor:
 
 
 def _areas(passable: Mask) -> NDArray[np.int32]:
-    """Number of the area that each cell belongs to, from 1; 0 where there is none."""
-    # From a cell a robot gets to the four beside it, not past the corner between two walls.
-    # Reading a study needs no scipy, whose import would take half of the time.
+    """Number the areas of connected cells, from 1; 0 for other cells."""
+    # From a cell a robot gets to its four neighbors, not diagonally past the corner between two walls.
+    # Imported here: reading a study does not need scipy, and its import would double the time.
     from scipy.ndimage import label  # noqa: PLC0415
 
     return cast(tuple[NDArray[np.int32], int], label(passable))[0]
 
 
 def _at(labels: NDArray[np.int32], box: Box, cell: tuple[int, int]) -> int:
-    """Return the label of a cell of the map in a box; 0 outside."""
+    """Return the label of a map cell in a box; 0 outside."""
     row, col = cell[0] - box[0].start, cell[1] - box[1].start
     return int(labels[row, col]) if 0 <= row < labels.shape[0] and 0 <= col < labels.shape[1] else 0
 
 
 def _beside(labels: NDArray[np.int32], others: NDArray[np.int32]) -> NDArray[np.int32]:
-    """Return (n, 2) pairs of a label and another one in a cell beside."""
+    """Return (n, 2) pairs of a label and another one in a neighboring cell."""
     sides = (
         (labels[:-1], others[1:]),
         (labels[1:], others[:-1]),
@@ -172,7 +172,7 @@ def _beside(labels: NDArray[np.int32], others: NDArray[np.int32]) -> NDArray[np.
 
 
 def inside(polygon: Polygon, x: FloatArray, y: FloatArray) -> Mask:
-    """Return a mask of the points (x, y), arrays of one shape, that lie in a polygon (even-odd rule)."""
+    """Return a mask of the points (x, y), arrays of one shape, that are in a polygon (even-odd rule)."""
     odd = np.zeros(x.shape, dtype=np.bool_)
     for (x0, y0), (x1, y1) in sides(polygon):
         if y0 != y1:
@@ -181,12 +181,12 @@ def inside(polygon: Polygon, x: FloatArray, y: FloatArray) -> Mask:
 
 
 def sides(polygon: Polygon) -> list[tuple[Point, Point]]:
-    """Return the polygon's sides: each corner with the next."""
+    """Return the polygon's sides: each corner with the next one."""
     return list(zip(polygon, polygon[1:] + polygon[:1], strict=True))
 
 
 def area(polygon: Polygon) -> float:
-    """Square meters, whichever way round the corners are."""
+    """Return the area in square meters, for corners in either direction."""
     return abs(math.fsum(x0 * y1 - x1 * y0 for (x0, y0), (x1, y1) in sides(polygon))) / 2
 
 
@@ -202,5 +202,5 @@ def _cross(one: tuple[Point, Point], other: tuple[Point, Point]) -> bool:
 
 
 def _turn(a: Point, b: Point, c: Point) -> float:
-    """Positive when the path from a by b to c turns left."""
+    """Return a positive number if the path from a by b to c turns left."""
     return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])

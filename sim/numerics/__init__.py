@@ -1,1 +1,1 @@
-"""Numbers that are the same on every machine: elementary functions, matrices, keyed noise, and compiled kernels."""
+"""Numerics that are the same on every machine: elementary functions, matrices, keyed noise, and compiled kernels."""

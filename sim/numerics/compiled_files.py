@@ -1,4 +1,4 @@
-"""Files of compiled code, which is run: only their owner can change them, and a damaged one is never loaded."""
+"""Files of compiled code. As they are executed, only their owner may change them, and damaged ones are never loaded."""
 
 import hashlib
 import logging
@@ -16,23 +16,23 @@ from sim.numerics.sources import ROOT
 
 _LOGGER = logging.getLogger(__name__)
 _DIGEST = 32
-"""Bytes of the checksum that a file begins with."""
+"""Length of the checksum at the start of a file, bytes."""
 _VERSION = re.compile(r"(?P<module>.+)-[0-9a-f]{16}")
-"""Names of the folders of a module's compiled code."""
+"""Pattern of the names of folders with a module's compiled code."""
 KEPT_DAYS = 30
-"""Days after which compiled code that no program has used is deleted."""
+"""Days after which unused compiled code is deleted."""
 KEPT_VERSIONS = 16
-"""How many versions of a module keep their compiled code, those used last; more than will run at the same time."""
+"""Number of versions of a module whose compiled code is kept, the latest used; more than will run at the same time."""
 
 
 @once
 def cache_folder() -> Path:
-    """Return the folder of all compiled code: the user's own, so that it outlives a checkout and serves them all.
+    """Return the folder of all compiled code. It is the user's, so that it outlives checkouts and serves all of them.
 
-    Where it cannot be written, or others may write there, it is a folder beside the sources, or a temporary one. Its
-    name is always `kernels`.
+    If it cannot be written, or other accounts may write there, it is a folder next to the sources, or a temporary one.
+    Its name is always `kernels`.
     """
-    # Without a home this begins with a tilde, where pathlib raises an exception.
+    # Without a home directory the path starts with a tilde; pathlib would raise an exception.
     home = os.path.expanduser("~/.cache")  # noqa: PTH111
     usual = Path(os.environ.get("XDG_CACHE_HOME") or home, "thbridge")
     users = Path(os.environ.get("NUMBA_CACHE_DIR") or usual, "kernels")
@@ -40,13 +40,13 @@ def cache_folder() -> Path:
 
 
 def private_folder(candidates: Iterable[Path]) -> Path:
-    """Return the first of the folders that can be written, into which no other account can put code.
+    """Return the first folder that can be written and into which no other account can put code.
 
-    If there is none, it is a folder for temporary files that all programs of this account share, or one that this
-    process deletes at its end. A notice names each folder that others can change.
+    If there is none, return a folder for temporary files: one that all programs of this account share, or one that this
+    process deletes when it ends. A notice names each folder that other accounts can change.
     """
     for folder in (*candidates, Path(gettempdir(), f"thbridge-{os.getuid()}", "kernels")):
-        # Without a home the path of a cache begins with a tilde.
+        # Without a home directory the path of a cache starts with a tilde.
         if folder.is_absolute():
             with suppress(OSError):
                 _make_private(folder)
@@ -61,12 +61,13 @@ def private_folder(candidates: Iterable[Path]) -> Path:
 
 
 def read(path: Path) -> bytes | None:
-    """Return the content of a file of compiled code; None if there is none that is intact and this account's own.
+    """Return the content of a file of compiled code; None if it does not exist, is damaged, or is not private.
 
-    A file that is not is deleted, with a notice, so that its code is compiled again.
+    A damaged file, or one that other accounts could change, is deleted with a notice, so that its code is compiled
+    again.
     """
     try:
-        # No link, and no pipe that is waited for.
+        # Do not follow links, and do not wait for pipes.
         with open(path, "rb", opener=lambda name, _: os.open(name, os.O_NOFOLLOW | os.O_NONBLOCK)) as file:
             is_private = _is_private(path.parent.lstat()) and _is_private(os.fstat(file.fileno()))
             digest, content = file.read(_DIGEST), file.read()
@@ -86,7 +87,7 @@ def read(path: Path) -> bytes | None:
 
 
 def write(path: Path, content: bytes) -> None:
-    """Write a file of compiled code, whole or not at all.
+    """Write a file of compiled code, completely or not at all.
 
     Raises:
         OSError: it cannot be written.
@@ -116,23 +117,23 @@ def make_folder(folder: Path) -> None:
 
 @once
 def mark_used(folder: Path) -> None:
-    """Note that a program uses what is in a folder, so that it is not deleted."""
+    """Record that a program uses the content of a folder, so that it is not deleted."""
     with suppress(OSError):
         os.utime(folder)
 
 
 def _make_private(folder: Path) -> None:
-    """Make a folder and those above it, which only this account can enter, whatever the umask."""
+    """Make a folder and its parents, which only this account can enter, regardless of the umask."""
     if not folder.exists():
         _make_private(folder.parent)
         folder.mkdir(mode=stat.S_IRWXU, exist_ok=True)
 
 
 def _fault_of(folder: Path) -> str | None:
-    """Return why another account can change what is in a folder, by one that is above it or by the folder itself.
+    """Return why another account can change the content of a folder, through the folder itself or through a parent.
 
-    As for ssh and sudo, all are this account's or root's; others may write only where nobody can replace what is not
-    theirs (the sticky bit of /tmp).
+    As for ssh and sudo, all folders must belong to this account or to root. Others may write only where they cannot
+    replace files of other accounts (the sticky bit of /tmp).
     """
     real = folder.resolve()
     for level in (*reversed(folder.parents), folder, *reversed(real.parents), real):
@@ -149,18 +150,18 @@ _TRUSTED = {os.getuid(), 0}
 
 
 def _is_private(state: os.stat_result) -> bool:
-    """Return True for a file or folder that no other account can change."""
+    """Return True if no other account can change a file or folder."""
     return state.st_uid in _TRUSTED and not state.st_mode & (stat.S_IWGRP | stat.S_IWOTH)
 
 
 def _digest(path: Path, content: bytes) -> bytes:
-    """Return the checksum of a file, which is for its name alone."""
+    """Return the checksum of a file. It includes the name, so that a renamed file is not accepted."""
     return hashlib.blake2b(path.name.encode() + b"\0" + content, digest_size=_DIGEST).digest()
 
 
 @once
 def _notify(notice: str) -> None:
-    """Log a notice once, however many files it is about."""
+    """Log a notice once, for any number of files."""
     _LOGGER.warning(notice)
 
 
@@ -170,7 +171,7 @@ def _of_this_process() -> TemporaryDirectory[str]:
 
 
 def _tidy(new: Path) -> None:
-    """Delete code that was not used for long, and old versions of the module whose folder is new."""
+    """Delete code that was not used for a long time, and old versions of the module that has the new folder."""
     named = {folder: match["module"] for folder in new.parent.iterdir() if (match := _VERSION.fullmatch(folder.name))}
     used = {folder: folder.stat().st_mtime for folder in named}
     versions = sorted((folder for folder in named if named[folder] == named[new]), key=used.__getitem__)

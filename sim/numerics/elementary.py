@@ -1,18 +1,18 @@
 """Elementary functions that give the same bits on every machine: sin, cos, atan2, exp, log, hypot.
 
-The functions of libm and of numpy are accurate, but each in its own way: which of several is run depends on the
-processor's features and on versions of libraries, and with it the last bit. A robot's noise, particles and plans are
-built on such bits, so that a session could be repeated on one kind of machine alone.
+The functions of libm and of numpy are accurate, but the last bit differs: which of several implementations runs depends
+on the processor's features and on versions of libraries. A robot's noise, particles and plans depend on such bits. So
+with these functions a session could be repeated only on one kind of machine.
 
-Here are only sums, products, quotients and square roots of doubles, which IEEE 754 defines to the bit, one after the
-other as they are written: Python does not contract or reorder them, nor does numba without `fastmath`. A function looks
-its value up at a near point of a table, as a sum of two doubles, and goes on from there by a short series; what
-rounding takes from the leading products and sums is carried along. So results are as good as correctly rounded: an
-error is at most 0.502 units in the last place, where half a unit is the best there can be.
+The functions here use only sums, products, quotients and square roots of doubles, in the written order. IEEE 754
+defines each of them exactly. Python does not contract or reorder them, and neither does numba without `fastmath`. A
+function looks up its value at a nearby point of a table, as a sum of two doubles, and adds a short series. It also adds
+the rounding errors of the leading products and sums. So results are almost correctly rounded: the error is at most
+0.502 units in the last place, and 0.5 is the optimum.
 
-They are plain functions, for who needs a number now and then. Kernels compile these same functions, and
-`sim.numerics.elementary_arrays` has them for arrays. Their parts without a choice take arrays as well, of which numpy
-makes the same sums and products one by one.
+They are plain functions, for code that needs single numbers. Kernels compile the same functions, and
+`sim.numerics.elementary_arrays` has versions for arrays. Their parts without branches also accept arrays, because numpy
+computes the same sums and products for each element.
 
 Sources: Muller, Elementary Functions, 3rd ed. (2016), chapters 6 (tables: Tang, Gal) and 11 (range reduction: Cody and
 Waite, Payne and Hanek); Dekker, A floating-point technique for extending the available precision (1971), for the errors
@@ -41,7 +41,7 @@ from sim.numerics.elementary_tables import (
 from sim.numerics.float_array import FloatArray
 
 Real = TypeVar("Real", float, FloatArray)
-"""A number, or an array of numbers that are calculated with one by one."""
+"""A number, or an array; calculations are then elementwise."""
 
 _STEP_1, _STEP_2, _STEP_3, _STEP_4 = TURN_STEP
 _TURN_1, _TURN_2 = FULL_TURN
@@ -53,17 +53,17 @@ _STRAIGHT_1, _STRAIGHT_2 = STRAIGHT_ANGLE
 _STEPS_PER_RADIAN = 64.0 / math.pi
 _STEPS_PER_EXPONENT = 128.0 / (_LOG_2_1 + _LOG_2_2)
 FARTHEST = 2.0**20 / _STEPS_PER_RADIAN
-"""Radians up to which Cody and Waite's reduction is exact."""
+"""Angle in radians below which Cody and Waite's reduction is exact."""
 
 _ROUNDING = 1.5 * 2.0**52
-"""Added and subtracted again, it leaves a number rounded to an integer, half to even."""
+"""Adding and subtracting this number rounds to an integer, half to even."""
 
 _SPLITTER = 2.0**27 + 1.0
-"""Dekker's factor, which splits a double into 26 and 26 bits."""
+"""Dekker's factor, which splits a double into two halves of 26 bits."""
 
 
 def leading(x: Real) -> Real:
-    """Return the leading 26 bits of a number; the rest has as many."""
+    """Return the leading 26 bits of a number; the rest has as many bits. Products of such halves are exact."""
     scaled = _SPLITTER * x
     return scaled - (scaled - x)
 
@@ -76,7 +76,7 @@ def two_sum(a: Real, b: Real) -> tuple[Real, Real]:
 
 
 def fast_two_sum(a: Real, b: Real) -> tuple[Real, Real]:
-    """Return the sum of two numbers and its rounding error; the first is the greater one, or 0."""
+    """Return the sum of two numbers and its rounding error. The first must be the larger one in magnitude, or 0."""
     total = a + b
     return total, b - (total - a)
 
@@ -90,7 +90,7 @@ def two_product(a: Real, b: Real) -> tuple[Real, Real]:
 
 
 def _scaled(x: float, exponent: int) -> float:
-    """Return a number times a power of two; infinite where that is no double, which is an error to ldexp."""
+    """Return a number times a power of two; infinite on overflow, where ldexp raises an error."""
     return math.ldexp(x, exponent - 1) * 2.0 if exponent > 0 else math.ldexp(x, exponent)
 
 
@@ -103,8 +103,9 @@ def _reduced(x: float) -> tuple[int, float, float]:
 
 
 def reduced_near(x: Real) -> tuple[Real, Real, Real]:
-    """Return the same for angles below `FARTHEST`."""
+    """Do the same as `_reduced` for angles below `FARTHEST`."""
     steps = (x * _STEPS_PER_RADIAN + _ROUNDING) - _ROUNDING
+    # The products with the first three parts of the step are exact, so the differences lose nothing (Cody and Waite).
     rest, error = two_sum(x - steps * _STEP_1, -steps * _STEP_2)
     rest, more = two_sum(rest, -steps * _STEP_3)
     rest, error = fast_two_sum(rest, more + error - steps * _STEP_4)
@@ -112,9 +113,9 @@ def reduced_near(x: Real) -> tuple[Real, Real, Real]:
 
 
 def _reduced_far(x: float) -> tuple[int, float, float]:
-    """Return the same for any finite angle: the fraction of its product with 1 / (2 pi), in digits of 24 bits.
+    """Do the same for any finite angle: the fraction of its product with 1 / (2 pi), in digits of 24 bits.
 
-    Digits before the point are whole turns, and are left out. Sums of four products of digits are exact.
+    Digits before the point are whole turns and are omitted. Sums of four products of digits are exact.
     """
     mantissa, exponent = math.frexp(abs(x))
     first = (exponent - 53) // 24
@@ -150,9 +151,9 @@ def _reduced_far(x: float) -> tuple[int, float, float]:
 
 
 def turned(cos_1: Real, cos_2: Real, sin_1: Real, sin_2: Real, rest: Real, error: Real) -> Real:
-    """sin(a + r), by sine and cosine of a in two parts, the first of 26 bits, and a small r in two parts."""
+    """Return sin(a + r) from sine and cosine of a in two parts each (26 bits first) and a small r in two parts."""
     square = rest * rest
-    # sin(r) - r and cos(r) - 1
+    # bent is sin(r) - r, short is cos(r) - 1; small terms are added first to lose the fewest bits.
     bent = error + rest * square * (-1.0 / 6.0 + square * (1.0 / 120.0 + square * (-1.0 / 5040.0 + square / 362880.0)))
     short = square * (-0.5 + square * (1.0 / 24.0 + square * (-1.0 / 720.0 + square / 40320.0))) - rest * error
     rest_1 = leading(rest)
@@ -162,14 +163,15 @@ def turned(cos_1: Real, cos_2: Real, sin_1: Real, sin_2: Real, rest: Real, error
     )
 
 
-# Each function makes a double of its argument first: numba would calculate with a float32 in its own precision, and
-# numpy's numbers are slow in plain code.
+# Each function first converts its argument to a double. Otherwise numba would calculate with a float32 in single
+# precision, and numbers of numpy would be slow in plain code.
 
 
 def sin(x: float) -> float:
-    """Return the sine of an angle in radians; nan for one that is not finite."""
+    """Return the sine of an angle in radians; nan if it is not finite."""
     x = float(1.0 * x)
     if abs(x) < 2.0**-27:
+        # Here sin(x) rounds to x.
         return x
     if not math.isfinite(x):
         return math.nan
@@ -179,17 +181,18 @@ def sin(x: float) -> float:
 
 
 def cos(x: float) -> float:
-    """Return the cosine of an angle in radians; nan for one that is not finite."""
+    """Return the cosine of an angle in radians; nan if it is not finite."""
     x = float(1.0 * x)
     if not math.isfinite(x):
         return math.nan
     steps, rest, error = _reduced(x)
     i = steps & 127
+    # cos(x) = sin(x + pi / 2), so the roles of table columns change.
     return turned(-float(TURNS[i, 2]), -float(TURNS[i, 3]), float(TURNS[i, 0]), float(TURNS[i, 1]), rest, error)
 
 
 def cos_sin(x: float) -> tuple[float, float]:
-    """Return the cosine and sine of an angle in radians; the same as one by one, at less cost."""
+    """Return cosine and sine of an angle in radians; the same bits as separate calls, but cheaper."""
     x = float(1.0 * x)
     if not math.isfinite(x):
         return math.nan, math.nan
@@ -201,7 +204,7 @@ def cos_sin(x: float) -> tuple[float, float]:
 
 
 def exp(x: float) -> float:
-    """e to the power of x; infinite beyond the greatest double, 0 below the least."""
+    """Return e to the power of x; infinite above the largest double, 0 below the smallest."""
     x = float(1.0 * x)
     if not -746.0 < x < 710.0:
         if math.isnan(x):
@@ -213,7 +216,7 @@ def exp(x: float) -> float:
     n = int(steps)
     i = n & 127
     value_1, value_2 = float(EXPONENTIALS[i, 0]), float(EXPONENTIALS[i, 1])
-    # exp(r) - 1 - r
+    # bent is exp(r) - 1 - r, as a series; the linear term is added exactly below.
     bent = error + rest * rest * (
         0.5 + rest * (1.0 / 6.0 + rest * (1.0 / 24.0 + rest * (1.0 / 120.0 + rest * (1.0 / 720.0))))
     )
@@ -232,11 +235,12 @@ def log(x: float) -> float:
         return x if x > 0.0 else math.nan
     mantissa, exponent = math.frexp(x)
     if mantissa < 0.7071067811865476:
+        # A mantissa around 1 keeps the logarithms of numbers near 1 free of cancellation with the exponent's part.
         mantissa, exponent = 2.0 * mantissa, exponent - 1
     i = int(128.0 * mantissa + 0.5) - LOGARITHMS_FROM
     reciprocal, value_1, value_2 = float(LOGARITHMS[i, 0]), float(LOGARITHMS[i, 1]), float(LOGARITHMS[i, 2])
     mantissa_1 = leading(mantissa)
-    # The reciprocal has ten bits, so both products are exact.
+    # The reciprocal has at most ten bits, so both products are exact.
     rest, error = two_sum(reciprocal * mantissa_1 - 1.0, reciprocal * (mantissa - mantissa_1))
     rest_1 = leading(rest)
     tail = 1.0 / 7.0 + rest * (-1.0 / 8.0 + rest * (1.0 / 9.0 + rest * (-1.0 / 10.0)))
@@ -250,7 +254,7 @@ def log(x: float) -> float:
 
 
 def atan2(y: float, x: float) -> float:
-    """Return the angle of the vector (x, y) in [-pi, pi], radians; signs of zeros count as in C."""
+    """Return the angle of the vector (x, y) in [-pi, pi], radians. Signs of zeros have the same effect as in C."""
     x, y = float(1.0 * x), float(1.0 * y)
     if math.isnan(x) or math.isnan(y):
         return math.nan
@@ -265,12 +269,13 @@ def atan2(y: float, x: float) -> float:
         greater = 1.0
     ratio = less / greater
     if ratio < 2.0**-35:
-        # The quotient is the arctangent to far behind the last place.
+        # For such a small ratio the arctangent equals the quotient, far beyond the last place.
         angle, error = ratio, 0.0
         if ratio > 0.0 and (x < 0.0 or steep):
             angle = max(angle, 2.0**-200)
     else:
         if not 2.0**-400 < greater < 2.0**400:
+            # Powers of two change no bits of the quotient, and prevent overflow in the products below.
             scale = math.frexp(greater)[1]
             greater, less = math.ldexp(greater, -scale), math.ldexp(less, -scale)
         i = int(ratio * 64.0 + 0.5)
@@ -286,9 +291,9 @@ def atan2(y: float, x: float) -> float:
 
 
 def arctangent(less: Real, greater: Real, near: Real, value_1: Real, value_2: Real) -> tuple[Real, Real]:
-    """Return the arctangent of a quotient in two parts, by that of a number of six bits near to it, in two parts as well."""
+    """Return the arctangent of a quotient in two parts, from that of a nearby number of six bits, also in two parts."""
     greater_1, less_1 = leading(greater), leading(less)
-    # tan(a - b), by the tangents of both: products with the short number are exact.
+    # tan(a - b) from the tangents of both. Products with the short number are exact.
     over, over_error = two_sum(less - near * greater_1, -near * (greater - greater_1))
     under, under_error = two_sum(greater, near * less_1)
     under, under_error = fast_two_sum(under, under_error + near * (less - less_1))
@@ -302,12 +307,12 @@ def arctangent(less: Real, greater: Real, near: Real, value_1: Real, value_2: Re
 
 
 def hypot(x: float, y: float) -> float:
-    """Return the length of the vector (x, y)."""
+    """Return the length of the vector (x, y), without overflow or underflow of intermediate results."""
     x, y = float(1.0 * x), float(1.0 * y)
     greater, less = abs(x), abs(y)
     if greater < less:
         greater, less = less, greater
-    # False for what is not finite, and for nearly all that is asked for true.
+    # True for nearly all arguments. False for those that are not finite.
     if less > 2.0**-400 and greater < 2.0**400:
         return _length(greater, less)
     if math.isinf(x) or math.isinf(y):
@@ -321,15 +326,15 @@ def hypot(x: float, y: float) -> float:
 
 
 def _length(greater: float, less: float) -> float:
-    """Return the length of a vector, by its greater and its lesser part; neither square overflows or vanishes."""
+    """Return the length of a vector from its larger and its smaller component; no square overflows or underflows."""
     return mended_length(math.sqrt(greater * greater + less * less), greater, less)
 
 
 def mended_length(length: Real, greater: Real, less: Real) -> Real:
-    """Return the length of such a vector, by the rounded root of the sum of the squares."""
+    """Return the length of such a vector, corrected from the rounded root of the sum of squares (one Newton step)."""
     length_1, greater_1, less_1 = leading(length), leading(greater), leading(less)
     length_2, greater_2, less_2 = length - length_1, greater - greater_1, less - less_1
-    # What the square of the rounded root has too much: exact but for its last sum.
+    # Excess of the rounded root's square over the sum of squares; exact except for its last sum.
     surplus = (
         ((length_1 * length_1 - greater_1 * greater_1) - less_1 * less_1)
         + 2.0 * ((length_1 * length_2 - greater_1 * greater_2) - less_1 * less_2)
@@ -339,10 +344,10 @@ def mended_length(length: Real, greater: Real, less: Real) -> Real:
 
 
 def wrap_angle(angle: float) -> float:
-    """Return the same direction in [-pi, pi); an angle that is there already comes back as it is. Kernels may call this."""
-    angle = float(angle)  # a plain number, though it was one of an array
+    """Return the same direction in [-pi, pi); an angle in this range is returned unchanged. Kernels may call this."""
+    angle = float(angle)  # converts numbers of numpy arrays to plain ones
     if -math.pi <= angle < math.pi:
         return angle
     wrapped = (angle + math.pi) % (2.0 * math.pi) - math.pi
-    # The remainder of a tiny negative number rounds to the modulus itself.
+    # For a tiny negative number the remainder rounds to the modulus itself.
     return wrapped if wrapped < math.pi else -math.pi

@@ -1,7 +1,7 @@
-"""The functions of `sim.numerics.elementary` for arrays of any shape; a single number is theirs as well.
+"""The functions of `sim.numerics.elementary` for arrays of any shape, including single numbers.
 
-Kernels calculate in programs that have the compiler, those that simulate robots. Those that look into recordings do
-without its import, which takes half a second and 130 MB: there it is numpy, with the same bits.
+Programs that simulate robots have the compiler, and use kernels. Programs that read recordings avoid its import, which
+takes half a second and 130 MB. They use numpy, which gives the same bits.
 """
 
 import sys
@@ -16,7 +16,7 @@ from sim.numerics.float_array import FloatArray
 
 
 def _copy(values: ArrayLike) -> FloatArray:
-    """Return a copy in one piece: kernels overwrite it, and know no other layout."""
+    """Return a contiguous copy, because kernels overwrite it and accept no other layout."""
     return np.array(values, dtype=np.float64, order="C")
 
 
@@ -28,7 +28,7 @@ def _kernels() -> ModuleType:
 
 
 def _operations() -> ModuleType:
-    """Return what overwrites arrays in this program."""
+    """Return the module that overwrites arrays in this program."""
     return _kernels() if "sim.numerics.kernels" in sys.modules else elementary_vectors
 
 
@@ -61,23 +61,24 @@ def log(numbers: ArrayLike) -> FloatArray:
 
 
 def atan2(y: ArrayLike, x: ArrayLike) -> FloatArray:
-    """Return the angles of vectors (x, y) in [-pi, pi], radians; both arrays have one shape."""
+    """Return the angles of vectors (x, y) in [-pi, pi], radians; both arrays have the same shape."""
     values, others = _copy(y), _copy(x)
     _operations().to_atan2(values.reshape(-1), others.reshape(-1))
     return values
 
 
 def hypot(x: ArrayLike, y: ArrayLike) -> FloatArray:
-    """Return the lengths of vectors (x, y); both arrays have one shape."""
+    """Return the lengths of vectors (x, y); both arrays have the same shape."""
     values, others = _copy(x), _copy(y)
     _operations().to_hypot(values.reshape(-1), others.reshape(-1))
     return values
 
 
 def interp(x: ArrayLike, known: FloatArray, values: FloatArray) -> FloatArray:
-    """Return the values between (n,) known points, which increase; beyond them the first and the last, as numpy's function has it.
+    """Interpolate linearly between (n,) increasing points; outside, use the first or last value, as numpy does.
 
-    Compilers may contract the product and the sum in numpy's own, where a processor can do both at once.
+    numpy's own function is not used, because compilers may contract its product and sum on processors with such an
+    instruction.
     """
     wanted = np.clip(x, known[0], known[-1])
     left = np.clip(np.searchsorted(known, wanted, side="right") - 1, 0, max(len(known) - 2, 0))

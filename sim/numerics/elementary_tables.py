@@ -1,7 +1,7 @@
-"""Tables and constants of `sim.numerics.elementary`, made from integers when the program starts.
+"""Tables and constants of `sim.numerics.elementary`, computed from integers when the program starts.
 
-Numbers are computed in fixed point, as integers of so many units of 2**-BITS, and then cut into doubles, leading bits
-first. Leading parts are short, so that their products with other short numbers are exact.
+Numbers are computed in fixed point, as integers in units of 2**-BITS, and then split into doubles, leading bits first.
+Leading parts are short, so that their products with other short numbers are exact.
 """
 
 from collections.abc import Sequence
@@ -10,13 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 BITS = 200
-"""Binary digits after the point."""
+"""Number of binary digits after the point."""
 
 _ONE = 1 << BITS
 
 
 def _arctangent(numerator: int, denominator: int, bits: int = BITS) -> int:
-    """Return the arctangent of a small fraction, in fixed point; by its series."""
+    """Return the arctangent of a small fraction, in fixed point, by its series."""
     power = (numerator << bits) // denominator
     total, sign, odd = 0, 1, 1
     while power:
@@ -27,11 +27,11 @@ def _arctangent(numerator: int, denominator: int, bits: int = BITS) -> int:
 
 
 def _logarithm(numerator: int, denominator: int) -> int:
-    """Return the logarithm of a fraction near 1, in fixed point; by the series of the area hyperbolic tangent."""
+    """Return the logarithm of a fraction near 1, in fixed point, by the series of the inverse hyperbolic tangent."""
     over, under = numerator - denominator, numerator + denominator
     power = (over << BITS) // under
     total, odd = 0, 1
-    while power not in (0, -1):  # what a negative number is rounded to in the end
+    while power not in (0, -1):  # a negative number is finally rounded to -1
         total += power // odd
         power = power * over * over // (under * under)
         odd += 2
@@ -39,7 +39,7 @@ def _logarithm(numerator: int, denominator: int) -> int:
 
 
 def _exponential(fixed: int) -> int:
-    """Return the exponential of a number, both in fixed point; by its series."""
+    """Return the exponential of a number, both in fixed point, by its series."""
     total = term = _ONE
     step = 1
     while term:
@@ -50,7 +50,7 @@ def _exponential(fixed: int) -> int:
 
 
 def _cos_sin(angle: int) -> tuple[int, int]:
-    """Return the cosine and sine of an angle, all in fixed point; by their series."""
+    """Return the cosine and sine of an angle, all in fixed point, by their series."""
     sums, term, step = [0, 0], _ONE, 0
     while term:
         sums[step % 2] += -term if step % 4 >= 2 else term
@@ -60,13 +60,13 @@ def _cos_sin(angle: int) -> tuple[int, int]:
 
 
 def _pi(bits: int) -> int:
-    """Return the pi in fixed point; by Machin's formula."""
+    """Return pi in fixed point, by Machin's formula."""
     spare = 20
     return 16 * _arctangent(1, 5, bits + spare) - 4 * _arctangent(1, 239, bits + spare) >> spare
 
 
 def _parts(fixed: int, *bits: int) -> tuple[float, ...]:
-    """Return a fixed-point number as doubles that add up to it: the leading ones of so many bits each, then the rest."""
+    """Return a fixed-point number as doubles that add up to it: leading ones with the given bits, then the rest."""
     parts = []
     for width in bits:
         spare = max(fixed.bit_length() - width, 0)
@@ -93,7 +93,7 @@ def _turns() -> NDArray[np.float64]:
     rows = []
     cosine, sine = _ONE, 0
     step_cosine, step_sine = _cos_sin(PI_FIXED // 64)
-    noise = 40  # bits that the many steps may have spoilt; without them 0 and 1 are what they are
+    noise = 40  # number of bits that many steps may have spoiled; removing them makes 0 and 1 exact
     for _ in range(128):
         exact = [((part >> noise - 1) + 1 >> 1) << noise for part in (cosine, sine)]
         rows.append([*_parts(exact[0], 26), *_parts(exact[1], 26)])
@@ -120,7 +120,7 @@ def _arctangents() -> NDArray[np.float64]:
     rows: list[tuple[float, ...]] = [(0.0, 0.0)]
     angle = 0
     for i in range(1, 65):
-        # The difference of two arctangents is that of one.
+        # The difference of two arctangents is one arctangent.
         angle += _arctangent(64, 4096 + i * (i - 1))
         rows.append(_parts(angle, 53))
     return _table(rows)
@@ -149,7 +149,7 @@ FULL_TURN = _parts(2 * PI_FIXED, 53)
 """2 pi in two parts."""
 
 TURN_WORDS = _turn_words()
-"""(52,) 1 / (2 pi) in digits of 24 bits, those behind the point."""
+"""(52,) 1 / (2 pi) in digits of 24 bits after the point."""
 
 EXPONENTIALS = _exponentials()
 """(128, 2) 2**(i / 128): 26 bits and the rest."""

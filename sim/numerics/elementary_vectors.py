@@ -1,8 +1,8 @@
 """Functions of `sim.numerics.elementary` for arrays in programs without the compiler: the same formulas, by numpy.
 
-Numpy calculates a sum, a product, a quotient or a root of all numbers at once and rounds each, as IEEE 754 has it, so
-that nothing is contracted and the bits are those of plain code. Numbers for which the formulas branch seldom are left
-to plain code itself.
+numpy calculates a sum, a product, a quotient or a root of all numbers at once and rounds each as IEEE 754 requires.
+Nothing is contracted, so the bits are those of plain code. Plain code handles the numbers for which the formulas need
+rare branches.
 """
 
 from collections.abc import Iterator
@@ -14,30 +14,30 @@ from sim.numerics.elementary_tables import ARCTANGENTS, RIGHT_ANGLE, STRAIGHT_AN
 from sim.numerics.float_array import FloatArray
 
 BLOCK = 4096
-"""Numbers that are calculated with together: so many, with all between, stay in a processor's cache."""
+"""Numbers per block. A block with all intermediate results stays in the processor's cache."""
 _SMALLEST, _GREATEST = 2.0**-400, 2.0**400
 
 
 def to_cos(values: FloatArray) -> None:
-    """Replace (n,) angles in radians by their cosines."""
+    """Replace (n,) angles in radians with their cosines."""
     for block in _blocks(values):
         block[:] = _cos(block)
 
 
 def to_sin(values: FloatArray) -> None:
-    """Replace (n,) angles in radians by their sines."""
+    """Replace (n,) angles in radians with their sines."""
     for block in _blocks(values):
         block[:] = _sin(block)
 
 
 def to_atan2(y: FloatArray, x: FloatArray) -> None:
-    """Replace the (n,) second coordinates of vectors by the vectors' angles, radians."""
+    """Replace the (n,) second coordinates of vectors with the vectors' angles, radians."""
     for block, other in zip(_blocks(y), _blocks(x), strict=True):
         block[:] = _atan2(block, other)
 
 
 def to_hypot(x: FloatArray, y: FloatArray) -> None:
-    """Replace the (n,) first coordinates of vectors by the vectors' lengths."""
+    """Replace the (n,) first coordinates of vectors with the vectors' lengths."""
     for block, other in zip(_blocks(x), _blocks(y), strict=True):
         block[:] = _hypot(block, other)
 
@@ -67,7 +67,7 @@ def _sin(angles: FloatArray) -> FloatArray:
 def _reduced(
     angles: FloatArray,
 ) -> tuple[tuple[FloatArray, FloatArray, FloatArray, FloatArray], FloatArray, FloatArray]:
-    """Return the cosine and sine of the nearest steps of the table, each in two parts, and the rest of the angles in two parts."""
+    """Return cosine and sine of the nearest table steps, each in two parts, and the rest of the angles in two parts."""
     steps, rest, error = elementary.reduced_near(angles)
     cos_1, cos_2, sin_1, sin_2 = TURNS[steps.astype(np.int64) & 127].T
     return (cos_1, cos_2, sin_1, sin_2), rest, error
@@ -99,7 +99,7 @@ def _hypot(x: FloatArray, y: FloatArray) -> FloatArray:
     usual = (less > _SMALLEST) & (greater < _GREATEST)
     of_usual = np.where(usual, greater, 1.0), np.where(usual, less, 1.0)
     found = elementary.mended_length(np.sqrt(of_usual[0] * of_usual[0] + of_usual[1] * of_usual[1]), *of_usual)
-    # Whatever stands still, or moves along an axis.
+    # Common cases: robots that stand still or move along an axis.
     found = np.where(less == 0.0, greater, found)
     for place in np.flatnonzero(~(usual | (less == 0.0))).tolist():
         found[place] = elementary.hypot(float(x[place]), float(y[place]))

@@ -1,4 +1,4 @@
-"""numba's compiler, and a place for compiled code where none that belongs to other sources is ever found."""
+"""numba's compiler, with a store of compiled code where code from other sources is never found."""
 
 import fcntl
 import hashlib
@@ -34,21 +34,21 @@ __all__ = ["file_of", "folder_of", "njit", "register_formula", "wait_for_others"
 
 _OTHERS: dict[Path, Callable[[], object]] = {}
 _FORMULAS: list["_Kernel"] = []
-"""They live as long as the program: types hold them by weak references."""
+"""Kernel types that must live as long as the program, because types hold them only by weak references."""
 
 
 def njit(*, cache: bool, nogil: bool = False) -> Callable[[F], F]:
-    """Compile a function, once for each signature; its type stays what it is.
+    """Compile a function once for each signature. For type checkers it keeps its type.
 
     Args:
-        cache: keep what is compiled, for all processes that have the same sources.
-        nogil: let other threads run beside it.
+        cache: True to store the code for all processes with the same sources.
+        nogil: True to let other threads run at the same time.
     """
 
     def compiled(function: F) -> F:
         if config.DISABLE_JIT:
             return function
-        # Nobody goes C's way to call a kernel, which is no small part of what is compiled else.
+        # C never calls kernels. Skipping that wrapper saves much of the compile time.
         options = {"nogil": nogil, "no_cfunc_wrapper": True}
         kernel: F
         if cache:
@@ -61,16 +61,16 @@ def njit(*, cache: bool, nogil: bool = False) -> Callable[[F], F]:
 
 
 def register_formula(formula: object) -> None:
-    """Let kernels call a plain function, which stays one for others, in programs that need no compiler."""
+    """Let kernels call a plain function. It stays plain for other callers, in programs without the compiler."""
     kernel = _Kernel(formula, targetoptions={"nopython": True, "no_cpython_wrapper": True, "no_cfunc_wrapper": True})
     infer_global(formula, types.Dispatcher(kernel))
     _FORMULAS.append(kernel)
 
 
 def folder_of(source: Path) -> Path:
-    """Return the folder of the compiled code of a file's kernels, which may not be there yet.
+    """Return the folder of the compiled code of a file's kernels. It may not exist yet.
 
-    It belongs to the file and to all files that it imports, as they are now, and to these versions of the compiler.
+    It depends on the present content of the file and of all files that it imports, and on the compiler's versions.
     """
     compiler = (sys.version, numba.__version__, llvmlite.__version__, np.__version__, config.OPT, config.BOUNDSCHECK)
     key = hashlib.blake2b(f"{key_of(source)} {compiler}".encode(), digest_size=8).hexdigest()
@@ -79,56 +79,56 @@ def folder_of(source: Path) -> Path:
 
 
 def file_of(kernel: object, signature: tuple[types.Type, ...]) -> Path:
-    """Return the file of a kernel's code for a signature; once it is there, the code needs only be loaded."""
-    # A kernel is a dispatcher of numba's.
+    """Return the file of a kernel's code for a signature. If it exists, the code only has to be loaded."""
+    # A kernel is a dispatcher of numba.
     return kernel._cache.file(signature, kernel.targetctx)  # type: ignore[attr-defined,no-any-return]
 
 
 def wait_for_others(compiled: Mapping[Path, Callable[[], object]]) -> None:
-    """Wait for code that others are about to compile, by the file it will be in, instead of compiling it as well."""
+    """Wait for code that other processes are about to compile, given by its files, instead of compiling it as well."""
     _OTHERS.update(compiled)
 
 
 class _Kernel(CPUDispatcher):  # type: ignore[misc]  # numba has no types
-    """A compiled function, of which a machine compiles each signature once."""
+    """A compiled function. A machine compiles each of its signatures only once."""
 
     def __init__(self, function: object, targetoptions: dict[str, bool]) -> None:
         super().__init__(function, targetoptions=targetoptions)
-        # Where numba has its own.
+        # numba has its own cache at this place.
         self._cache = _CompiledCode(function)
 
     def compile(self, signature: tuple[types.Type, ...]) -> object:
-        """Compile or load the code for a signature; if another process is compiling it, wait for that and load it."""
-        # The compiler's lock comes first: whoever has it may wait for a claim, which no other thread of ours has then.
+        """Compile or load the code for a signature. If another process is compiling it, wait and load the result."""
+        # The compiler's lock comes first: its holder may wait for a claim, and no other thread of ours has one then.
         with global_compiler_lock, nullcontext() if signature in self.overloads else self._cache.claimed(signature):
             return super().compile(signature)
 
     def get_call_template(self, arguments: Iterable[types.Type], named: dict[str, types.Type]) -> object:
-        """Find the code for a call by another kernel; that for any number serves one written in the caller's text."""
+        """Find the code for a call by another kernel. Code for any number also serves literals in the caller's text."""
         named = {name: types.unliteral(kind) for name, kind in named.items()}
         return super().get_call_template(tuple(map(types.unliteral, arguments)), named)
 
 
 class _CompiledCode:
-    """The compiled code of one function; it stands where numba has its own cache, and has the methods that are called.
+    """The compiled code of one function. It replaces numba's own cache, with the methods that numba calls.
 
-    numba's looks only at the file that a function stands in: after a change in another file from which it calls
-    something, it would go on running the old code. And its index of signatures goes wrong where two processes write it
-    at once; here a signature has a file of its own.
+    numba's cache only checks the file with the function. After a change in another file with functions that it calls,
+    it would run the old code. And its index of signatures breaks if two processes write it at the same time. Here each
+    signature has its own file.
     """
 
     def __init__(self, function: object) -> None:
-        # A kernel has the code of a function.
+        # A kernel has the code of its function.
         self._name = f"{function.__qualname__}-{function.__code__.co_firstlineno}"  # type: ignore[attr-defined]
         self._folder = folder_of(Path(inspect.getfile(function)))  # type: ignore[arg-type]
         self.cache_path = str(self._folder)
 
     def load_overload(self, signature: object, target: "BaseContext") -> CompileResult | None:
-        """Return what was compiled for a signature and this processor; None if nothing was."""
+        """Return the stored code for a signature and this processor, or None."""
         content = read(self.file(signature, target))
         if content is None:
             return None
-        # All that compiled code needs; numba's own cache loads what it would compile with as well.
+        # Everything that compiled code needs. numba's own cache also loads everything needed to compile, which is slow.
         rtsys.initialize(target)
         compiled_for, parts = pickle.loads(content)
         if compiled_for != signature:
@@ -137,15 +137,16 @@ class _CompiledCode:
         return CompileResult._rebuild(target, *parts)
 
     def save_overload(self, signature: object, compiled: CompileResult) -> None:
-        """Keep what was compiled for a signature; where that fails, it is compiled again next time."""
+        """Store the code for a signature. If this fails, it is compiled again next time."""
         with suppress(OSError):
             write(self.file(signature, compiled.target_context), dumps((signature, compiled._reduce())))
 
     @contextmanager
     def claimed(self, signature: object) -> Iterator[None]:
-        """Let no other process compile for a signature meanwhile; a process that ends, in whatever way, has no claim.
+        """Let no other process compile a signature while this context is open. A process that ends loses its claims.
 
-        Claims never wait in a circle: who waits for a kernel claims none but its callers, and no kernel calls itself.
+        Claims never wait in a circle: a process that waits for a kernel holds only claims of its callers, and no kernel
+        calls itself.
         """
         with ExitStack() as claim:
             with suppress(OSError):
@@ -160,7 +161,7 @@ class _CompiledCode:
             yield
 
     def file(self, signature: object, target: "BaseContext") -> Path:
-        """Return the file of a signature's code for this processor, whether or not it exists."""
+        """Return the file of a signature's code for this processor, existing or not."""
         which = f"{signature} {target.codegen().magic_tuple()}"
         return self._folder / f"{self._name}-{hashlib.blake2b(which.encode(), digest_size=8).hexdigest()}"
 

@@ -1,7 +1,7 @@
-"""Algebra of small matrices, whose sums are added up in a fixed order.
+"""Algebra of small matrices, with sums in a fixed order.
 
-The libraries behind numpy's `@` and `numpy.linalg` choose their kernels, and with these the order of sums, by the
-processor: the last bits of a result differ from machine to machine.
+The libraries behind numpy's `@` and `numpy.linalg` choose kernels by the processor, and with them the order of sums. So
+the last bits of a result differ between machines.
 
 Source: Golub, Van Loan, Matrix Computations, 4th ed. (2013), sections 3.4 (elimination with partial pivoting) and 4.2
 (Cholesky's factor of a semidefinite matrix).
@@ -17,7 +17,7 @@ from sim.numerics.kernels import njit
 
 @njit(cache=True)
 def product(a: FloatArray, b: FloatArray) -> FloatArray:
-    """Return (n, m) product of an (n, k) and a (k, m) matrix."""
+    """Return the (n, m) product of an (n, k) and a (k, m) matrix."""
     out = np.zeros((a.shape[0], b.shape[1]))
     for i in range(a.shape[0]):
         for j in range(b.shape[1]):
@@ -28,7 +28,7 @@ def product(a: FloatArray, b: FloatArray) -> FloatArray:
 
 @njit(cache=True)
 def solution(matrix: FloatArray, right: FloatArray) -> FloatArray:
-    """Return (n, m) solution of an (n, n) matrix for (n, m) right sides; nan where the matrix is singular."""
+    """Return the (n, m) solution for an (n, n) matrix and (n, m) right sides; nan if the matrix is singular."""
     a, x = matrix.copy(), right.copy()
     n = a.shape[0]
     for k in range(n):
@@ -60,13 +60,13 @@ def solution(matrix: FloatArray, right: FloatArray) -> FloatArray:
 
 @njit(cache=True)
 def damped_solution(matrix: FloatArray, right: FloatArray, damping: float) -> FloatArray:
-    """Return (n, m) step of damped least squares for (n, n) normal equations and (n, m) right sides.
+    """Return the (n, m) step of damped least squares for (n, n) normal equations and (n, m) right sides.
 
     Args:
         matrix: normal equations.
         right: right sides.
-        damping: part of the diagonal's mean that is added to the diagonal; a little is added in any case, so that
-            directions that nothing constrains stay where they are.
+        damping: proportion of the diagonal's mean that is added to the diagonal. A little is always added, so that the
+            solution does not move in directions without any constraint.
 
     Source: Nocedal, Wright, Numerical Optimization, 2nd ed. (2006), section 10.3 (Levenberg and Marquardt).
     """
@@ -81,15 +81,15 @@ def damped_solution(matrix: FloatArray, right: FloatArray, damping: float) -> Fl
 
 
 def inverse(matrix: FloatArray) -> FloatArray:
-    """Return (n, n) inverse of a matrix; nan where it is singular."""
+    """Return the (n, n) inverse of a matrix; nan if it is singular."""
     return solution(np.ascontiguousarray(matrix), np.eye(len(matrix)))
 
 
 @njit(cache=True)
 def root(covariance: FloatArray) -> FloatArray:
-    """Return (n, n) lower triangular factor whose product with its transpose is a covariance; this one may be singular.
+    """Return the (n, n) lower triangular factor whose product with its transpose is the covariance; it may be singular.
 
-    Where a direction has no variance, e.g. a heading known exactly, its column is zero.
+    If a direction has no variance, e.g. a heading known exactly, its column is zero.
     """
     n = covariance.shape[0]
     out = np.zeros((n, n))
@@ -97,7 +97,7 @@ def root(covariance: FloatArray) -> FloatArray:
         left = covariance[j, j]
         for k in range(j):
             left -= out[j, k] * out[j, k]
-        # What rounding may have left of nothing, or taken from it.
+        # Rounding may leave a tiny positive or negative number instead of 0.
         if left <= 1e-14 * covariance[j, j] or left <= 0.0:
             continue
         out[j, j] = math.sqrt(left)
@@ -110,6 +110,6 @@ def root(covariance: FloatArray) -> FloatArray:
 
 
 def covariance_of(rows: FloatArray) -> FloatArray:
-    """Return (m, m) covariance of (n, m) equally likely rows about their mean."""
+    """Return the (m, m) covariance of (n, m) equally likely rows about their mean."""
     off = rows - rows.mean(axis=0)
     return product(np.ascontiguousarray(off.T), off) / len(rows)

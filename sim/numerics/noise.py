@@ -1,10 +1,10 @@
 """Keyed noise: every random number is a pure function of (key, tick, index).
 
-A counter-based generator has no state to share, store or restore: robot 3 cannot disturb the numbers of robots 1 and
-2, and any recorded tick can be a new beginning. Callers name a stream once (`key(seed, "robot1", "laser")`) and draw
-from it by tick.
+A counter-based generator has no state to share, store or restore. So robot 3 cannot affect the numbers of robots 1 and
+2, and a run can be continued from any recorded tick. Callers name a stream once (`key(seed, "robot1", "laser")`) and
+draw from it by tick.
 
-Functions here are plain, for who draws a number now and then; kernels that draw many of them call the same functions
+The functions here are plain, for callers that need few numbers. Kernels that draw many numbers call the same functions
 (`sim.numerics.noise_arrays`).
 
 Source: Salmon, Moraes, Dror, Shaw, Parallel random numbers: as easy as 1, 2, 3 (SC 2011), Philox4x32 with 10 rounds.
@@ -14,7 +14,7 @@ import hashlib
 
 import numpy as np
 
-# The constants of Philox4x32, as 64-bit words: numba's products of unsigned and signed integers are floats.
+# The constants of Philox4x32 as 64-bit words: in numba, products of unsigned and signed integers would be floats.
 _MULTIPLIER_0 = np.uint64(0xD2511F53)
 _MULTIPLIER_1 = np.uint64(0xCD9E8D57)
 _WEYL_0 = np.uint64(0x9E3779B9)
@@ -41,7 +41,7 @@ def key(seed: int, *names: str) -> np.uint64:
 def philox(
     c0: np.uint64, c1: np.uint64, c2: np.uint64, c3: np.uint64, k0: np.uint64, k1: np.uint64
 ) -> tuple[np.uint64, np.uint64, np.uint64, np.uint64]:
-    """Philox4x32-10: four counter words and two key words to four random words, each 32 bits in a uint64."""
+    """Return four random words from four counter words and two key words (Philox4x32-10), each 32 bits in a uint64."""
     for _ in range(10):
         product_0 = _MULTIPLIER_0 * c0
         product_1 = _MULTIPLIER_1 * c2
@@ -57,12 +57,12 @@ def philox(
 
 
 def fraction(high: np.uint64, low: np.uint64) -> float:
-    """Two random words as a number of [0, 1) with 53 random bits."""
+    """Convert two random words to a number in [0, 1) with 53 random bits."""
     return float((high >> np.uint64(5)) * np.uint64(1 << 26) + (low >> np.uint64(6))) * 2.0**-53
 
 
 def uniform_pair(stream: np.uint64, tick: int, block: int) -> tuple[float, float]:
-    """Two uniforms of [0, 1): numbers 2 * block and 2 * block + 1 of this stream and tick."""
+    """Return two uniforms in [0, 1): numbers 2 * block and 2 * block + 1 of this stream and tick."""
     when = np.uint64(tick)
     where = np.uint64(block)
     w0, w1, w2, w3 = philox(
@@ -77,11 +77,11 @@ def uniform_pair(stream: np.uint64, tick: int, block: int) -> tuple[float, float
 
 
 def uniform(key: np.uint64, tick: int, index: int) -> float:
-    """Number `index` of [0, 1) of this stream and tick."""
+    """Return number `index` of this stream and tick, uniform in [0, 1)."""
     return uniform_pair(key, tick, index // 2)[index % 2]
 
 
 def first_uniforms(key: np.uint64, tick: int, count: int) -> list[float]:
-    """Return the numbers 0 to `count` - 1 of [0, 1) of this stream and tick, each as `uniform` returns it."""
+    """Return the uniforms 0 to `count` - 1 of this stream and tick, the same as those of `uniform`."""
     pairs = [uniform_pair(key, tick, block) for block in range((count + 1) // 2)]
     return [number for pair in pairs for number in pair][:count]

@@ -1,4 +1,4 @@
-"""Arrays of keyed noise, drawn by compiled code; a single number is drawn by `sim.numerics.noise.uniform`."""
+"""Arrays of keyed noise from compiled code. For a single number use `sim.numerics.noise.uniform`."""
 
 import math
 from dataclasses import dataclass
@@ -16,10 +16,10 @@ for formula in (noise.philox, noise.fraction, noise.uniform_pair):
 
 @njit(cache=True)
 def uniforms(key: np.uint64, tick: int, out: FloatArray) -> None:
-    """Fill `out`, (n,), with independent uniforms of [0, 1).
+    """Fill `out`, (n,), with independent uniforms in [0, 1).
 
-    Number i depends on nothing but (key, tick, i), not even on n. Uniforms and normals of one key and tick are made
-    from the same bits: use a stream for one or the other.
+    Number i depends only on (key, tick, i), not even on n. Uniforms and normals of the same key and tick use the same
+    bits. So use a stream for only one of them.
     """
     for i in range(0, out.size, 2):
         first, second = uniform_pair(key, tick, i // 2)
@@ -30,13 +30,13 @@ def uniforms(key: np.uint64, tick: int, out: FloatArray) -> None:
 
 @njit(cache=True)
 def normals(key: np.uint64, tick: int, out: FloatArray) -> None:
-    """Fill `out`, (n,), with independent standard normals; number i depends on nothing but (key, tick, i).
+    """Fill `out`, (n,), with independent standard normals. Number i depends only on (key, tick, i).
 
     Source: Box and Muller, A note on the generation of random normal deviates (1958).
     """
     for i in range(0, out.size, 2):
         first, second = uniform_pair(key, tick, i // 2)
-        # 1 - first lies in (0, 1], where the logarithm is finite.
+        # 1 - first is in (0, 1], where the logarithm is finite.
         radius = math.sqrt(-2.0 * elementary.log(1.0 - first))
         angle = 2.0 * math.pi * second
         c, s = elementary.cos_sin(angle)
@@ -47,7 +47,7 @@ def normals(key: np.uint64, tick: int, out: FloatArray) -> None:
 
 @dataclass(frozen=True, slots=True)
 class NoiseStream:
-    """A named stream of noise in arrays, for code that is not compiled.
+    """A named stream of noise as arrays, for code that is not compiled.
 
     Attributes:
         key: see `key`.
@@ -57,11 +57,11 @@ class NoiseStream:
 
     @classmethod
     def named(cls, seed: int, *names: str) -> "NoiseStream":
-        """Return the stream of a seed and a path of names."""
+        """Return the stream for a seed and a path of names."""
         return cls(key(seed, *names))
 
     def uniforms(self, tick: int, n: int) -> FloatArray:
-        """Return (n,) uniforms of [0, 1)."""
+        """Return (n,) uniforms in [0, 1)."""
         out = np.empty(n)
         uniforms(self.key, tick, out)
         return out

@@ -1,6 +1,6 @@
-"""Signatures of kernels that hunts usually need, recorded once, by which they can be compiled before they are called.
+"""Recorded signatures of kernels that hunts usually need. They allow compilation before the first calls.
 
-What is missing here, or has changed, is compiled when it is first called.
+Signatures that are missing here, or have changed, are compiled at their first call.
 """
 
 import importlib
@@ -15,7 +15,7 @@ from sim.numerics.compiled_files import read
 from sim.numerics.kernels import file_of
 
 RECORDED = Path(__file__).with_suffix(".jsonl")
-"""A call a line, as `as_line` writes it, those that take longest first; `scripts/record_signatures.py` makes it."""
+"""File with one call per line (see `as_line`), slowest compilation first; `scripts/record_signatures.py` writes it."""
 
 
 def recorded_calls() -> list[str]:
@@ -24,34 +24,34 @@ def recorded_calls() -> list[str]:
 
 
 def missing(*, before_moves: bool) -> list[str]:
-    """Return the recorded calls whose code is not kept here, or is damaged.
+    """Return the recorded calls without stored code, or with damaged code.
 
     Args:
-        before_moves: only those of the first tick, when no robot has a goal yet.
+        before_moves: True for only those of the first tick, when no robot has a goal yet.
     """
     asked = (call for call in recorded_calls() if not (before_moves and json.loads(call)["moves"]))
     return [call for call in asked if read(kept_at(call)) is None]
 
 
 def compile_call(call: str) -> None:
-    """Compile the kernel of a recorded call, with all that it calls."""
+    """Compile the kernel of a recorded call, including all kernels that it calls."""
     kernel, arguments = _read(call)
     kernel.compile(arguments)  # type: ignore[attr-defined]  # numba's
 
 
 def kept_at(call: str) -> Path:
-    """Return the file of the code of a recorded call."""
+    """Return the file with the code of a recorded call."""
     return file_of(*_read(call))
 
 
 def as_line(kernel: object, arguments: tuple[types.Type, ...], *, moves: bool) -> str:
-    """Return the line of a kernel called with arguments of these types; `moves`: by robots that have goals."""
+    """Return the line for a kernel and its argument types; `moves`: only robots with goals call it."""
     name = f"{kernel.__module__}:{kernel.__name__}"  # type: ignore[attr-defined]
     return json.dumps({"kernel": name, "arguments": list(map(_encoded, arguments)), "moves": moves})
 
 
 def is_kernel(compiled: object) -> bool:
-    """Return True for a kernel of ours that has a name to find it by."""
+    """Return True for a kernel of this project that can be found by its name."""
     module, name = compiled.__module__, compiled.__name__  # type: ignore[attr-defined]
     return module.startswith(("sim.", "thbridge.")) and getattr(sys.modules[module], name, None) is compiled
 
@@ -67,7 +67,7 @@ def _named(name: str) -> object:
 
 
 def _encoded(kind: types.Type) -> object:
-    """Return a scalar by its name, an array by its layout, a tuple by its class and what it holds."""
+    """Encode a scalar by its name, an array by its layout, a tuple by its class and items."""
     match kind:
         case types.Array():
             return {"array": str(kind.dtype), "ndim": kind.ndim, "layout": kind.layout, "readonly": not kind.mutable}

@@ -1,4 +1,4 @@
-"""Keys of source files, by which compiled code is found again only for what it was compiled from."""
+"""Keys of source files. Compiled code is found by them, so it always belongs to the present sources."""
 
 import hashlib
 import re
@@ -12,15 +12,15 @@ _IMPORT = re.compile(
 
 
 def key_of(file: Path) -> str:
-    """Return the key of a file: 16 hex digits of its own text and of all texts of ours that it reaches by imports.
+    """Return the key of a file: 16 hex digits of its text and of all files of the project that it reaches by imports.
 
-    A change in a file that is not among them does not change it, nor does a move of all of them to another folder.
+    Changes in other files do not change it. Neither does moving all of them to another folder.
     """
     return hashlib.blake2b("".join(sorted(map(_digest, reached(file)))).encode(), digest_size=8).hexdigest()
 
 
 def reached(file: Path) -> set[Path]:
-    """Return the file and all files of ours that it reaches by imports, with the packages that they are in."""
+    """Return the file and all files of the project that it reaches by imports, including their packages."""
     found, ahead = {file}, [file]
     while ahead:
         new = _imported(ahead.pop()) - found
@@ -37,14 +37,14 @@ def _digest(file: Path) -> str:
 
 @cache
 def _imported(file: Path) -> frozenset[Path]:
-    """Return the files that a file imports; they are searched for in its text, which is 25 times as fast as parsing."""
+    """Return the files that a file imports. A search in its text is 25 times as fast as parsing."""
     files: set[Path] = set()
     for module, names in _IMPORT.findall(file.read_text(encoding="utf-8")):
         folder = ROOT
         for part in module.split("."):
             folder /= part
             files |= {folder / "__init__.py", folder.with_suffix(".py")}
-        # Modules of a package are imported by name; what else is a name is no file.
+        # Modules of a package are imported by name. Other imported names are not files.
         for name in re.findall(r"\w+", names):
             files |= {folder / name / "__init__.py", folder / f"{name}.py"}
     return frozenset(found for found in files if found.is_file())

@@ -1,1 +1,1 @@
-"""The truth: physics, sensors with their errors, and things that stand or walk where robots drive."""
+"""The truth: physics, sensors with their noise, and things that stand or walk where robots drive."""

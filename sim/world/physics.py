@@ -1,7 +1,7 @@
-"""The physics: differential-drive robots that move, touch walls and one another, and count their wheels' turns.
+"""Physics of differential-drive robots: they move, touch walls and one another, and measure their wheels' rotation.
 
 A tick is one call of one compiled kernel for all robots. Robots move one after the other in the team's order, each
-against the bodies of the others as they then stand, so that no two ever overlap and none waits for another.
+against the present bodies of the others. So no two robots ever overlap, and none waits for another.
 """
 
 import math
@@ -48,17 +48,17 @@ class WorldState:
     """The truth about n robots at one tick; its arrays are read-only.
 
     Attributes:
-        tick: physics steps since the session began.
+        tick: number of physics steps since the session began.
         poses: (n, 3) x, y, theta of every base in the map frame, theta in [-pi, pi).
-        twists: (n, 2) true velocities of the last tick, base frame: m/s forward, rad/s anti-clockwise.
+        twists: (n, 2) true velocities of the last tick, base frame: m/s forward, rad/s counterclockwise.
         odom_poses: (n, 3) poses of the bases by their wheels, in each robot's own frame odom (its start).
-        odom_twists: (n, 2) the velocities that the wheels measured in the last tick.
-        charge: (n,) energy left, in the game's units.
-        contact: (n,) bool, stopped by a wall, another robot or a thing, and not yet away from it.
-        collisions: (n,) int64, how often contact began.
-        noise: errors of the sensors.
-        things: those that are there, and those that wait to appear.
-        bodies: those of the things that are there, map frame.
+        odom_twists: (n, 2) velocities that the wheels measured in the last tick.
+        charge: (n,) remaining energy, in the game's units.
+        contact: (n,) bool, True for a robot stopped by a wall, another robot or a thing, and not yet away from it.
+        collisions: (n,) int64, number of contacts that began.
+        noise: true noise of the sensors.
+        things: things that are present, and things that wait to appear.
+        bodies: bodies of the present things, map frame.
     """
 
     tick: int
@@ -74,7 +74,7 @@ class WorldState:
     bodies: Polygons = NO_POLYGONS
 
     def __post_init__(self) -> None:
-        """Seal the arrays: a recorded tick stays what it was."""
+        """Make the arrays read-only, because recorded ticks must not change."""
         self.poses.flags.writeable = False
         self.twists.flags.writeable = False
         self.odom_poses.flags.writeable = False
@@ -86,12 +86,12 @@ class WorldState:
 
 @dataclass(frozen=True, slots=True)
 class Misplaced:
-    """Refusal of a pose at which a robot was to be put.
+    """Refusal of a pose where a robot was to be put.
 
     Attributes:
         robot: its index in the team.
-        reason: "wall", "robot", "thing" (its body would overlap one), or "outside" (of the map).
-        sentence: the same for people, with robots and coordinates named.
+        reason: "wall", "robot", "thing" (its body would overlap one), or "outside" (the map).
+        sentence: the same for people, with robots and coordinates.
     """
 
     robot: int
@@ -103,9 +103,9 @@ class _Body(NamedTuple):
     """Size and limits of a robot, for the kernel.
 
     Attributes:
-        radius: that of the circle around the base that holds all corners, meters.
-        reach: the farthest any corner gets in one tick, meters.
-        max_vel_x: see WorldParameters, and so on.
+        radius: radius of the circle around the base that contains all corners, meters.
+        reach: the farthest that any corner moves in one tick, meters.
+        max_vel_x: see WorldParameters, also for the others.
     """
 
     radius: float
@@ -132,13 +132,13 @@ def _touches(
 
     Args:
         robot: its index.
-        poses: (n, 3) of all robots, its own included, map frame.
+        poses: (n, 3) poses of all robots, including its own, map frame.
         footprint: (v, 2) corners, the same for all.
-        radius: that of the circle around the base that holds them.
-        clearance: that of the grid.
-        frame: the grid's.
-        bodies: those of things, map frame.
-        margin: meters; 0 asks for overlap.
+        radius: radius of the circle around the base that contains them.
+        clearance: clearance of the grid.
+        frame: frame of the grid.
+        bodies: bodies of the things, map frame.
+        margin: meters; with 0, only overlaps count.
         touched: (n,) set to True for every robot that is touched.
     """
     x, y, theta = poses[robot]
@@ -165,16 +165,16 @@ def _touches(
 
 @njit(cache=True)
 def _towards(value: float, target: float, limit: float, change: float) -> float:
-    """`value` moved towards the target by at most `change`, the target having been clipped to +-limit."""
+    """Return `value` moved by at most `change` towards the target, which is limited to +-limit."""
     target = min(limit, max(-limit, target))
     return min(value + change, max(value - change, target))
 
 
 @njit(cache=True)
 def _chord(linear: float, angular: float, time: float) -> tuple[float, float]:
-    """Return the signed length of the chord of an arc, and half the angle turned: the chord's own angle to the start's heading."""
+    """Return the signed length of an arc's chord, and half the angle turned: the chord's angle to the first heading."""
     half = 0.5 * angular * time
-    # Below this angle sin(half) / half is 1 to the last bit.
+    # Below this angle, sin(half) / half is 1 to the last bit, and the division by 0 is avoided.
     shrink = elementary.sin(half) / half if abs(half) > 1e-9 else 1.0
     return linear * time * shrink, half
 
@@ -196,7 +196,7 @@ def _step(
     frame: GridFrame,
     bodies: Polygons,
 ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, BoolArray, IntArray]:
-    """Return one tick for all robots; see WorldState and SensorNoise for the arrays, World.step for what happens."""
+    """Return the state after one tick; see WorldState and SensorNoise for the arrays, World.step for the rules."""
     n = poses_before.shape[0]
     poses = poses_before.copy()
     twists = np.empty((n, 2))
@@ -213,7 +213,7 @@ def _step(
         if linear == 0.0 and angular == 0.0:
             continue
         x, y, theta = poses[i, 0], poses[i, 1], poses[i, 2]
-        # No corner may pass over a cell between two looks.
+        # Check the body often enough that no corner jumps over a cell between two checks.
         travel = (abs(linear) + abs(angular) * body.radius) * TICK
         looks = max(1, math.ceil(travel / frame.resolution))
         blocked = False
@@ -234,6 +234,7 @@ def _step(
             contact[i] = True
             continue
         chord, half = _chord(linear, angular, TICK)
+        # Noise is keyed by the tick. So a robot that stands still draws none, without changing later numbers.
         normals(keys[i], tick, draws)
         w = wheels[i]
         first_turn, measured_chord, second_turn = measured_increment(
@@ -247,8 +248,8 @@ def _step(
         odom_twists[i, 1] = (first_turn + second_turn) / TICK
     ignored = np.empty(n, dtype=np.bool_)
     for i in range(n):
-        # A robot is refused up to one tick's travel from what is in its way. It keeps in contact until it is farther
-        # than that: to creep nearer and be refused again is not another collision.
+        # A robot is refused up to one tick's travel before an obstacle. It stays in contact until it is farther away
+        # than that: creeping nearer and being refused again is not another collision.
         if contact_before[i] and not contact[i]:
             wall, other, thing = _touches(
                 i, poses, footprint, body.radius, clearance, frame, bodies, body.reach, ignored
@@ -266,19 +267,19 @@ def _odometry_keys(seed: int, robots: int) -> NDArray[np.uint64]:
 
 
 def with_charge(state: WorldState, robot: int, charge: float) -> WorldState:
-    """Return the same world, but for the energy left to one robot (index in the team)."""
+    """Return the same world with another remaining energy of one robot (index in the team)."""
     charges = state.charge.copy()
     charges[robot] = charge
     return replace(state, charge=charges)
 
 
 def with_noise(state: WorldState, robots: Sequence[WorldParameters]) -> WorldState:
-    """Return the same world, with sensors that err as the parameters of each robot say."""
+    """Return the same world with the sensor noise in the parameters of each robot."""
     return replace(state, noise=SensorNoise.of(robots))
 
 
 def with_thing(state: WorldState, thing: Thing) -> WorldState:
-    """Return the same world with a thing that appears as soon as its place is free; one of the same name vanishes."""
+    """Return the world with one more thing, which appears once its place is free; it replaces one of the same name."""
     kept = without_thing(state, thing.name)
     return replace(kept, things=(*kept.things, ThingState(thing)))
 
@@ -292,11 +293,11 @@ def without_thing(state: WorldState, name: str) -> WorldState:
 class World:
     """The physics of n robots among the walls of one map.
 
-    Only occupied cells (100) are walls; unknown cells and the outside of the map are empty, as for the laser.
+    Only occupied cells (100) are walls. Unknown cells and the space outside the map are empty, as for the laser.
     """
 
     def __init__(self, grid: OccupancyGrid, parameters: WorldParameters, seed: int, charge: float) -> None:
-        """Build a world; `charge` is the energy every robot starts with.
+        """Build a world; `charge` is the initial energy of every robot.
 
         Raises:
             ValueError: the footprint has fewer than three corners.
@@ -321,7 +322,7 @@ class World:
         )
 
     def start(self, poses: Sequence[Pose2]) -> WorldState | Misplaced:
-        """Tick 0: all robots at rest at these poses (map frame), odometry at zero; or which of them cannot be there."""
+        """Return tick 0 with all robots at rest at these poses (map frame), zero odometry; or the impossible pose."""
         n = len(poses)
         placed = np.empty((n, 3))
         for robot, pose in enumerate(poses):
@@ -342,7 +343,7 @@ class World:
         )
 
     def place(self, state: WorldState, robot: int, pose: Pose2) -> WorldState | Misplaced:
-        """Return the same world with one robot (index) lifted to another pose, at rest; its odometry stays as it is."""
+        """Return the same world with one robot (index) moved to another pose, at rest. Its odometry does not change."""
         poses = state.poses.copy()
         poses[robot] = pose.x, pose.y, wrap_angle(pose.theta)
         obstacle = self._obstacle(robot, poses, state.bodies)
@@ -357,19 +358,19 @@ class World:
         return replace(state, poses=poses, twists=twists, odom_twists=odom_twists, contact=contact)
 
     def step(self, state: WorldState, commands: FloatArray) -> WorldState:
-        """Return one tick later: the things move, then the robots.
+        """Return the world one tick later: the things move, then the robots.
 
-        Each robot's velocity goes towards its command as far as the motors' speed and acceleration allow, and moves it
-        along an exact arc. One whose body would touch a wall or another body anywhere along it stays where it was and
-        loses its velocity; both touching robots are then in contact. Odometry errs by Probabilistic Robotics, table
-        5.6, with numbers keyed by (seed, robot, tick).
+        Each robot's velocity moves towards its command within the motors' limits of speed and acceleration. The robot
+        moves along an exact arc. If its body would touch a wall or another body anywhere along the arc, it stays where
+        it was and loses its velocity; if it touches a robot, both are in contact. Odometry has the noise of
+        Probabilistic Robotics, table 5.6, keyed by (seed, robot, tick).
 
         Args:
-            state: now.
-            commands: (n, 2) wanted velocities, base frame: m/s forward, rad/s anti-clockwise.
+            state: the present world.
+            commands: (n, 2) wanted velocities, base frame: m/s forward, rad/s counterclockwise.
 
         Raises:
-            ValueError: not one finite command for every robot.
+            ValueError: `commands` is not one finite command for every robot.
         """
         n = state.poses.shape[0]
         if commands.shape != (n, 2):
@@ -407,7 +408,7 @@ class World:
         return things, state.bodies if still else polygons_of(things)
 
     def _obstacle(self, robot: int, poses: FloatArray, bodies: Polygons) -> Misplaced | None:
-        """Refuse this robot's pose in (n, 3) `poses`, among the bodies of things; None when its body can be there."""
+        """Return why this robot's pose in (n, 3) `poses` is impossible among the bodies of things, or None."""
         x, y = float(poses[robot, 0]), float(poses[robot, 1])
         where = f"{robot_name(robot)} cannot be at ({x:.2f}, {y:.2f})"
         if not self._grid.contains(*self._grid.cell_of(x, y)):

@@ -1,7 +1,7 @@
-"""Errors of every robot's sensors: their true magnitudes, which may change while robots run.
+"""True noise of every robot's sensors, which may change while robots run.
 
-They are factors of keyed noise (`sim.numerics.noise`), so that a change of one robot's changes no number that another
-draws.
+The values are factors of keyed noise (`sim.numerics.noise`). So a change for one robot changes no random number of
+another one.
 """
 
 import math
@@ -17,7 +17,7 @@ from sim.parameters import OdometryNoise, WorldParameters
 
 
 class WheelNoise(NamedTuple):
-    """Errors of the wheels, as in OdometryNoise, in the form that compiled kernels take."""
+    """Noise of the wheels, as in OdometryNoise, in the form for compiled kernels."""
 
     alpha1: float
     alpha2: float
@@ -28,21 +28,21 @@ class WheelNoise(NamedTuple):
 
 
 def wheel_noise_of(noise: OdometryNoise) -> WheelNoise:
-    """Convert the parameters to the form that compiled kernels take."""
+    """Convert the parameters to the form for compiled kernels."""
     return WheelNoise(noise.alpha1, noise.alpha2, noise.alpha3, noise.alpha4, noise.linear_scale, noise.angular_scale)
 
 
 @njit(cache=True)
 def measured_increment(wheels: WheelNoise, chord: float, half: float, draws: FloatArray) -> tuple[float, float, float]:
-    """Return one tick's arc as wheels measure it: the turn before its chord, the chord's length, the turn after it.
+    """Return the arc of one tick as the wheels measure it: first turn, length of the chord, second turn.
 
     Args:
-        wheels: their errors.
-        chord: signed length of the chord that was really driven, meters.
-        half: the chord's angle to the heading before it, half of what was turned, radians.
+        wheels: noise of the wheels.
+        chord: signed length of the true chord, meters.
+        half: angle from the heading before to the chord, which is half of the true turn, radians.
         draws: (3,) standard normals.
 
-    Source: Probabilistic Robotics, table 5.6, around the increment that really happened.
+    Source: Probabilistic Robotics, table 5.6, applied to the true increment.
     """
     turn_noise = math.sqrt(wheels.alpha1 * half * half + wheels.alpha2 * chord * chord)
     chord_noise = math.sqrt(wheels.alpha3 * chord * chord + 2.0 * wheels.alpha4 * half * half)
@@ -54,12 +54,12 @@ def measured_increment(wheels: WheelNoise, chord: float, half: float, draws: Flo
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SensorNoise:
-    """Errors of the sensors of n robots; its arrays are read-only.
+    """True noise of the sensors of n robots; its arrays are read-only.
 
     Attributes:
-        wheels: (n, 6) each row the numbers of a `WheelNoise`.
-        laser: (n, 3) standard deviation and bias of ranges, meters; share of beams that are lost.
-        gyro: (n,) standard deviation of the measured rate of turn, rad/s.
+        wheels: (n, 6) each row the values of a `WheelNoise`.
+        laser: (n, 3) standard deviation and bias of ranges, meters; proportion of lost beams.
+        gyro: (n,) standard deviation of the measured angular velocity, rad/s.
     """
 
     wheels: FloatArray
@@ -67,14 +67,14 @@ class SensorNoise:
     gyro: FloatArray
 
     def __post_init__(self) -> None:
-        """Seal the arrays."""
+        """Make the arrays read-only."""
         self.wheels.flags.writeable = False
         self.laser.flags.writeable = False
         self.gyro.flags.writeable = False
 
     @classmethod
     def of(cls, robots: Sequence[WorldParameters]) -> "SensorNoise":
-        """Gather the errors of a team; each robot has parameters of its own."""
+        """Collect the noise of a team, from each robot's parameters."""
         wheels = [wheel_noise_of(robot.odometry) for robot in robots]
         lasers = [(robot.laser.range_noise, robot.laser.range_bias, robot.laser.dropout) for robot in robots]
         return cls(

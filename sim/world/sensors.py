@@ -1,4 +1,4 @@
-"""Sensors: a robot's wheels, gyroscope, laser and battery read the world, each with its own keyed noise."""
+"""Sensors: a robot's wheels, gyroscope, laser and battery measure the world, each with its own keyed noise."""
 
 import math
 from functools import lru_cache
@@ -34,9 +34,9 @@ def _sweep(
     frame: GridFrame,
     bodies: Polygons,
 ) -> FloatArray:
-    """Return (m,) true ranges of one robot's laser: to walls, all other robots and things; inf beyond range_max.
+    """Return the (m,) true ranges of one robot's laser to walls, other robots and things; inf beyond range_max.
 
-    `radius`, meters, is that of a circle around the base that holds the (v, 2) corners of the footprint.
+    `radius`, meters, is that of a circle around the base that contains the (v, 2) corners of the footprint.
     """
     theta = poses[robot, 2]
     laser = np.empty((1, 3))
@@ -112,7 +112,7 @@ def _scan(
     """Return (m,) ranges as one robot's laser reports them, in one call with plain arguments.
 
     Args:
-        robot: see `_sweep`; `BeamFan` and `Polygons` for their parts.
+        robot: see `_sweep`; for parts of `BeamFan` and `Polygons` see there.
         tick: see `_measured`.
         keys: (robots, 3) see `_keys`.
         noise: (robots, 3) range_noise, range_bias and dropout.
@@ -133,14 +133,14 @@ def _inner(
     robot: int, tick: int, odom_poses: FloatArray, odom_twists: FloatArray, twists: FloatArray, charge: FloatArray,
     keys: NDArray[np.uint64], gyro: FloatArray,
 ) -> tuple[float, float, float, float, float, float, float]:  # fmt: skip
-    """Return all that is sensed but the scan: the pose and the twist of odometry, the rate of turn, and the charge.
+    """Return everything that is sensed except the scan: pose and twist of odometry, angular velocity, and charge.
 
     Args:
         robot: its index.
-        tick: the present one.
-        odom_poses: (robots, 3); so the others, see `WorldState`.
+        tick: the present tick.
+        odom_poses: (robots, 3); for this and the others, see `WorldState`.
         keys: (robots, 3) see `_keys`.
-        gyro: (robots,) noise of the rate of turn, rad/s.
+        gyro: (robots,) noise of the angular velocity, rad/s.
     """
     error = np.empty(1)
     normals(keys[robot, 0], tick, error)
@@ -152,7 +152,7 @@ def _inner(
 
 @lru_cache(maxsize=64)
 def _keys(seed: int, robots: int) -> NDArray[np.uint64]:
-    """Return (robots, 3) keys of each robot's streams of noise: of its gyroscope, its ranges, and its lost beams."""
+    """Return (robots, 3) keys of each robot's noise streams: gyroscope, ranges, and lost beams."""
     names = [namespace_of(robot) for robot in range(robots)]
     return np.array(
         [(key(seed, name, "gyro"), key(seed, name, "laser"), key(seed, name, "laser", "dropout")) for name in names],
@@ -161,7 +161,7 @@ def _keys(seed: int, robots: int) -> NDArray[np.uint64]:
 
 
 def mount_of(parameters: LaserParameters) -> LaserMount:
-    """Return the laser as its scans describe it: beams spread evenly and symmetrically about straight ahead."""
+    """Return the laser as its scans describe it: beams spread evenly and symmetrically around straight ahead."""
     return LaserMount(
         laser_in_base=Pose2(parameters.x, 0.0, 0.0),
         angle_min=-0.5 * parameters.field_of_view,
@@ -173,19 +173,19 @@ def mount_of(parameters: LaserParameters) -> LaserMount:
 
 
 class Sensors:
-    """The sensors of every robot in one map; all of them read the same WorldState, and err as it says.
+    """The sensors of every robot in one map. All of them measure the same WorldState, with the noise in it.
 
-    Wheels and gyroscope report every tick. The laser reports `rate` times a second, at another tick for each of
-    neighboring robots, so that their work spreads over time. It sees walls, the bodies of the other robots and of
-    things, never its own. A range is the true range plus a bias and normal noise; nearer than range_min it is
-    range_min, beyond range_max it is +inf, and a lost beam is NaN.
+    Wheels and gyroscope report in every tick. The laser reports `rate` times per second. Neighboring robots have
+    different ticks, so that the work is spread over time. The laser sees walls, other robots and things, but not its
+    own robot. A range is the true range plus a bias and normal noise. Below range_min it is range_min, beyond range_max
+    it is +inf, and a lost beam is NaN.
     """
 
     def __init__(self, grid: OccupancyGrid, parameters: WorldParameters, seed: int, capacity: float) -> None:
         """Mount the sensors; `capacity` is the charge of a full battery, in the game's units.
 
         Raises:
-            ValueError: the laser's rate does not divide the ticks of a second, or its limits are the wrong way round.
+            ValueError: the laser's rate does not divide the ticks per second, or its limits are in the wrong order.
         """
         laser = parameters.laser
         if TICKS_PER_SECOND % laser.rate != 0:
@@ -206,11 +206,11 @@ class Sensors:
         self._frame = grid.frame
 
     def scan_due(self, tick: int, robot: int) -> bool:
-        """Return True if a robot's laser sweeps in this tick."""
+        """Return True if a robot's laser scans in this tick."""
         return (tick + robot) % self._period == 0
 
     def sense(self, state: WorldState, robot: int) -> Observations:
-        """Return the everything robot (index in the team) perceives in this tick."""
+        """Return everything that a robot (index in the team) perceives in this tick."""
         tick, keys = state.tick, _keys(self._seed, len(state.poses))
         x, y, theta, linear, angular, rate, charge = _inner(
             robot, tick, state.odom_poses, state.odom_twists, state.twists, state.charge, keys, state.noise.gyro
@@ -224,7 +224,7 @@ class Sensors:
         )
 
     def _scan(self, state: WorldState, robot: int, keys: NDArray[np.uint64]) -> Scan:
-        """Make one sweep, all beams at the same instant."""
+        """Make one scan, with all beams at the same instant."""
         laser, fan = self._laser, self._fan
         ranges = _scan(
             robot,

@@ -1,4 +1,4 @@
-"""A thing: a body that no map shows, and the path that it walks."""
+"""A thing: a body that no map shows, and its walking path."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -12,15 +12,15 @@ from sim.numerics.float_array import FloatArray
 
 @dataclass(frozen=True)
 class Thing:
-    """A body, and the path that it walks.
+    """A body and its walking path.
 
     Attributes:
-        name: its name for people; a world holds one of a name.
-        footprint: corners in its own frame, meters, in turn around it.
+        name: its name for people; unique within a world.
+        footprint: corners in its own frame, meters, in order.
         base_in_map: pose at which it appears.
-        path: points of the map that it walks to from there, one after the other, facing along; empty when it stays.
-        speed: at which it walks, m/s.
-        back_and_forth: True if it turns back at the end of the path, rather than stay there.
+        path: map points that it walks to from there, one after the other, facing ahead; empty if it stays.
+        speed: walking speed, m/s.
+        back_and_forth: True if it turns back at the end of the path; False if it stays there.
     """
 
     name: str
@@ -34,7 +34,7 @@ class Thing:
         """Refuse a thing without a body, or one that cannot walk.
 
         Raises:
-            ValueError: fewer than three corners, or a point of its path twice in a row.
+            ValueError: it has fewer than three corners, or its path has a point twice in a row.
         """
         if len(self.footprint) < 3:
             raise ValueError(f"the footprint of {self.name} needs at least three corners, not {len(self.footprint)}")
@@ -43,12 +43,12 @@ class Thing:
 
     @cached_property
     def corners(self) -> FloatArray:
-        """(v, 2) the footprint, for kernels."""
+        """(v, 2) footprint, for kernels."""
         return np.array(self.footprint, dtype=np.float64)
 
     @cached_property
     def _points(self) -> FloatArray:
-        """(m, 2) of its path, the start first."""
+        """(m, 2) points of its path, the start first."""
         return np.array([(self.base_in_map.x, self.base_in_map.y), *self.path])
 
     @cached_property
@@ -58,11 +58,11 @@ class Thing:
 
     @property
     def length(self) -> float:
-        """Meters of its path."""
+        """Length of its path, meters."""
         return float(self._distances[-1])
 
     def pose_after(self, walked: float) -> Pose2:
-        """Return the pose after so many meters of its path."""
+        """Return the pose after `walked` meters of its path."""
         if self.length == 0.0:
             return self.base_in_map
         leg = min(int(np.searchsorted(self._distances, walked, side="right")), len(self._distances) - 1)

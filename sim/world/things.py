@@ -1,7 +1,7 @@
-"""Things: bodies that no map shows, which appear, stand or walk where robots drive, and vanish.
+"""Things: bodies that no map shows. They appear, stand or walk where robots drive, and vanish.
 
-A thing never runs into a robot. It appears when its place is free, and one that walks stops before a robot, at a
-distance that grows with the robot's speed. So every collision is the robot's doing.
+A thing never runs into a robot. It appears when its place is free. A walking thing stops before a robot, at a distance
+that grows with the robot's speed. So every collision is caused by the robot.
 """
 
 import math
@@ -17,22 +17,22 @@ from sim.numerics.kernels import njit
 from sim.world.thing import Thing
 
 ROBOT_MARGIN = 0.3
-"""Meters that things leave between themselves and a robot."""
+"""Distance that things keep from a robot, meters."""
 BRAKING_TIME = 1.0
-"""Seconds of a robot's driving that they leave besides, so that it can see and brake."""
+"""Additional distance in seconds of the robot's driving, so that it can see the thing and brake."""
 TURN_BACK_TICKS = 5 * TICKS_PER_SECOND
-"""Ticks that a walking thing waits for a robot before it turns back."""
+"""Ticks for which a walking thing waits for a robot before it turns back."""
 
 
 @dataclass(frozen=True, slots=True)
 class ThingState:
-    """A thing as it is in one tick.
+    """State of a thing in one tick.
 
     Attributes:
         thing: the thing itself.
-        appeared: True if it is there; else it waits until its place is free.
-        walked: meters along its path that it is now.
-        forward: True if it walks along its path, False when back.
+        appeared: True if it is present; False while it waits until its place is free.
+        walked: its present place along the path, meters.
+        forward: True if it walks along its path, False if it walks back.
         held_up: ticks for which a robot has held it up.
     """
 
@@ -57,7 +57,7 @@ def _would_run_into(
     footprint: FloatArray,
     radius: float,
 ) -> bool:
-    """Return True if a body that moves from the point `before` to `here` comes too near to a robot that it nears."""
+    """Return True if a body that moves from point `before` to `here` comes too close to a robot that it approaches."""
     body = placed_at(corners, here[0], here[1], here[2])
     reach = 0.0
     for k in range(corners.shape[0]):
@@ -81,8 +81,8 @@ class RobotBodies:
     Attributes:
         poses: (n, 3) map frame.
         twists: (n, 2) m/s and rad/s.
-        footprint: (v, 2) corners of each.
-        radius: that of the circle around the base that holds them.
+        footprint: (v, 2) corners of each robot.
+        radius: radius of the circle around the base that contains them.
     """
 
     poses: FloatArray
@@ -91,7 +91,7 @@ class RobotBodies:
     radius: float
 
     def would_meet(self, thing: Thing, here: Pose2, before: tuple[float, float]) -> bool:
-        """Return True if a thing that comes from `before` would run into one of them here."""
+        """Return True if a thing that comes from `before` would run into one of the robots here."""
         met: bool = _would_run_into(
             thing.corners, (here.x, here.y, here.theta), before, self.poses, self.twists, self.footprint, self.radius
         )
@@ -99,11 +99,11 @@ class RobotBodies:
 
 
 FROM_NOWHERE = (math.inf, math.inf)
-"""Point that an appearing thing comes from: from infinitely far, it nears every robot."""
+"""Previous point of an appearing thing: from infinitely far away, it approaches every robot."""
 
 
 def step_things(presences: Sequence[ThingState], robots: RobotBodies) -> tuple[ThingState, ...]:
-    """Step all things by one tick; those that neither appeared nor walked stay the very same values."""
+    """Step all things by one tick. Things that neither appear nor walk stay the same objects."""
     return tuple(_step_thing(presence, robots) for presence in presences)
 
 
@@ -127,7 +127,7 @@ def _step_thing(presence: ThingState, robots: RobotBodies) -> ThingState:
 
 
 def polygons_of(presences: Sequence[ThingState]) -> Polygons:
-    """Return the bodies of the things that are there, map frame."""
+    """Return the bodies of the present things, map frame."""
     there = [presence for presence in presences if presence.appeared]
     if not there:
         return NO_POLYGONS
