@@ -1,1 +1,1 @@
-"""One robot's own software, from sensor messages to motor commands; it never sees the truth."""
+"""The software of one robot, from sensor messages to motor commands. It never sees the truth."""

@@ -1,4 +1,4 @@
-"""Parts of a robot's software that labs bring, by the names that parameters have for them."""
+"""Installed parts of a robot's software, by the names that parameters use for them."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -11,7 +11,7 @@ from sim.robot.navigator.recovery import RecoveryFactory
 
 @dataclass(frozen=True, slots=True)
 class InstalledParts:
-    """Factories of parts. What they make raises `PartFailed`, and nothing else, where it fails.
+    """Factories of installed parts. If a part fails, it raises `PartFailed` and no other exception.
 
     Attributes:
         localizers: localizers.
@@ -24,7 +24,7 @@ class InstalledParts:
     recoveries: Mapping[str, RecoveryFactory] = field(default_factory=dict)
 
     def check(self, parameters: RobotParameters) -> None:
-        """Raise ValueError where parameters name a part that is not here."""
+        """Raise ValueError if parameters name a part that is not installed."""
         for kind, _, name in installed_names(parameters):
             if name not in getattr(self, kind):
                 raise ValueError(f"there is no part {name} among the {kind}")

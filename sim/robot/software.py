@@ -1,4 +1,4 @@
-"""One robot's own software: sense -> estimate -> plan -> drive."""
+"""The software of one robot: sense -> estimate -> plan -> drive."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -19,9 +19,9 @@ class RobotOutput:
 
     Attributes:
         observations: its sensors' messages.
-        estimate: believed pose of the robot.
-        navigation: command, goal and plan; its command acts in the next tick.
-        neighbor: the state that it broadcasts; the other robots receive it in the next tick.
+        estimate: pose where the robot believes it is.
+        navigation: command, goal and plan. Its command acts in the next tick.
+        neighbor: state that it broadcasts. The other robots receive it in the next tick.
     """
 
     observations: Observations
@@ -31,19 +31,19 @@ class RobotOutput:
 
     @property
     def tick(self) -> int:
-        """The tick of its observations."""
+        """Tick of its observations."""
         return self.observations.tick
 
     @property
     def lost(self) -> bool:
-        """True when the robot holds itself to be lost."""
+        """True if the robot considers itself lost."""
         return self.estimate.lost
 
 
 class PropagatedOutput(RobotOutput):
     """Output in a tick in which nothing was due: that of the last step, propagated by odometry.
 
-    Its parts are made when somebody looks at them, which in most ticks nobody does.
+    Its parts are made only when they are read, because most ticks are never looked at.
     """
 
     _parts: tuple[RobotOutput, int, Sequence[float], Sequence[float], Callable[[], Observations]]
@@ -60,11 +60,11 @@ class PropagatedOutput(RobotOutput):
         """Propagate an output.
 
         Args:
-            left: the output of the last step, but for what holds in its own tick alone.
-            tick: the present one.
-            base_in_map: x, y and heading that the robot believes in now.
+            left: output of the last step, without what holds only in its own tick.
+            tick: the present tick.
+            base_in_map: x, y and heading where the robot now believes it is.
             twist: its velocity by odometry, m/s and rad/s.
-            sense: makes its observations of now.
+            sense: function that makes its present observations.
         """
         output = cls.__new__(cls)
         output.__dict__.update(navigation=left.navigation, _parts=(left, tick, base_in_map, twist, sense))
@@ -72,43 +72,43 @@ class PropagatedOutput(RobotOutput):
 
     @property
     def tick(self) -> int:
-        """See `RobotOutput`; nothing is made."""
+        """The same as in `RobotOutput`, without making any part."""
         return self._parts[1]
 
     @property
     def lost(self) -> bool:
-        """See `RobotOutput`; nothing is made."""
+        """The same as in `RobotOutput`, without making any part."""
         return self._parts[0].lost
 
     @cached_property
     def observations(self) -> Observations:
-        """Made now."""
+        """Observations, made on first use."""
         return self._parts[-1]()
 
     @cached_property
     def estimate(self) -> Estimate:
-        """Made now."""
+        """Estimate, made on first use."""
         left, tick, _, _, _ = self._parts
         return replace(left.estimate, tick=tick, base_in_map=self.neighbour.base_in_map, updated=False, fault="")
 
     @cached_property
     def neighbour(self) -> Neighbour:
-        """Made now."""
+        """Broadcast state, made on first use."""
         left, _, (x, y, theta), (linear, angular), _ = self._parts
         last, here, twist = left.neighbour, Pose2(x, y, theta), Twist(linear, angular)
         return Neighbour(last.robot, here, twist, last.footprint, last.path, last.times, last.claim)
 
 
 class Robot:
-    """The software of one robot: a localizer and a navigator, joined; it knows nothing but its observations.
+    """The software of one robot: a localizer connected with a navigator. It knows only its observations.
 
     Args:
         index: its index in the team.
         footprint: (n, 2) corners of its body in the base frame, meters.
 
     Attributes:
-        next_due: first tick in which a step does more than carry its output on, if no scan and no request comes.
-        lost: True if it did not know its place in the last step.
+        next_due: first tick in which a step does more than propagate the output, if no scan and no request comes.
+        lost: True if the robot was lost in the last step.
     """
 
     def __init__(self, index: int, localizer: Localizer, navigator: Navigator, footprint: FloatArray) -> None:
@@ -122,15 +122,15 @@ class Robot:
         self._left: RobotOutput
 
     def configure(self, parameters: RobotParameters) -> None:
-        """Go on with these parameters, and with the present belief, costmaps and goal."""
+        """Continue with these parameters. Belief, costmaps and goal stay."""
         self.localizer.configure(parameters)
         self.navigator.configure(parameters)
 
     def step(self, observations: Observations, neighbours: Sequence[Neighbour]) -> RobotOutput:
-        """Return one tick: estimate from what was sensed, then plan and choose the next command.
+        """Run one tick: estimate from the observations, then plan and choose the next command.
 
         Args:
-            observations: this tick's.
+            observations: observations of this tick.
             neighbors: broadcasts of the other robots in the last tick.
         """
         tick, odometry = observations.tick, observations.odometry
@@ -153,19 +153,19 @@ class Robot:
         self.next_due = self.navigator.next_due(tick, neighbours) if carries else tick + 1
         if navigation.result or navigation.global_costmap or navigation.local_costmap or navigation.fault:
             lasting = replace(navigation, result=None, global_costmap=None, local_costmap=None, fault="")
-            # The output, but for what holds in its own tick alone.
+            # The output without what holds only in its own tick.
             self._left = RobotOutput(observations, estimate, lasting, neighbour)
         return output
 
     def skip(
         self, tick: int, base_in_map: Sequence[float], twist: Sequence[float], sense: Callable[[], Observations]
     ) -> RobotOutput:
-        """Return one tick in which nothing is due. See `PropagatedOutput.of` for the arguments."""
+        """Return the output of a tick in which nothing is due. See `PropagatedOutput.of` for the arguments."""
         self.navigator.skip(tick)
         self._skipped = True
         return PropagatedOutput.of(self._left, tick, base_in_map, twist, sense)
 
     def rejoin(self, neighbours: Sequence[Neighbour]) -> None:
-        """Take in what others broadcast before the last tick, if no step was due in that."""
+        """Process what others broadcast before the last tick, if that tick had no step."""
         if self._skipped:
             self.navigator.rejoin(neighbours)

@@ -1,1 +1,1 @@
-"""Layered costmaps: what it costs a robot to be somewhere."""
+"""Layered costmaps: the cost for a robot of being in a place."""

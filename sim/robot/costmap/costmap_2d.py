@@ -1,4 +1,4 @@
-"""One costmap of one robot, put together from its parameters.
+"""A costmap of a robot, built from its parameters.
 
 Source: ros-planning/navigation, costmap_2d/src/costmap_2d_ros.cpp.
 """
@@ -23,18 +23,18 @@ from sim.robot.costmap.static import StaticLayer
 
 
 class Costmap2D:
-    """A costmap with the layers static, obstacle, robots and inflation, in this order, as far as they are enabled.
+    """A costmap with the enabled layers among static, obstacle, robots and inflation, in this order.
 
     Args:
-        parameters: costmap_2d's; those of a local costmap make one that moves along with the robot.
-        body: (n, 2) corners of the robot's true body, base frame, meters; they count where the parameters give none.
-        grid: the map on whose cells it lies; its origin must not be turned.
+        parameters: parameters of costmap_2d; those of a local costmap make one that moves with the robot.
+        body: (n, 2) corners of the robot's true body, base frame, meters; used if the parameters have no footprint.
+        grid: the map on whose cells it lies; its origin must not be rotated.
 
     Attributes:
         footprint: (n, 2) padded corners, base frame, meters.
-        inscribed_radius: that of the padded footprint, meters.
-        circumscribed_radius: the same.
-        obstacles: what the laser has seen.
+        inscribed_radius: inscribed radius of the padded footprint, meters.
+        circumscribed_radius: circumscribed radius of the padded footprint, meters.
+        obstacles: layer of what the laser has seen.
     """
 
     def __init__(self, parameters: CostmapParameters, body: FloatArray, grid: OccupancyGrid) -> None:
@@ -45,14 +45,14 @@ class Costmap2D:
         self._build(parameters)
 
     def _build(self, parameters: CostmapParameters) -> None:
-        """Put the costmap together; only the robots' layer stays what it was."""
+        """Build the costmap; only the layer of the robots is kept."""
         grid = self._grid
         self._parameters = parameters
         self.footprint = pad(_corners(parameters, self._body), parameters.footprint_padding)
         self.inscribed_radius, self.circumscribed_radius = radii(self.footprint)
         self._shape: tuple[int, int] | None = None
         if isinstance(parameters, LocalCostmapParameters):
-            # A rounding error above a whole number of cells is no further cell.
+            # A rounding error above a whole number of cells must not add a cell.
             self._shape = (
                 int(parameters.height / grid.resolution + 1e-9),
                 int(parameters.width / grid.resolution + 1e-9),
@@ -73,12 +73,12 @@ class Costmap2D:
         self._layered = self._empty(self._layers)
 
     def _empty(self, layers: Sequence[CostmapLayer]) -> LayeredCostmap:
-        """Make a costmap of this one's size, of which at most the walls are written yet."""
+        """Make a costmap of this one's size, in which at most the walls are written yet."""
         track = self._parameters.track_unknown_space
         return LayeredCostmap(self._grid, layers, self._shape, track, self._walls)
 
     def configure(self, parameters: CostmapParameters) -> None:
-        """Go on with these parameters and the marks made so far; the costs are up to date at once."""
+        """Continue with these parameters and the present marks. The costs are updated immediately."""
         if replace(parameters, publish_frequency=self._parameters.publish_frequency) == self._parameters:
             return
         seen, window = self.obstacles, self._layered.window
@@ -93,7 +93,7 @@ class Costmap2D:
 
     @property
     def costs(self) -> Costs:
-        """(rows, cols) as of the last update."""
+        """(rows, cols) costs of the last update."""
         return self._layered.costs
 
     @property
@@ -102,7 +102,7 @@ class Costmap2D:
         return self._layered.frame
 
     def observe(self, seen: CostmapObservation) -> None:
-        """Take in a scan: it marks at once, and clears as often as the costmap is to be updated."""
+        """Process a scan: it marks at once, and clears at the update rate of the costmap."""
         self._roll(seen.base_in_map.x, seen.base_in_map.y)
         tick = seen.scan.tick
         clears = not 0 < tick - self._cleared < self._clear_ticks
@@ -111,24 +111,24 @@ class Costmap2D:
         self.obstacles.observe(seen, clears)
 
     def update_neighbours(self, neighbours: Sequence[Neighbour]) -> None:
-        """Take in the last broadcasts of the other robots."""
+        """Process the last broadcasts of the other robots."""
         self._robots.update_neighbours(neighbours)
 
     def update(self, x: float, y: float) -> tuple[Window, ...]:
-        """Bring the costs up to date for a robot at this map point.
+        """Update the costs for a robot at this map point.
 
         Returns:
-            The cells that were written, in cells of the static map; windows may overlap.
+            The windows that were written, in cells of the static map; they may overlap.
         """
         self._roll(x, y)
         return self._layered.update()
 
     def without_robots(self) -> Costs:
-        """Return (rows, cols) costs as they would be if the other robots were not there."""
+        """Return (rows, cols) costs without the other robots."""
         return self._composed([layer for layer in self._layers if layer is not self._robots])
 
     def without_observations(self) -> Costs:
-        """Return (rows, cols) costs as they would be if, besides, the laser had seen nothing; not to be written to."""
+        """Return (rows, cols) costs without the other robots and without laser marks; not to be written to."""
         if self._walls is not None:
             return self._walls
         blank = self.obstacles.copied()
@@ -145,15 +145,15 @@ class Costmap2D:
     def as_updated(
         self, x: float, y: float, neighbours: Sequence[Neighbour], pending: CostmapObservation | None = None
     ) -> tuple[Costs, CostFrame]:
-        """Return the costs, and their place, as an update now would leave them; nothing of the costmap changes.
+        """Return the costs, and their frame, as an update now would make them, without changing the costmap.
 
         Args:
-            x: place of the robot, map point; so y.
+            x: x of the robot in the map; also y.
             neighbors: the other robots.
-            pending: a scan that the update would take in.
+            pending: a scan that the update would process.
 
         Returns:
-            (rows, cols) and its frame.
+            (rows, cols) costs and their frame.
         """
         robots = RobotsLayer(self._parameters.robots_layer, self._grid)
         changes = pending is not None or self._shape is not None
@@ -181,7 +181,7 @@ def _enabled(
     obstacles: ObstacleLayer,
     robots: RobotsLayer,
 ) -> list[CostmapLayer]:
-    """Return those layers that are enabled, in the order in which they write."""
+    """Return the enabled layers, in the order in which they write."""
     static = StaticLayer(parameters.static_layer, grid)
     inflation = InflationLayer(parameters.inflation_layer, grid.resolution, inscribed_radius)
     layers: tuple[tuple[CostmapLayer, bool], ...] = (
@@ -195,7 +195,7 @@ def _enabled(
 
 @lru_cache(maxsize=8)
 def _walls_of(parameters: CostmapParameters, grid: OccupancyGrid, inscribed_radius: float) -> Costs:
-    """Return (rows, cols) costs of a costmap that covers the map, before anything is seen or heard of.
+    """Return (rows, cols) costs of a costmap that covers the map, before any scan or broadcast.
 
     All robots with the same parameters share them, so they must not be written to.
     """

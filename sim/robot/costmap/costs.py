@@ -1,4 +1,4 @@
-"""The values of a costmap's cells.
+"""Values of a costmap's cells, and rectangles of cells.
 
 Source: ros-planning/navigation, costmap_2d/include/costmap_2d/cost_values.h.
 """
@@ -14,14 +14,14 @@ Costs = NDArray[np.uint8]
 
 FREE = 0
 INSCRIBED = 253
-"""A robot whose center is here touches an obstacle, however it is turned."""
+"""Cost of cells where the robot's center would touch an obstacle for any heading."""
 LETHAL = 254
-"""An obstacle is here."""
+"""Cost of cells with an obstacle."""
 UNKNOWN = 255
-"""The cell is unknown."""
+"""Value of unknown cells."""
 
 MAX_CHANGES = 100
-"""Windows that are kept apart, at most."""
+"""Maximum number of windows that are kept separately."""
 
 
 class CostFrame(NamedTuple):
@@ -33,7 +33,7 @@ class CostFrame(NamedTuple):
 
 
 class Window(NamedTuple):
-    """A rectangle of cells, the upper ends not included; empty when an end is not above its beginning."""
+    """A rectangle of cells, without the upper ends; empty if an end is not above its beginning."""
 
     row: int
     col: int
@@ -42,16 +42,16 @@ class Window(NamedTuple):
 
     @property
     def empty(self) -> bool:
-        """True when it holds no cell."""
+        """True if it contains no cell."""
         return self.row_end <= self.row or self.col_end <= self.col
 
     def of(self, costs: Costs, origin: tuple[int, int] = (0, 0)) -> Costs:
-        """Return the part of an array that lies in this window, as a view; `origin` is the cell at which the array begins."""
+        """Return a view of the part of an array in this window; `origin` is the first cell of the array."""
         row, col = origin
         return costs[self.row - row : self.row_end - row, self.col - col : self.col_end - col]
 
     def meets(self, other: "Window") -> bool:
-        """Return True if the two have cells in common; neither is empty."""
+        """Return True if two windows that are not empty have cells in common."""
         return (
             self.row < other.row_end
             and other.row < self.row_end
@@ -73,7 +73,7 @@ class Window(NamedTuple):
         )
 
     def clipped(self, other: "Window") -> "Window":
-        """Return the part that lies in both."""
+        """Return the common part of both."""
         return Window(
             max(self.row, other.row),
             max(self.col, other.col),
@@ -83,7 +83,7 @@ class Window(NamedTuple):
 
 
 class Changes:
-    """The windows that a layer has changed since it was last asked."""
+    """Windows that a layer has changed since the last call of `take`."""
 
     def __init__(self) -> None:
         self._windows: list[Window] = []
@@ -92,10 +92,10 @@ class Changes:
         """Add a window."""
         self._windows.append(window)
         if len(self._windows) > MAX_CHANGES:
-            # Nobody has asked for long: one window around all of them is enough to know.
+            # The windows were not taken for a long time: one window around all of them suffices.
             self._windows = [functools.reduce(Window.union, self._windows)]
 
     def take(self) -> tuple[Window, ...]:
-        """Return all of them, and forget them."""
+        """Return all windows, and remove them."""
         taken, self._windows = tuple(self._windows), []
         return taken

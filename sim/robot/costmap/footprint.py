@@ -1,4 +1,4 @@
-"""The robot's footprint: its padding, its outline, its radii.
+"""The robot's footprint: padding, outline, radii.
 
 Source: ros-planning/navigation, costmap_2d/src/footprint.cpp.
 """
@@ -12,7 +12,7 @@ from sim.numerics.float_array import FloatArray
 
 
 def of_radius(radius: float) -> FloatArray:
-    """Return (16, 2) corners of the polygon that costmap_2d takes for a round robot."""
+    """Return (16, 2) corners of the polygon that costmap_2d uses for a round robot."""
     return radius * np.array([elementary.cos_sin(i * 2 * math.pi / 16) for i in range(16)])
 
 
@@ -33,7 +33,7 @@ def radii(footprint: FloatArray) -> tuple[float, float]:
     """Return the inscribed and circumscribed radius about the base frame's origin, meters.
 
     Args:
-        footprint: (n, 2) corners in order; the last is joined to the first.
+        footprint: (n, 2) corners in order; the last is connected to the first.
     """
     following = np.roll(footprint, -1, axis=0)
     edges = following - footprint
@@ -44,7 +44,7 @@ def radii(footprint: FloatArray) -> tuple[float, float]:
 
 
 def outline(footprint: FloatArray, spacing: float) -> FloatArray:
-    """Return (m, 2) points along the outline, corners included, no farther apart than `spacing` meters."""
+    """Return (m, 2) points along the outline, including the corners, at most `spacing` meters apart."""
     points: list[FloatArray] = []
     for start, end in zip(footprint, np.roll(footprint, -1, axis=0), strict=True):
         steps = max(1, math.ceil(elementary.hypot(*(end - start)) / spacing))

@@ -1,4 +1,4 @@
-"""The robot's footprint on a costmap: its corners and its reach, and the costs under its outline.
+"""The robot's footprint on a costmap: its corners, its radius, and the costs under its outline.
 
 Source: ros-planning/navigation, costmap_2d/src/footprint.cpp and base_local_planner/src/costmap_model.cpp.
 """
@@ -18,7 +18,7 @@ COLLIDES = -1.0
 
 @njit(cache=True)
 def in_cells(footprint: FloatArray, frame: CostFrame, x: float, y: float, theta: float) -> FloatArray:
-    """Return (n, 2) column and row, in cells, of a footprint's (n, 2) corners when its base is at (x, y, theta) in the map."""
+    """Return (n, 2) columns and rows of a footprint's (n, 2) corners, with its base at (x, y, theta) in the map."""
     c, s = elementary.cos_sin(theta)
     corners = np.empty_like(footprint)
     for i in range(footprint.shape[0]):
@@ -29,7 +29,7 @@ def in_cells(footprint: FloatArray, frame: CostFrame, x: float, y: float, theta:
 
 @njit(cache=True)
 def circumscribed_radius(footprint: FloatArray) -> float:
-    """Meters from the base frame's origin to the farthest of (n, 2) corners."""
+    """Return the distance from the base frame's origin to the farthest of (n, 2) corners, meters."""
     farthest = 0.0
     for i in range(footprint.shape[0]):
         farthest = max(farthest, elementary.hypot(footprint[i, 0], footprint[i, 1]))
@@ -38,7 +38,7 @@ def circumscribed_radius(footprint: FloatArray) -> float:
 
 @njit(cache=True)
 def _line_cost(costs: Costs, row: int, col: int, row_end: int, col_end: int) -> float:
-    """Return the greatest cost along a line of cells (Bresenham), or COLLIDES."""
+    """Return the maximum cost along a line of cells (Bresenham), or COLLIDES."""
     rows, cols = costs.shape
     dr, dc = abs(row_end - row), abs(col_end - col)
     step_r = 1 if row_end >= row else -1
@@ -65,17 +65,18 @@ def _line_cost(costs: Costs, row: int, col: int, row_end: int, col_end: int) -> 
 
 @njit(cache=True)
 def footprint_cost(costs: Costs, frame: CostFrame, footprint: FloatArray, x: float, y: float, theta: float) -> float:
-    """Return the greatest cost under the outline of a footprint, or COLLIDES.
+    """Return the maximum cost under the outline of a footprint, or COLLIDES.
 
     Args:
         costs: (rows, cols).
-        frame: their place in the map.
+        frame: frame of the costs in the map.
         footprint: (n, 2) corners in the base frame.
-        x: place of the base in the map, meters; so y, and theta in radians.
+        x: x of the base in the map, meters; also y, and theta in radians.
 
     Returns:
         FREE to INSCRIBED, or COLLIDES.
     """
+    # Corners are placed one by one, without an array as in `in_cells`: this runs for each pose of each trajectory.
     c, s = elementary.cos_sin(theta)
     n = footprint.shape[0]
     last_x, last_y = footprint[n - 1, 0], footprint[n - 1, 1]

@@ -1,13 +1,13 @@
-"""The layer of inflation: costs that fall with the distance from the nearest obstacle.
+"""The inflation layer: costs that fall with the distance from the nearest obstacle.
 
-The squared distance of a cell to the nearest lethal one separates: the least over all columns of the squared steps to
-that column, plus the squared steps within it to its nearest lethal cell. So columns are swept once up and once down,
-and then each row takes its least over the columns within reach.
+The squared distance of a cell to the nearest lethal cell separates: it is the minimum over all columns of the squared
+steps to this column plus the squared steps within it to its nearest lethal cell. So columns are swept once up and once
+down, and then each row takes its minimum over the columns within reach.
 
 Source: ros-planning/navigation, costmap_2d/plugins/inflation_layer.cpp and include/costmap_2d/inflation_layer.h;
-Felzenszwalb, Huttenlocher, Distance Transforms of Sampled Functions (2012), for taking columns first and rows then.
-Differs: distances are exact, from cell center to cell center, where ROS hands the nearest obstacle from cell to cell
-and now and then misses a nearer one.
+Felzenszwalb, Huttenlocher, Distance Transforms of Sampled Functions (2012), for columns first and then rows.
+Difference: distances are exact, from cell center to cell center. ROS passes the nearest obstacle from cell to cell, and
+sometimes misses a nearer one.
 """
 
 import math
@@ -21,17 +21,17 @@ from sim.parameters import InflationParameters
 from sim.robot.costmap.costs import FREE, INSCRIBED, LETHAL, UNKNOWN, Costs, Window
 
 FAR = np.float32(1e9)
-"""Squared distance, in cells, to an obstacle that is not there."""
+"""Squared distance, in cells, if no obstacle exists."""
 
 
 @njit(cache=True)
 def cost_at(distance: float, inscribed_radius: float, cost_scaling_factor: float) -> int:
-    """Return the cost of a cell this far from the nearest obstacle: LETHAL on it, INSCRIBED within that radius, then falling.
+    """Return the cost at a distance from the nearest obstacle: LETHAL, INSCRIBED within that radius, then falling.
 
     Args:
         distance: meters, at least 0.
-        inscribed_radius: that of the robot's padded footprint, meters.
-        cost_scaling_factor: rate at which the cost falls, 1/m.
+        inscribed_radius: inscribed radius of the robot's padded footprint, meters.
+        cost_scaling_factor: decay rate of the cost, 1/m.
     """
     if distance == 0.0:
         return LETHAL
@@ -42,9 +42,10 @@ def cost_at(distance: float, inscribed_radius: float, cost_scaling_factor: float
 
 @njit(cache=True)
 def _columns_away(costs: Costs, row: int, row_end: int, left: int, right: int, reach: int) -> NDArray[np.float32]:
-    """Return (row_end - row, right - left) squared distance of each cell to the nearest lethal one of its own column."""
+    """Return (row_end - row, right - left) squared distances of cells to the nearest lethal one in their columns."""
     away = np.empty((row_end - row, right - left), np.float32)
     last = np.full(right - left, np.float32(1e4))
+    # Rows since the last lethal cell; 1e4 stands for none, because its square is beyond any reach.
     for r in range(max(0, row - reach), row_end):
         line = costs[r, left:right]
         for c in range(right - left):
@@ -69,13 +70,13 @@ def _columns_away(costs: Costs, row: int, row_end: int, left: int, right: int, r
 def _inflate(
     costs: Costs, table: Costs, inflate_unknown: bool, row: int, col: int, row_end: int, col_end: int
 ) -> None:  # fmt: skip
-    """Raise every cell of a window to the cost that the lethal cell nearest to it asks for.
+    """Raise every cell of a window to the cost that its nearest lethal cell requires.
 
     Args:
         costs: (rows, cols).
-        table: (k * k + 1,) the cost at each squared distance in cells, k the reach.
-        inflate_unknown: True if unknown cells take any cost, not only that of the inscribed radius.
-        row: begin of the window; so col, row_end and col_end. Within `costs`.
+        table: (k * k + 1,) cost for each squared distance in cells; k is the reach.
+        inflate_unknown: True if unknown cells accept any cost, not only that of the inscribed radius.
+        row: first row of the window; also col, row_end and col_end. Within `costs`.
     """
     reach = int(math.sqrt(table.shape[0] - 1))
     farthest = np.float32(table.shape[0])
@@ -88,10 +89,13 @@ def _inflate(
         for c in range(left, right):
             line[c - (col - reach)] = away[r - row, c - left]
         if line.min() >= farthest:
+            # No lethal cell is within reach of any column, as for most rows of open space.
             continue
         for c in range(width):
             best[c] = line[reach + c]
         for step in range(1, reach + 1):
+            # Steps outside, cells inside: the inner loops run along the row without branches, so that they are
+            # vectorized.
             squared = np.float32(step * step)
             before, behind = line[reach - step : reach - step + width], line[reach + step : reach + step + width]
             for c in range(width):
@@ -111,19 +115,19 @@ def _inflate(
 
 
 class InflationLayer:
-    """Costs around every lethal cell; always the last layer.
+    """Costs around every lethal cell. It is always the last layer.
 
     Args:
-        parameters: costmap_2d's.
+        parameters: parameters of costmap_2d.
         resolution: side of a cell, meters.
-        inscribed_radius: that of the padded footprint, meters.
+        inscribed_radius: inscribed radius of the padded footprint, meters.
 
     Attributes:
-        reach: the inflation radius, in cells.
+        reach: inflation radius, in cells.
     """
 
     def __init__(self, parameters: InflationParameters, resolution: float, inscribed_radius: float) -> None:
-        # Whole cells, rounded up: the last of them may lie a little farther away than the radius.
+        # Whole cells, rounded up: the last cell may be a little farther away than the radius.
         self.reach = math.ceil(parameters.inflation_radius / resolution)
         self._inflate_unknown = parameters.inflate_unknown
         distances = np.sqrt(np.arange(self.reach * self.reach + 1)) * resolution
@@ -133,15 +137,15 @@ class InflationLayer:
         )
 
     def bounds(self) -> tuple[Window, ...]:
-        """None of its own: it only follows the changes of the layers before it."""
+        """Return no windows: the layer only follows the changes of previous layers."""
         return ()
 
     def extents(self) -> tuple[Window, ...]:
-        """None of its own, likewise."""
+        """Return no windows, for the same reason."""
         return ()
 
     def write(self, costs: Costs, origin: tuple[int, int], window: Window) -> None:
-        """Raise the costs around lethal cells in and near the window; unknown cells mostly stay unknown."""
+        """Raise the costs around lethal cells in and near the window. Unknown cells usually stay unknown."""
         if self.reach == 0:
             return
         row, col = origin

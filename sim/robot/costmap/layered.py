@@ -1,11 +1,11 @@
-"""A costmap made of layers, brought up to date in two passes over what changed.
+"""A costmap made of layers, updated in two passes over the changed parts.
 
-First every layer tells the windows that it has changed (the bounds), then every layer writes its costs there, in order.
-So a costmap in which nothing moves takes no time, however large it is.
+First every layer reports the windows that it has changed (the bounds). Then every layer writes its costs there, in
+order. So an update of a costmap without changes takes no time, at any size.
 
 Source: ros-planning/navigation, costmap_2d/src/layered_costmap.cpp.
-Differs: changes that lie apart stay apart, where ROS draws one rectangle around all of them; ten robots all over a map
-are ten small windows.
+Difference: separate changes stay separate, while ROS draws one rectangle around all of them. Ten robots in different
+places of a map are ten small windows.
 """
 
 from collections.abc import Sequence
@@ -20,47 +20,47 @@ from sim.robot.costmap.costs import FREE, UNKNOWN, CostFrame, Costs, Window
 
 
 class CostmapLayer(Protocol):
-    """One source of costs. Windows are in cells of the static map, also outside of it.
+    """A source of costs. Windows are in cells of the static map, and may reach outside of it.
 
     Attributes:
-        reach: cells beyond another layer's change within which its own costs may change too.
+        reach: distance in cells around another layer's change within which the costs of this layer may change too.
     """
 
     reach: int
 
     def bounds(self) -> tuple[Window, ...]:
-        """Return the windows in which its costs differ from the last time it was asked."""
+        """Return the windows in which its costs have changed since the last call."""
 
     def extents(self) -> tuple[Window, ...]:
-        """Return windows outside of which its costs are what they were when it was new."""
+        """Return windows outside of which its costs are those of a new layer."""
 
     def write(self, costs: Costs, origin: tuple[int, int], window: Window) -> None:
-        """Write its costs into a window; writing twice leaves the same as writing once.
+        """Write its costs into a window. Writing twice has the same result as writing once.
 
         Args:
-            costs: (rows, cols) of the whole costmap, with what the layers before this one wrote.
+            costs: (rows, cols) of the whole costmap, with the costs of previous layers.
             origin: row and column of the costmap's cell (0, 0) in the static map.
-            window: in cells of the static map, within the costmap.
+            window: window in cells of the static map, within the costmap.
         """
 
 
 @njit(cache=True)
 def _cells(window: NDArray[np.int64], reach: int) -> int:
-    """Number of cells in a window with a rim of `reach` cells around it."""
+    """Return the number of cells in a window with a rim of `reach` cells around it."""
     return int((window[2] - window[0] + 2 * reach) * (window[3] - window[1] + 2 * reach))
 
 
 @njit(cache=True)
 def _apart(changes: NDArray[np.int64], reach: int, bounds: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Grow changed windows by the reach, and join those that are cheaper to write as one.
+    """Grow changed windows by the reach, and merge those that are cheaper to write as one.
 
     Args:
         changes: (n, 4) row, col, row_end, col_end of each.
-        reach: cells by which a change reaches beyond itself.
-        bounds: (4,) the window outside of which nothing counts.
+        reach: distance in cells by which a change reaches beyond itself.
+        bounds: (4,) window to which all are clipped.
 
     Returns:
-        (m, 4), none empty.
+        (m, 4) windows, none of them empty.
     """
     apart = np.empty_like(changes)
     count = 0
@@ -79,7 +79,7 @@ def _apart(changes: NDArray[np.int64], reach: int, bounds: NDArray[np.int64]) ->
             for side in range(2):
                 union[side] = min(window[side], apart[k, side])
                 union[side + 2] = max(window[side + 2], apart[k, side + 2])
-            # Around every window the costs are read as far as they reach.
+            # Writing a window reads costs around it, as far as the reach. So the rim counts as work.
             if _cells(union, reach) <= _cells(window, reach) + _cells(apart[k], reach):
                 count -= 1
                 for later in range(k, count):
@@ -95,15 +95,15 @@ def _apart(changes: NDArray[np.int64], reach: int, bounds: NDArray[np.int64]) ->
 
 
 class LayeredCostmap:
-    """Costs on the cells of a map, or on a rectangle of them that moves along with the robot.
+    """Costs on the cells of a map, or on a rectangle of them that moves with the robot.
 
     Args:
-        grid: the map whose cells are used; its origin must not be turned.
-        layers: in the order in which they write.
-        shape: rows and columns of a rolling window; None covers the map.
-        track_unknown_space: True if cells that no layer writes are unknown; else they are free.
-        ready: (rows, cols) costs that the layers wrote when they were new, of a costmap that covers the map: only what
-            changes from then on is written. Left as they are. None: the first update writes all.
+        grid: the map; its origin must not be rotated.
+        layers: layers in the order in which they write.
+        shape: rows and columns of a rolling window. If None, the costmap covers the map.
+        track_unknown_space: True if cells that no layer writes are unknown; False if they are free.
+        ready: (rows, cols) costs of new layers, for a costmap that covers the map; not changed. Then only later changes
+            are written. If None, the first update writes all.
     """
 
     def __init__(
@@ -128,7 +128,7 @@ class LayeredCostmap:
 
     @property
     def costs(self) -> Costs:
-        """(rows, cols) as of the last update; room is made for them when they are first asked for."""
+        """(rows, cols) costs of the last update. The array is allocated on first use."""
         if self._costs is None:
             ready = self._ready
             self._costs = np.full(self._shape, self._default, np.uint8) if ready is None else ready.copy()
@@ -143,12 +143,12 @@ class LayeredCostmap:
 
     @property
     def window(self) -> Window:
-        """The cells of the static map that it lies on."""
+        """Cells of the static map that it covers."""
         row, col = self.origin
         return Window(row, col, row + self._shape[0], col + self._shape[1])
 
     def roll(self, x: float, y: float) -> None:
-        """Move a rolling window by whole cells until its middle is at this map point; `update` writes the costs."""
+        """Move a rolling window by whole cells until its middle is at this map point. `update` writes the costs."""
         if self._rolling:
             rows, cols = self._shape
             self.origin = (
@@ -157,10 +157,10 @@ class LayeredCostmap:
             )
 
     def update(self) -> tuple[Window, ...]:
-        """Bring the costs up to date: of a rolling costmap all of them, else what changed.
+        """Update the costs: all of them in a rolling costmap, otherwise the changed parts.
 
         Returns:
-            The cells that were written, in cells of the static map; windows may overlap.
+            The windows that were written, in cells of the static map; they may overlap.
         """
         changes = [window for layer in self._layers for window in layer.bounds()]
         windows = (self.window,) if self._rolling or self._all_due else self._around(changes)
@@ -169,21 +169,21 @@ class LayeredCostmap:
         return windows
 
     def compose(self) -> None:
-        """Write the costs of all layers into a costmap of which nothing but what was ready is written."""
+        """Write the costs of all layers into a costmap in which so far only the `ready` costs are written."""
         changes = [window for layer in self._layers for window in layer.extents()]
         self.write((self.window,) if self._rolling or self._all_due else self._around(changes))
         self._all_due = False
 
     def _around(self, changes: Sequence[Window]) -> tuple[Window, ...]:
-        """Return the windows to write when these have changed."""
+        """Return the windows to write if these have changed."""
         apart = _apart(np.array(changes, np.int64).reshape(-1, 4), self._reach, np.array(self.window))
         return tuple(Window(*window) for window in apart.tolist())
 
     def write(self, windows: Sequence[Window]) -> None:
-        """Write the costs of these windows anew, each within the costmap; the layers' bounds are not asked for."""
+        """Write the costs of these windows again; each must be within the costmap. Bounds of layers are not used."""
         for window in windows:
             window.of(self.costs, self.origin)[:] = self._default
-        # Layer by layer: what a layer reads around one window must be written in the others already.
+        # One layer after the other: a layer reads around a window, and the other windows must already be written there.
         for layer in self._layers:
             for window in windows:
                 layer.write(self.costs, self.origin, window)

@@ -1,4 +1,4 @@
-"""Cells along lines and inside polygons, as costmap_2d counts them.
+"""Cells along lines and inside polygons, by the rules of costmap_2d.
 
 Source: ros-planning/navigation, costmap_2d/include/costmap_2d/costmap_2d.h (raytraceLine) and src/costmap_2d.cpp
 (convexFillCells).
@@ -20,9 +20,9 @@ def line(row: int, col: int, row_end: int, col_end: int, longest: int) -> NDArra
     """Return (n, 2) rows and columns from one cell toward another, both included (Bresenham).
 
     Args:
-        row: that of the first cell; so col.
-        row_end: that of the last; so col_end.
-        longest: cells of distance after which the line is cut.
+        row: row of the first cell; also col.
+        row_end: row of the last cell; also col_end.
+        longest: maximum length of the line, cells; the line is cut there.
     """
     dr, dc = abs(row_end - row), abs(col_end - col)
     step_r = 1 if row_end > row else -1
@@ -51,12 +51,12 @@ def line(row: int, col: int, row_end: int, col_end: int, longest: int) -> NDArra
 def clear_line(
     costs: Costs, row: int, col: int, row_end: int, col_end: int, longest: int, changed: NDArray[np.int64]
 ) -> None:  # fmt: skip
-    """Write FREE to the cells that `line` lists, all of them on the costmap, without making the list.
+    """Write FREE to the cells of `line`, all of them on the costmap, without making the list.
 
     Args:
         costs: (rows, cols), contiguous.
-        row: see `line`, as the other arguments.
-        changed: (4,) the window that is grown by the cells that change.
+        row: see `line`, also for the other arguments.
+        changed: (4,) window, which grows by the cells that change.
     """
     width = costs.shape[1]
     flat = costs.reshape(costs.size)
@@ -82,14 +82,14 @@ def clear_line(
 
 @njit(cache=True)
 def include(changed: NDArray[np.int64], row: int, col: int) -> None:
-    """Grow a (4,) window - row, col, row_end, col_end - by a cell."""
+    """Grow a (4,) window (row, col, row_end, col_end) by a cell."""
     changed[0], changed[1] = min(changed[0], row), min(changed[1], col)
     changed[2], changed[3] = max(changed[2], row + 1), max(changed[3], col + 1)
 
 
 @njit(cache=True)
 def fill_convex(costs: Costs, corners: FloatArray, cost: int) -> bool:
-    """Give the cells of a convex polygon, its outline included, this cost; those off the costmap are left out.
+    """Give this cost to all cells of a convex polygon, including its outline; cells outside the costmap are ignored.
 
     Args:
         costs: (rows, cols).
@@ -97,11 +97,12 @@ def fill_convex(costs: Costs, corners: FloatArray, cost: int) -> bool:
         cost: FREE to UNKNOWN.
 
     Returns:
-        True when any of them had another.
+        True if any of them had another cost.
     """
     rows, cols = costs.shape
     changes = False
     first = math.floor(corners[:, 0].min())
+    # The lowest and highest row of the outline in each column. In a convex polygon all rows between them are inside.
     lows = np.full(math.floor(corners[:, 0].max()) - first + 1, np.iinfo(np.int64).max)
     highs = np.full(lows.shape[0], np.iinfo(np.int64).min)
     n = corners.shape[0]

@@ -1,16 +1,16 @@
-"""The obstacle layer: readings of the laser mark obstacles, and clear the space before them.
+"""The obstacle layer: readings of the laser mark obstacles, and clear the space in front of them.
 
-Every cell has a mark: LETHAL, FREE or UNKNOWN. A scan is taken in by three steps, in this order. It clears: the cells
-that a beam passed before it ended are free (ray tracing by Bresenham's lines). It marks: the cell in which a beam ended
-is lethal. And the robot's own place is free. Clearing comes first, so that a beam that grazes an obstacle does not
-clear what another beam of the same scan has just marked. A mark stays until a later scan looks through it: that is how
-the robot remembers what it does not see now.
+Every cell has a mark: LETHAL, FREE or UNKNOWN. A scan is processed in three steps. First it clears: the cells that a
+beam passed before its end become free (ray tracing by Bresenham's lines). Then it marks: the cell where a beam ended
+becomes lethal. Finally the cells under the robot become free. Clearing comes first, so that a beam that grazes an
+obstacle does not clear what another beam of the same scan marks. A mark stays until a later scan looks through it. So
+the robot remembers what it does not see at present.
 
 Source: ros-planning/navigation, costmap_2d/plugins/obstacle_layer.cpp.
-Differs: `explained_distance` keeps readings that the map or another robot explains from marking, else every error of
-localization would thicken the walls and every passing robot would leave a trail; `clear_between_beams` clears cells
-that lie between two beams far out, which no beam would ever clear; a beam that hit nothing never marks; a scan marks at
-once, where ROS keeps the last one for the next update.
+Differences: with `explained_distance`, readings that the map or another robot explains do not mark; otherwise every
+error of localization would thicken the walls, and every passing robot would leave a trail. `clear_between_beams` clears
+cells between two beams far away, which no beam would ever clear. A beam that hit nothing never marks. A scan marks at
+once, while ROS keeps the last scan for the next update.
 """
 
 import copy
@@ -36,22 +36,22 @@ OVERWRITE = 0
 MAXIMUM = 1
 
 NOWHERE: NDArray[np.bool_] = np.empty((0, 0), np.bool_)
-"""No wall of which anything would be near."""
+"""Array without any wall."""
 NOWHERE.setflags(write=False)
 
 TILE = 64
-"""Cells along a side of the tiles by which marks are looked for."""
+"""Side of the tiles in which marks are searched, cells."""
 
 
 class Sweep(NamedTuple):
-    """A scan as the kernels take it: the laser's pose in the map, and each beam's direction and reading.
+    """A scan in the form for kernels: the laser's pose in the map, and direction and reading of each beam.
 
     Attributes:
-        x: place of the laser in the map, meters; so y, and theta in radians.
+        x: x of the laser in the map, meters; also y, and theta in radians.
         angle_min: angle of the first beam, in the laser's frame.
-        angle_increment: from one beam to the next.
-        ranges: (beams,) meters; NaN where nothing is known, +inf where nothing was hit.
-        rays: (beams, 2) cosine and sine of its direction in the map.
+        angle_increment: angle from one beam to the next.
+        ranges: (beams,) meters; NaN if unknown, +inf if nothing was hit.
+        rays: (beams, 2) cosine and sine of each beam's direction in the map.
     """
 
     x: float
@@ -64,12 +64,12 @@ class Sweep(NamedTuple):
 
 
 class KnownObstacles(NamedTuple):
-    """Walls and robots that are known, near which readings do not mark.
+    """Known walls and robots. Readings near them do not mark.
 
     Attributes:
-        distance: meters within which they are explained.
-        near_walls: (rows, cols) of the static map, True where a wall is as near as that.
-        row: that of the marks' cell (0, 0) in the static map; so col.
+        distance: distance within which a reading is explained, meters.
+        near_walls: (rows, cols) of the static map, True within this distance of a wall.
+        row: row of the marks' cell (0, 0) in the static map; also col.
         discs: (n, 3) x, y and radius of the other robots, meters.
     """
 
@@ -85,11 +85,11 @@ def _rays(
     theta: float, angle_min: float, angle_increment: float, ranges: NDArray[np.float32], range_min: float,
     range_max: float,
 ) -> tuple[FloatArray, FloatArray]:  # fmt: skip
-    """Return the readings and rays of a `Sweep`, of a scan from a laser that heads for `theta` in the map."""
+    """Return readings and rays of a `Sweep`, for a scan of a laser with heading `theta` in the map."""
     readings, rays = np.empty(ranges.shape[0]), np.empty((ranges.shape[0], 2))
     for i in range(ranges.shape[0]):
         reading = float(ranges[i])
-        # Other numbers are no readings: laser_geometry leaves them out as well.
+        # Other numbers are not readings; laser_geometry ignores them as well.
         valid = range_min <= reading < range_max or reading == np.inf
         readings[i] = reading if valid else np.nan
         angle = theta + angle_min + i * angle_increment
@@ -98,15 +98,15 @@ def _rays(
 
 
 class CostmapObservation:
-    """A scan, with the poses that are needed to make use of it; both costmaps of a robot take in the same.
+    """A scan with the poses needed to use it. Both costmaps of a robot process the same one.
 
     Args:
-        base_in_map: pose of the robot when it scanned.
+        base_in_map: pose of the robot during the scan.
         scan: the readings.
         discs: (n, 3) x, y and radius of the other robots, meters.
 
     Attributes:
-        sweep: the scan as the kernels take it.
+        sweep: the scan in the form for kernels.
     """
 
     def __init__(self, base_in_map: Pose2, scan: Scan, discs: FloatArray) -> None:
@@ -123,15 +123,15 @@ class CostmapObservation:
 def _clear_along_beams(
     marks: Costs, frame: CostFrame, sweep: Sweep, farthest: float, raytrace_range: float, changed: NDArray[np.int64]
 ) -> None:
-    """Clear the cells from the laser to where each beam ends, no farther than raytrace_range.
+    """Clear the cells from the laser to the end of each beam, up to raytrace_range.
 
     Args:
         marks: (rows, cols).
-        frame: their place in the map.
+        frame: frame of the marks in the map.
         sweep: the scan.
-        farthest: meters for which beams stand that hit nothing; 0 leaves them out.
+        farthest: length of beams that hit nothing, meters; 0 ignores them.
         raytrace_range: meters.
-        changed: (4,) the window that is grown by the cells that change.
+        changed: (4,) window, which grows by the cells that change.
     """
     rows, cols = marks.shape
     size = frame.resolution
@@ -147,19 +147,20 @@ def _clear_along_beams(
             continue
         a, b = reading * sweep.rays[i, 0], reading * sweep.rays[i, 1]
         x, y = sweep.x + a, sweep.y + b
-        # Beams that leave the costmap end at its rim.
+        # Beams that leave the costmap end at its border.
         if x < frame.x:
             x, y = frame.x, sweep.y + b * (frame.x - sweep.x) / a
         if y < frame.y:
             x, y = sweep.x + a * (frame.y - sweep.y) / b, frame.y
         if x > right:
+            # 1 mm inside the border, as in ROS: the border itself would be outside of the last cell.
             x, y = right - 0.001, sweep.y + b * (right - sweep.x) / a
         if y > top:
             x, y = sweep.x + a * (top - sweep.y) / b, top - 0.001
         row_end, col_end = math.floor((y - frame.y) / size), math.floor((x - frame.x) / size)
         if row_end < 0 or col_end < 0 or row_end >= rows or col_end >= cols:
             continue
-        # Near by, several beams end in one cell: the line there is cleared once.
+        # Nearby, several beams end in the same cell: clear the line to it only once.
         if row_end != last_row or col_end != last_col:
             clear_line(marks, row, col, row_end, col_end, longest, changed)
             last_row, last_col = row_end, col_end
@@ -171,8 +172,8 @@ def _clear_between_beams(
 ) -> None:
     """Clear lethal cells that two neighboring beams both see past. Arguments as for `_clear_along_beams`.
 
-    Far out, neighboring beams are more than a cell apart. A cell between them is passed by none, so ray tracing would
-    leave its mark for ever, for example where a person walked by.
+    Far away, neighboring beams are more than a cell apart. No beam passes a cell between them, so ray tracing would
+    leave its mark forever, for example where a person walked by.
     """
     rows, cols = marks.shape
     size = frame.resolution
@@ -187,14 +188,14 @@ def _clear_between_beams(
             distance = elementary.hypot(dx, dy)
             if distance > raytrace_range:
                 continue
-            # The cell's bearing, counted in beams: it lies between the beams with the whole numbers around it.
+            # Bearing of the cell in numbers of beams: the cell is between the beams with the nearest whole numbers.
             ahead = (elementary.atan2(dy, dx) - sweep.theta - sweep.angle_min) / sweep.angle_increment
             whole_turn = math.tau / abs(sweep.angle_increment)
             ahead -= math.floor(ahead / whole_turn) * whole_turn
             before = int(ahead)
             behind = before + 1
             if behind == beams and beams >= whole_turn - 0.5:
-                # The laser sees all around: its first beam follows on its last.
+                # The laser sees all around: its first beam follows its last.
                 behind = 0
             if behind >= beams:
                 continue
@@ -214,10 +215,10 @@ def _mark(
     known: KnownObstacles,
     changed: NDArray[np.int64],
 ) -> bool:
-    """Make the cells lethal in which beams end nearer than obstacle_range, where nothing known explains it.
+    """Make cells lethal where beams end within obstacle_range, unless something known explains the reading.
 
     Returns:
-        True when there were any that were not lethal before.
+        True if any of them was not lethal before.
     """
     rows, cols = marks.shape
     marked = False
@@ -230,7 +231,7 @@ def _mark(
         if row < 0 or col < 0 or row >= rows or col >= cols or marks[row, col] == LETHAL:
             continue
         if known.distance > 0.0:
-            # The map's walls, then the other robots: their bodies, and the errors of everybody's pose.
+            # First the map's walls, then the other robots. The distance includes errors in the poses of all robots.
             r, c = row + known.row, col + known.col
             in_map = r >= 0 and c >= 0 and r < known.near_walls.shape[0] and c < known.near_walls.shape[1]
             explained = in_map and known.near_walls[r, c]
@@ -252,11 +253,11 @@ def _mark(
 def _clear_footprint(
     marks: Costs, frame: CostFrame, footprint: FloatArray, x: float, y: float, theta: float, changed: NDArray[np.int64]
 ) -> None:  # fmt: skip
-    """Clear the robot's own place: (n, 2) corners in the base frame, whose pose in the map is (x, y, theta)."""
+    """Clear the cells under the robot: (n, 2) corners in the base frame, at the pose (x, y, theta) in the map."""
     corners = in_cells(footprint, frame, x, y, theta)
     left, right = math.floor(corners[:, 0].min()), math.floor(corners[:, 0].max())
     low, high = math.floor(corners[:, 1].min()), math.floor(corners[:, 1].max())
-    # As in ROS: a footprint that is not wholly on the costmap clears nothing.
+    # As in ROS: a footprint that is not completely on the costmap clears nothing.
     if low < 0 or left < 0 or high >= marks.shape[0] or right >= marks.shape[1]:
         return
     if fill_convex(marks, corners, FREE):
@@ -268,7 +269,7 @@ def _clear_footprint(
 def _combine(
     costs: Costs, row: int, col: int, marks: Costs, first: int, left: int, rows: int, cols: int, overwrite: bool
 ) -> None:  # fmt: skip
-    """Write a rectangle of marks, from (first, left) on, over costs from (row, col) on, or raise the costs to them."""
+    """Write marks from (first, left) over costs from (row, col), or only raise the costs; `rows` by `cols` cells."""
     for r in range(rows):
         source, target = marks[first + r, left : left + cols], costs[row + r, col : col + cols]
         for c in range(cols):
@@ -279,7 +280,7 @@ def _combine(
 
 @njit(cache=True)
 def _tiles_other_than(marks: Costs, mark: int) -> NDArray[np.int64]:
-    """Return (n, 2) rows and columns of the tiles in which a mark other than this one is, row by row."""
+    """Return (n, 2) rows and columns of the tiles that contain any other mark, row by row."""
     rows, cols = (marks.shape[0] + TILE - 1) // TILE, (marks.shape[1] + TILE - 1) // TILE
     tiles = np.empty((rows * cols, 2), np.int64)
     count = 0
@@ -288,7 +289,7 @@ def _tiles_other_than(marks: Costs, mark: int) -> NDArray[np.int64]:
             tile = marks[i * TILE : (i + 1) * TILE, j * TILE : (j + 1) * TILE]
             other = False
             for r in range(tile.shape[0]):
-                # Without a branch within a row, so that many cells are compared at once.
+                # No branch within a row, so that the compiler can compare many cells at once.
                 differing = 0
                 for c in range(tile.shape[1]):
                     differing |= tile[r, c] ^ mark
@@ -303,11 +304,11 @@ def _tiles_other_than(marks: Costs, mark: int) -> NDArray[np.int64]:
 
 @njit(cache=True)
 def _any_lethal(marks: Costs, row: int, col: int, standing: NDArray[np.int64]) -> bool:
-    """Return True if something stands in a window; when not, the window becomes empty.
+    """Return True if a mark in a window is lethal; otherwise make the window empty.
 
     Args:
         marks: (rows, cols).
-        row: that of the marks' cell (0, 0) in the static map; so col.
+        row: row of the marks' cell (0, 0) in the static map; also col.
         standing: (4,) a window of the static map.
     """
     for r in range(max(0, standing[0] - row), min(marks.shape[0], standing[2] - row)):
@@ -328,23 +329,23 @@ def _observe(
     footprint: FloatArray, x: float, y: float, theta: float,
     standing: NDArray[np.int64], changed: NDArray[np.int64],
 ) -> None:  # fmt: skip
-    """Take in a scan, in one call and with plain arguments: to hand over tuples takes longer than to clear and mark.
+    """Process a scan, in one call with plain arguments, because passing tuples takes longer than clearing and marking.
 
     Args:
         marks: (rows, cols).
-        grid_x: place of the static map's cell (0, 0); so grid_y, and size, a cell's side, meters.
-        row: that of the marks' cell (0, 0) in the static map; so col.
-        laser_x: see `Sweep`, as the next six.
-        range_max: meters for which beams stand that hit nothing, where those are valid.
-        sources: (s, 5) of each source: whether it clears, whether beams that hit nothing are valid, its raytrace_range,
-            whether it marks, its obstacle_range.
-        clears: True if the space before the readings is cleared.
-        clears_between: True if it is cleared between beams as well.
-        explained_distance: see `KnownObstacles`, as the next two.
-        footprint: (n, 2) padded corners of the robot, base frame; (0, 2) where its own place is not cleared.
-        x: place of the robot in the map; so y, and theta.
-        standing: (4,) window of the static map, grown so that all that stands is in there.
-        changed: (4,) window of the marks that is grown by the cells that change.
+        grid_x: x of the static map's cell (0, 0), meters; also grid_y, and size, the side of a cell.
+        row: row of the marks' cell (0, 0) in the static map; also col.
+        laser_x: see `Sweep`, also for the next six.
+        range_max: length of beams that hit nothing, if these are valid, meters.
+        sources: (s, 5) for each source: whether it clears, whether beams that hit nothing are valid, its
+            raytrace_range, whether it marks, its obstacle_range.
+        clears: True if the space in front of the readings is cleared.
+        clears_between: True if the space between beams is cleared as well.
+        explained_distance: see `KnownObstacles`, also for the next two.
+        footprint: (n, 2) padded corners of the robot, base frame; (0, 2) if the cells under it are not cleared.
+        x: x of the robot in the map; also y, and theta.
+        standing: (4,) window of the static map, which grows to contain all lethal marks.
+        changed: (4,) window of the marks, which grows by the cells that change.
     """
     frame = CostFrame(grid_x + col * size, grid_y + row * size, size)
     sweep = Sweep(laser_x, laser_y, laser_theta, angle_min, angle_increment, readings, rays)
@@ -356,6 +357,7 @@ def _observe(
             if clears_between and _any_lethal(marks, row, col, standing):
                 _clear_between_beams(marks, frame, sweep, farthest, sources[i, 2], changed)
     for i in range(sources.shape[0]):
+        # All sources have cleared before the first marks (see the module).
         if sources[i, 3] != 0.0 and _mark(marks, frame, sweep, sources[i, 4], known, changed):
             new = standing[2] <= standing[0] or standing[3] <= standing[1]
             for side in range(2):
@@ -368,7 +370,7 @@ def _observe(
 
 
 def _window(changed: NDArray[np.int64], row: int, col: int) -> Window:
-    """Return the window of the static map that has changed, of marks whose cell (0, 0) is (row, col) there."""
+    """Return the changed window in cells of the static map; (row, col) is the marks' cell (0, 0) there."""
     first, left, end, right = changed.tolist()
     return Window(first + row, left + col, end + row, right + col)
 
@@ -377,16 +379,16 @@ class ObstacleLayer:
     """Marks of what the laser has seen.
 
     Args:
-        parameters: costmap_2d's.
+        parameters: parameters of costmap_2d.
         grid: the map on whose cells it marks.
-        footprint: (n, 2) padded corners of the robot, base frame: its own place is free.
-        track_unknown_space: that of the costmap, which counts where the layer's own is not given.
-        shape: rows and columns of a rolling costmap; None covers the map.
+        footprint: (n, 2) padded corners of the robot, base frame; the cells under it are free.
+        track_unknown_space: value of the costmap, used if the layer's own is None.
+        shape: rows and columns of a rolling costmap. If None, the layer covers the map.
         explained_by_walls: True if the costmap shows the map's walls, so that readings near them need no mark.
 
     Attributes:
-        marks: (rows, cols): LETHAL where something stands, FREE where nothing does, else UNKNOWN.
-        explained_range: meters from the laser beyond which no disc explains a reading that would mark.
+        marks: (rows, cols) LETHAL for obstacles, FREE for seen free space, otherwise UNKNOWN.
+        explained_range: distance from the laser beyond which no disc is needed to explain a reading, meters.
     """
 
     reach = 0
@@ -410,7 +412,7 @@ class ObstacleLayer:
             self._near_walls = NOWHERE
         own = parameters.track_unknown_space
         self._default = UNKNOWN if (track_unknown_space if own is None else own) else FREE
-        # Zeros take no memory until they are written over.
+        # numpy's zeros use no memory until they are overwritten.
         blank = np.zeros if self._default == FREE else np.ones
         self.marks: Costs = blank(shape or grid.cells.shape, dtype=np.uint8)
         if self._default != FREE:
@@ -436,18 +438,18 @@ class ObstacleLayer:
 
     @property
     def any_marks(self) -> bool:
-        """True when anything stands."""
-        # Only marking grows `_standing`; that the last mark is cleared is found out here, when asked.
+        """True if any mark is lethal."""
+        # Only marking grows `_standing`. A check notices here when the last mark has been cleared.
         return bool(_any_lethal(self.marks, *self._origin, self._standing))
 
     @property
     def window(self) -> Window:
-        """The cells of the static map that the marks lie on."""
+        """Cells of the static map that the marks cover."""
         row, col = self._origin
         return Window(row, col, row + self.marks.shape[0], col + self.marks.shape[1])
 
     def roll(self, origin: tuple[int, int]) -> None:
-        """Move along with a rolling costmap, to begin at this cell of the static map; what leaves is forgotten."""
+        """Move with a rolling costmap, which now starts at this cell of the static map. Marks that leave it are lost."""
         if origin == self._origin:
             return
         moved: Costs = np.full_like(self.marks, self._default)
@@ -458,11 +460,11 @@ class ObstacleLayer:
         self.marks, self._origin = moved, origin
 
     def observe(self, seen: CostmapObservation, clears: bool = True) -> None:
-        """Take in a scan: every source clears, then every source marks, then the robot's own place is cleared.
+        """Process a scan: every source clears, then every source marks, then the cells under the robot are cleared.
 
         Args:
             seen: the scan.
-            clears: True if the space before the readings is cleared, which takes longest.
+            clears: True if the space in front of the readings is cleared, which is the slowest part.
         """
         (row, col), corner, base, sweep = self._origin, self._grid.origin, seen.base_in_map, seen.sweep
         changed = np.array([*self.marks.shape, -1, -1], dtype=np.int64)
@@ -498,26 +500,26 @@ class ObstacleLayer:
         return self._parameters.raytrace_range if source.raytrace_range is None else source.raytrace_range
 
     def copied(self) -> "ObstacleLayer":
-        """Return a copy with marks of its own."""
+        """Return a copy with its own marks."""
         other = copy.copy(self)
         other.marks, other._changes, other._standing = self.marks.copy(), Changes(), self._standing.copy()
         return other
 
     def take_over(self, other: "ObstacleLayer") -> None:
-        """Take over the marks of another layer, as far as both lie on the same cells."""
+        """Copy the marks of another layer to the cells that both cover."""
         common = self.window.clipped(other.window)
         if not common.empty:
             common.of(self.marks, self._origin)[:] = common.of(other.marks, other._origin)
             self._standing[:] = other._standing
 
     def clear(self) -> None:
-        """Forget everything seen (move_base's clear_costmap_recovery)."""
+        """Forget all marks (move_base's clear_costmap_recovery)."""
         for window in self.extents():
             window.of(self.marks, self._origin)[:] = self._default
             self._changes.add(window)
 
     def clear_outside(self, x: float, y: float, side: float) -> None:
-        """Forget what was seen outside a square of this side around a map point (clear_costmap_recovery)."""
+        """Forget all marks outside a square of this side around a map point (clear_costmap_recovery)."""
         low, high = (
             math.floor((y - self._grid.origin.y + half) / self._grid.resolution) for half in (-side / 2, side / 2)
         )
@@ -531,17 +533,17 @@ class ObstacleLayer:
             inside.of(self.marks, self._origin)[:] = kept
 
     def bounds(self) -> tuple[Window, ...]:
-        """Return the windows that were marked or cleared since the last time."""
+        """Return the windows that were marked or cleared since the last call."""
         return self._changes.take()
 
     def extents(self) -> tuple[Window, ...]:
-        """Return windows outside of which nothing is marked."""
+        """Return windows that contain all marks."""
         row, col = self._origin
         tiles = TILE * _tiles_other_than(self.marks, self._default) + np.array([row, col])
         return tuple(Window(r, c, r + TILE, c + TILE).clipped(self.window) for r, c in tiles.tolist())
 
     def write(self, costs: Costs, origin: tuple[int, int], window: Window) -> None:
-        """Combine the marks with the costs of the layers before, by `combination_method`."""
+        """Combine the marks with the costs of previous layers, by `combination_method`."""
         inside = window.clipped(self.window)
         if inside.empty:
             return

@@ -1,4 +1,4 @@
-"""The layer of the other robots (the GridLayer of the 2016 study): their bodies where they broadcast, their paths."""
+"""The layer of the other robots (the GridLayer of the 2016 study): their bodies at the broadcast poses, their paths."""
 
 import math
 from collections.abc import Sequence
@@ -18,7 +18,7 @@ from sim.robot.costmap.footprint_cost import circumscribed_radius, in_cells
 from sim.robot.costmap.lines import line
 
 MIN_MOTION = 0.05
-"""Meters below which a change of pose is not worth an update; of radians, twice the number."""
+"""Change of pose below which no update is needed, meters; the limit in radians is twice this number."""
 
 
 _NO_PATH: FloatArray = np.empty((0, 2))
@@ -26,7 +26,7 @@ _NO_PATH: FloatArray = np.empty((0, 2))
 
 @njit(cache=True)
 def _fill(costs: Costs, corners: FloatArray, row: int, col: int, row_end: int, col_end: int) -> None:
-    """Make the cells of a window lethal whose center lies in a polygon (even-odd rule).
+    """Make the cells of a window lethal if their center is in a polygon (even-odd rule).
 
     Args:
         corners: (n, 2) column and row, in cells of `costs`.
@@ -59,7 +59,7 @@ def _around(points: FloatArray) -> tuple[int, int, int, int]:
 def _outline(
     footprint: FloatArray, frame: CostFrame, x: float, y: float, theta: float
 ) -> tuple[FloatArray, tuple[int, int, int, int]]:
-    """Return (n, 2) columns and rows of a footprint's corners when its base is at (x, y, theta), and the window around."""
+    """Return (n, 2) columns and rows of a footprint's corners with its base at (x, y, theta), and their window."""
     corners = in_cells(footprint, frame, x, y, theta)
     return corners, _around(corners)
 
@@ -67,16 +67,16 @@ def _outline(
 def neighbours_reaching(
     neighbours: Sequence[Neighbour], left: float, low: float, right: float, high: float
 ) -> list[tuple[Neighbour, float]]:
-    """Return the neighbors whose bodies may reach into a rectangle of the map, with their circumscribed radii, meters."""
+    """Return the neighbors whose bodies may reach into a rectangle of the map, and their circumscribed radii (meters)."""
     met: list[tuple[Neighbour, float]] = []
     footprint: FloatArray | None = None
     radius = 0.0
     for other in neighbours:
         if other.footprint is not footprint:
-            # Mostly one and the same for all.
+            # Usually all robots share the same array.
             footprint = other.footprint
             radius = circumscribed_radius(footprint)
-            # A hair more than that: none is left out because of rounding.
+            # A small margin, so that rounding excludes none.
             reach = radius + 1e-6
             from_x, to_x, from_y, to_y = left - reach, right + reach, low - reach, high + reach
         pose = other.base_in_map
@@ -87,7 +87,7 @@ def neighbours_reaching(
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _DrawnRobot:
-    """One robot as drawn: its pose; corners and path, as columns and rows in the map; the window around both."""
+    """A robot as drawn: its pose; corners and path, as columns and rows in the map; the window around both."""
 
     x: float
     y: float
@@ -101,7 +101,7 @@ class RobotsLayer:
     """The footprints of the other robots, and the first part of their paths.
 
     Args:
-        parameters: those of the layer.
+        parameters: parameters of the layer.
         grid: the map.
     """
 
@@ -111,12 +111,12 @@ class RobotsLayer:
         self._parameters = parameters
         self._frame = CostFrame(grid.origin.x, grid.origin.y, grid.resolution)
         self._seen: dict[int, _DrawnRobot] = {}
-        # (4, robots) windows of those seen; None when they have changed.
+        # (4, robots) windows of the drawn robots; None after a change.
         self._windows: NDArray[np.int64] | None = None
         self._changes = Changes()
 
     def update_neighbours(self, neighbours: Sequence[Neighbour]) -> None:
-        """Take in the last broadcasts; robots that are not among them are gone."""
+        """Process the last broadcasts. Robots that are not among them are removed."""
         received = set()
         for neighbour in neighbours:
             if not self._parameters.under_way and len(neighbour.times):
@@ -133,9 +133,9 @@ class RobotsLayer:
             self._forget(robot)
 
     def reaching(self, window: Window, neighbours: Sequence[Neighbour]) -> Sequence[Neighbour]:
-        """Return those that may write into a window of the map's cells."""
+        """Return the robots that may write into a window of the map's cells."""
         if self._parameters.path_length > 0.0:
-            # A path may lead anywhere from its body.
+            # A path may lead far away from its body.
             return neighbours
         frame = self._frame
         left, right = frame.x + window.col * frame.resolution, frame.x + window.col_end * frame.resolution
@@ -150,7 +150,7 @@ class RobotsLayer:
         return moved < MIN_MOTION and turned < 2 * MIN_MOTION and same_path
 
     def _path_ahead(self, neighbour: Neighbour) -> FloatArray:
-        """Return (m, 2) column and row of the first points of a path, which ends at its greatest length."""
+        """Return (m, 2) columns and rows of the first part of a path, up to its maximum length."""
         if self._parameters.path_length == 0.0 or len(neighbour.path) < 2:
             return _NO_PATH
         path = neighbour.path[:, :2]
@@ -176,11 +176,11 @@ class RobotsLayer:
             self._windows = None
 
     def bounds(self) -> tuple[Window, ...]:
-        """Return the windows that robots came into or left."""
+        """Return the windows that robots entered or left."""
         return self._changes.take()
 
     def extents(self) -> tuple[Window, ...]:
-        """Return the windows in which robots are."""
+        """Return the windows that contain robots."""
         return tuple(seen.window for seen in self._seen.values())
 
     def write(self, costs: Costs, origin: tuple[int, int], window: Window) -> None:
@@ -201,10 +201,11 @@ class RobotsLayer:
             )
 
     def _meeting(self, window: Window) -> list[_DrawnRobot]:
-        """Return the robots that are drawn in a window, in the order in which they were heard of."""
+        """Return the robots that are drawn in a window, in the order of their first broadcasts."""
         seen = list(self._seen.values())
         if self._windows is None:
-            # Of large teams many windows are written, each for few of all the robots.
+            # Large teams write many windows, and each window concerns few of the robots. So select them in one array
+            # operation.
             self._windows = np.array([one.window for one in seen], np.int64).reshape(-1, 4).T
         row, col, row_end, col_end = self._windows
         meets = (row < window.row_end) & (col < window.col_end) & (row_end > window.row) & (col_end > window.col)

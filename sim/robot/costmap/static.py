@@ -1,4 +1,4 @@
-"""The layer of the walls: the map as it was given.
+"""The layer of the walls: the given map.
 
 Source: ros-planning/navigation, costmap_2d/plugins/static_layer.cpp.
 """
@@ -13,7 +13,7 @@ from sim.robot.costmap.costs import FREE, LETHAL, UNKNOWN, Costs, Window
 
 
 def interpretation(parameters: StaticParameters) -> Costs:
-    """Return (256,) the cost of each value of an occupancy grid, taken as an unsigned byte as ROS takes it, -1 for 255."""
+    """Return the (256,) costs of all values of an occupancy grid, as unsigned bytes as in ROS: -1 is 255."""
     values = np.arange(256)
     lethal = parameters.lethal_cost_threshold
     scaled = values / max(lethal, 1) * LETHAL
@@ -24,17 +24,17 @@ def interpretation(parameters: StaticParameters) -> Costs:
 
 @lru_cache(maxsize=8)
 def _costs_of(parameters: StaticParameters, grid: OccupancyGrid) -> Costs:
-    """Return (rows, cols) of the map; read-only: all robots on a map share them."""
+    """Return (rows, cols) costs of the map; read-only, because all robots on a map share them."""
     costs: Costs = interpretation(parameters)[grid.cells.view(np.uint8)]
     costs.setflags(write=False)
     return costs
 
 
 class StaticLayer:
-    """The walls of a map; this layer writes nothing outside of it.
+    """The walls of a map. This layer writes nothing outside of the map.
 
     Args:
-        parameters: costmap_2d's.
+        parameters: parameters of costmap_2d.
         grid: the map.
     """
 
@@ -45,15 +45,15 @@ class StaticLayer:
         self._use_maximum = parameters.use_maximum
 
     def bounds(self) -> tuple[Window, ...]:
-        """Return nothing: a map never changes."""
+        """Return no windows, because a map never changes."""
         return ()
 
     def extents(self) -> tuple[Window, ...]:
-        """Return nothing, likewise."""
+        """Return no windows, for the same reason."""
         return ()
 
     def write(self, costs: Costs, origin: tuple[int, int], window: Window) -> None:
-        """Write the map's costs where there is map; with use_maximum they only raise what other layers wrote."""
+        """Write the map's costs within the map. With use_maximum they only raise what other layers wrote."""
         known = window.clipped(Window(0, 0, *self._costs.shape))
         if known.empty:
             return

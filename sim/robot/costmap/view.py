@@ -1,4 +1,4 @@
-"""A costmap as it is shown to others."""
+"""A costmap as others see it."""
 
 from dataclasses import dataclass
 
@@ -15,8 +15,8 @@ class CostmapView:
     Attributes:
         tick: its time.
         origin: pose of the grid's first corner, map frame.
-        resolution: meters of a cell's side.
-        costs: (rows, cols) uint8, read-only, see `sim.robot.costmap.costs`; row 0 is lowest.
+        resolution: side of a cell, meters.
+        costs: (rows, cols) uint8, read-only, see `sim.robot.costmap.costs`; row 0 is the lowest.
     """
 
     tick: int
