@@ -449,7 +449,7 @@ class ObstacleLayer:
         return Window(row, col, row + self.marks.shape[0], col + self.marks.shape[1])
 
     def roll(self, origin: tuple[int, int]) -> None:
-        """Move with a rolling costmap, which now starts at this cell of the static map. Marks that leave it are lost."""
+        """Move with a rolling costmap, which now starts at this cell of the static map. Marks outside are lost."""
         if origin == self._origin:
             return
         moved: Costs = np.full_like(self.marks, self._default)

@@ -67,7 +67,7 @@ def _outline(
 def neighbours_reaching(
     neighbours: Sequence[Neighbour], left: float, low: float, right: float, high: float
 ) -> list[tuple[Neighbour, float]]:
-    """Return the neighbors whose bodies may reach into a rectangle of the map, and their circumscribed radii (meters)."""
+    """Return the neighbors whose bodies may reach into a map rectangle, with their circumscribed radii, meters."""
     met: list[tuple[Neighbour, float]] = []
     footprint: FloatArray | None = None
     radius = 0.0
