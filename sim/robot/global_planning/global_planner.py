@@ -2,10 +2,10 @@
 
 Source: ros-planning/navigation, global_planner/src (dijkstra.cpp, astar.cpp, quadratic_calculator.cpp,
 gradient_path.cpp, grid_path.cpp, orientation_filter.cpp).
-Differs: the wave begins in the cells about the robot with their distance from it; costs that ROS lets run over a byte
-stop at its greatest value; `default_tolerance`, which ROS reads and forgets, has its effect; cells about the goal that
-the wave has not reached yet are filled only where there is passage, so that no path ends across a wall; the blend of
-ForwardThenInterpolate begins where it should, at the start of the last straight stretch. See also `wave` and
+Differences: the wave begins in the cells around the robot, with their distances from it. Costs that overflow a byte in
+ROS stop at its maximum. `default_tolerance`, which ROS reads but does not use, has an effect. Cells around the goal
+that the wave has not reached are filled only if they can be crossed, so that no path ends across a wall. The blend of
+ForwardThenInterpolate starts at the beginning of the last straight stretch, as intended. See also `wave` and
 `potential_planner`.
 """
 
@@ -36,19 +36,19 @@ from sim.robot.global_planning.wave import (
 )
 
 MAX_PASSAGE_COST = 255
-"""Costs of passage stop at the greatest value of a byte."""
+"""Maximum cost of crossing, the maximum of a byte."""
 STRAIGHT_ANGLE = 0.35
-"""Poses that turn no more than this against each other are one straight stretch, radians."""
+"""Maximum turn between poses of one straight stretch, radians."""
 FILL_REACH = 2
-"""Cells on each side of the goal that are filled when the wave has not reached them."""
+"""Cells on each side of the goal that are filled if the wave has not reached them."""
 
 
 def passage_costs(parameters: GlobalPlannerParameters) -> CellCosts:
-    """Return (256,) cost of passing a cell, for each of a costmap's costs."""
+    """Return the (256,) costs of crossing a cell, for each cost of a costmap."""
     costs = np.arange(256)
     lethal = parameters.lethal_cost
     if not parameters.use_dijkstra:
-        # A* takes costs as they are.
+        # A* uses costs without a factor.
         taken: CellCosts = np.minimum(costs + parameters.neutral_cost, MAX_PASSAGE_COST).astype(np.uint8)
         taken[lethal:] = BLOCKED
         if parameters.allow_unknown:
@@ -75,10 +75,10 @@ def _astar_on(
     cells: NDArray[np.int64],
     portion: int,
 ) -> tuple[FloatArray, NDArray[np.int64]]:
-    """Go on with A* from the (n,) cells that wait, and their ranks, until so many cells have been visited.
+    """Continue A* from the (n,) waiting cells, with their ranks, until `portion` cells have been visited.
 
     Returns:
-        Those that wait then, in the heap's order; none when the target is met, or all cells are.
+        The cells that wait then, in the heap's order; none if the target is met or all cells are visited.
     """
     queue = [(ranks[i], cells[i]) for i in range(ranks.size)]
     visited = 0
@@ -111,19 +111,19 @@ def _astar_on(
 
 
 def astar(space: Workspace, start: int, target: int, neutral: float, quad: bool, portion: int) -> Iterator[None]:
-    """Fill the potential cell by cell, always the one first that promises the cheapest path, until the target is met.
+    """Fill the potential cell by cell, the cell with the cheapest estimated path first, until the target is met.
 
-    As in ROS a cell's potential is set once, when the first neighbor reaches it. So the path found is not always the
-    cheapest one, even where the estimate of the cost to go (`neutral` for each step of the Manhattan distance) is not
+    As in ROS, the potential of a cell is set once, when the first neighbor reaches it. So the path is not always the
+    cheapest one, even if the estimate of the remaining cost (`neutral` for each step of the Manhattan distance) is not
     too high.
 
     Args:
-        space: prepared.
-        start: the cell where it begins.
-        target: the cell where it ends; -1 for the whole map.
+        space: prepared workspace.
+        start: first cell.
+        target: cell where the search ends; -1 for the whole map.
         neutral: estimated cost of a step towards the target.
         quad: see `quadratic` of `spread`.
-        portion: cells to visit at a time.
+        portion: number of cells to visit at a time.
 
     Yields:
         Between two portions.
@@ -140,7 +140,7 @@ def astar(space: Workspace, start: int, target: int, neutral: float, quad: bool,
 
 @njit(cache=True)
 def fill_around(potential: Potential, costs: CellCosts, cols: int, cell: int, reach: int, quadratic: bool) -> None:
-    """Give the cells around one that was reached a potential too, where there is passage."""
+    """Give a potential to the cells around a reached one, if they can be crossed."""
     rows = costs.size // cols
     row, col = cell // cols, cell % cols
     for r in range(max(1, row - reach), min(rows - 1, row + reach + 1)):
@@ -152,10 +152,10 @@ def fill_around(potential: Potential, costs: CellCosts, cols: int, cell: int, re
 
 
 class GlobalPlanner:
-    """The part of global_planner that is its own; see `PotentialMethod`.
+    """The part that is specific to global_planner; see `PotentialMethod`.
 
     Args:
-        parameters: global_planner's.
+        parameters: parameters of global_planner.
     """
 
     def __init__(self, parameters: GlobalPlannerParameters) -> None:
@@ -165,7 +165,7 @@ class GlobalPlanner:
         self._parameters = parameters
 
     def spread(self, space: Workspace, x: float, y: float, target: int, portion: int) -> Iterator[None]:
-        """Spread the wave in Dijkstra's order or in A*'s."""
+        """Spread the wave in the order of Dijkstra or A*."""
         parameters = self._parameters
         cols = space.shape[1]
         start = round(y) * cols + round(x)
@@ -175,7 +175,7 @@ class GlobalPlanner:
             threshold = float(parameters.lethal_cost)
             yield from spread(space, seeds, target, 0.0, threshold, 2.0 * neutral, quadratic, portion)
         else:
-            # A cell of its heap takes several times as long as one of the unsorted queues.
+            # A cell in its heap takes several times as long as one in the unsorted queues.
             yield from astar(space, start, target, neutral, quadratic, portion // 2)
         if target >= 0 and self.exact and space.potential[target] < UNREACHED:
             fill_around(space.potential, space.costs, cols, target, FILL_REACH, quadratic)
@@ -186,12 +186,12 @@ class GlobalPlanner:
         return trace(potential, cols, x, y, end_x, end_y)
 
     def orient(self, points: FloatArray, start: float, goal: float) -> FloatArray:
-        """Turn the poses as `orientation_mode` says; the last one always has the goal's heading."""
+        """Set the headings according to `orientation_mode`. The last one always is the goal's heading."""
         mode, window = self._parameters.orientation_mode, self._parameters.orientation_window_size
         return np.column_stack([points, orientations(points, mode, window, start, goal)])
 
     def _seeds(self, space: Workspace, x: float, y: float) -> NDArray[np.uint32]:
-        """Set the potential where the wave begins: the robot's cell, and if exact the three others about it."""
+        """Set the potential where the wave begins: the robot's cell, and if `exact` the three other cells around it."""
         rows, cols = space.shape
         row, col = round(y), round(x)
         start = row * cols + col
@@ -217,11 +217,11 @@ def orientations(points: FloatArray, mode: int, window: int, start: float, goal:
 
     Args:
         points: meters.
-        mode: 0 none, 1 forward, 2 from start to goal evenly, 3 forward and evenly at last, 4 backward, 5 leftward,
+        mode: 0 none, 1 forward, 2 interpolated from start to goal, 3 forward then interpolated, 4 backward, 5 leftward,
             6 rightward.
-        window: the direction at a point is that from so many points before it to as many behind it.
-        start: the robot's heading.
-        goal: the goal's heading.
+        window: the direction at a point is that from `window` points before it to `window` points after it.
+        start: heading of the robot.
+        goal: heading of the goal.
     """
     last = len(points) - 1
     index = np.arange(last + 1)

@@ -1,17 +1,16 @@
 """Right of way: the order in which robots pass the places that their paths share.
 
-Every robot broadcasts its itinerary: the points it will pass, each with a time. These times are not promises. They are
-an order: no robot drives to a point before all those with an earlier time near there have gone by. So a delay of one
-makes others wait, but never makes two meet. And since times run forward along every itinerary, the robot whose next
-point has the earliest time can always go (no deadlock). Robots need not share a clock, only the times they receive.
+Every robot broadcasts its itinerary: the points that it will pass, each with a time. These times are no promises. They
+define an order: no robot drives to a point before all robots with an earlier time near it have passed. So a delay of
+one robot makes others wait, but never makes two collide. Times increase along every itinerary. So the robot whose next
+point has the earliest time can always drive (no deadlock). Robots need no common clock, only the received times.
 
-A robot that plans first has the right of way: a newcomer's itinerary keeps clear, time for time, of all that it has
-received, and waits or makes detours where it must (`safe_interval`). A robot that stands is an itinerary of one point
-for all times. So that no two plan at once, not yet knowing of each other, planning goes round
-the team tick by tick.
+A robot that plans first has the right of way. The itinerary of a later one keeps clear, at every time, of all received
+itineraries, with waits and detours where needed (`safe_interval`). A robot that stands is an itinerary of one point
+for all times. Robots plan in turns, one per tick. So no two plan at the same time without knowing of each other.
 
-Robots that stand nearer together than plans may come break that distance by standing there, and plans allow it near
-their starts. The proof does not hold then, so every itinerary is first executed in simulation (`executable`).
+Robots that stand closer together than plans allow violate this distance by standing there, and plans permit this near
+their starts. The proof does not hold in this case. So every itinerary is first executed in simulation (`executable`).
 
 Source: Cap, Gregoire, Frazzoli, Provably Safe and Deadlock-Free Execution of Multi-Robot Plans under Delaying
 Disturbances (IROS 2016), the control law RMTRACK; Cap, Vokrinek, Kleiner, Complete Decentralized Method for On-Line
@@ -33,21 +32,21 @@ from sim.numerics.float_array import FloatArray
 from sim.numerics.kernels import njit
 
 ITINERARY_SPEED = 0.5
-"""Meters a second by which itineraries are timed: what is left of a robot's speed after turns and arrivals."""
+"""Speed in the times of itineraries, m/s: the average that remains of a robot's speed after turns and arrivals."""
 POINT_SPACING = 0.1
-"""Meters between the points of an itinerary."""
+"""Distance between the points of an itinerary, meters."""
 NEAR_START = 0.5
-"""Meters from its place within which a robot may stay as near to another as it is already."""
+"""Distance from its start within which a robot may stay as close to another one as it is already, meters."""
 
 
 @dataclass(frozen=True, slots=True)
 class Itinerary:
-    """Points that a robot means to pass, each with a time.
+    """Points that a robot plans to pass, each with a time.
 
     Attributes:
         points: (m, 2) map, meters; a wait is the same point twice.
         times: (m,) ascending, seconds; before the first it stands at the first point, after the last at the last.
-        unhindered_from: time from which it leads on as it would without other robots; before, it makes way for them.
+        unhindered_from: time from which it continues as it would without other robots; before, it makes way for them.
     """
 
     points: FloatArray
@@ -56,12 +55,12 @@ class Itinerary:
 
 
 class OtherItineraries(NamedTuple):
-    """The itineraries of the other robots, in the form that compiled kernels take.
+    """The itineraries of the other robots, in the form for compiled kernels.
 
     Attributes:
         points: (n, 2) all their points, one robot after the other.
-        times: (n,) with them; -inf for a robot that stands.
-        starts: (k + 1,) where each robot's points begin.
+        times: (n,) times of the points; -inf for a robot that stands.
+        starts: (k + 1,) index of the first point of each robot.
     """
 
     points: FloatArray
@@ -73,7 +72,7 @@ _FOR_GOOD: FloatArray = np.array([-math.inf])
 
 
 def itineraries_of(neighbours: Sequence[Neighbour]) -> OtherItineraries:
-    """Gather the itineraries that neighbors broadcast; one that stands has one point for all times."""
+    """Collect the itineraries that neighbors broadcast. A robot that stands has one point for all times."""
     if not neighbours:
         return OtherItineraries(np.empty((0, 2)), np.empty(0), np.zeros(1, dtype=np.int64))
     points = [
@@ -86,8 +85,8 @@ def itineraries_of(neighbours: Sequence[Neighbour]) -> OtherItineraries:
 
 
 def relevant_neighbours(neighbours: Sequence[Neighbour], x: float, y: float, distance: float) -> list[Neighbour]:
-    """Return the neighbors that may come within `distance` meters of a place: all but those standing farther away."""
-    # A hair more than that: none is left out because of rounding.
+    """Return the neighbors that may come within `distance` meters of a place: all except those standing farther away."""
+    # A small margin, so that rounding excludes none.
     reach = distance + 1e-6
     return [
         other
@@ -97,7 +96,7 @@ def relevant_neighbours(neighbours: Sequence[Neighbour], x: float, y: float, dis
 
 
 def itineraries_of_moving(neighbours: Sequence[Neighbour]) -> OtherItineraries:
-    """Gather the itineraries of those neighbors that mean to move."""
+    """Collect the itineraries of the neighbors that plan to move."""
     return itineraries_of([neighbour for neighbour in neighbours if len(neighbour.times)])
 
 
@@ -108,7 +107,7 @@ def timed_itinerary(points: FloatArray, start_time: float) -> Itinerary:
 
 
 def densified(itinerary: Itinerary) -> Itinerary:
-    """Return the same itinerary with points no farther apart than POINT_SPACING."""
+    """Return the same itinerary with points at most POINT_SPACING apart."""
     steps = elementary_arrays.hypot(*np.diff(itinerary.points, axis=0).T)
     counts = np.maximum(1, np.ceil(steps / POINT_SPACING - 1e-9).astype(np.int64))
     index = np.concatenate([[0.0], np.repeat(np.arange(len(steps)), counts) + _shares(counts)])
@@ -119,7 +118,7 @@ def densified(itinerary: Itinerary) -> Itinerary:
 
 
 def _shares(counts: NDArray[np.int64]) -> FloatArray:
-    """For every count n in turn: 1/n, 2/n, ... 1."""
+    """Return for every count n in order: 1/n, 2/n, ... 1."""
     return np.concatenate([np.arange(1, n + 1) / n for n in counts])
 
 
@@ -127,7 +126,7 @@ def _shares(counts: NDArray[np.int64]) -> FloatArray:
 def start_time(now: float, x: float, y: float, others: OtherItineraries, separation: float) -> float:
     """Return the time at which the itinerary of a robot that stands at (x, y) may begin.
 
-    It is now, unless another robot that is late has yet to come by: to that one, the robot has been here before.
+    This is now, unless another robot that is late has yet to pass. For that robot, this one has been here before it.
     """
     earliest = now
     for k in range(others.starts.shape[0] - 1):
@@ -146,7 +145,7 @@ def start_time(now: float, x: float, y: float, others: OtherItineraries, separat
 
 @njit(cache=True)
 def _place(points: FloatArray, times: FloatArray, begin: int, end: int, time: float) -> tuple[float, float]:
-    """Return the place of the itinerary points[begin:end] at a time, x and y."""
+    """Return x and y on the itinerary points[begin:end] at a time, by binary search."""
     if end - begin == 1 or time <= times[begin]:
         return points[begin, 0], points[begin, 1]
     if time >= times[end - 1]:
@@ -168,22 +167,22 @@ def _place(points: FloatArray, times: FloatArray, begin: int, end: int, time: fl
 
 @njit(cache=True)
 def keeps_separation(points: FloatArray, times: FloatArray, others: OtherItineraries, separation: float) -> bool:
-    """Return True if an itinerary keeps its distance, time for time, from all others.
+    """Return True if an itinerary keeps its distance from all others at all times.
 
     Args:
-        points: (m, 2) of the itinerary.
-        times: (m,) with them.
-        others: the other robots'.
-        separation: meters from center to center. Within NEAR_START of the first point a smaller distance that exists
-            already may stay.
+        points: (m, 2) points of the itinerary.
+        times: (m,) their times.
+        others: itineraries of the other robots.
+        separation: distance from center to center, meters. Within NEAR_START of the first point, a smaller present
+            distance may stay.
     """
     n = points.shape[0]
     for k in range(others.starts.shape[0] - 1):
         begin, end = others.starts[k], others.starts[k + 1]
         ox, oy = _place(others.points, others.times, begin, end, times[0])
-        # Near its start a robot may keep the distance that it has, less 2 cm, for it is never just where it planned.
+        # Near its start a robot may keep its distance, minus 2 cm, because it never is exactly where it planned to be.
         present = elementary.hypot(ox - points[0, 0], oy - points[0, 1]) - 0.02
-        # Both move straight between points, so the distance is checked at the points of either, which lie close.
+        # Both move straight between points, which are close together. So checks at the points of both suffice.
         for i in range(n):
             x, y = points[i, 0], points[i, 1]
             ox, oy = _place(others.points, others.times, begin, end, times[i])
@@ -206,14 +205,14 @@ def keeps_separation(points: FloatArray, times: FloatArray, others: OtherItinera
 
 @njit(cache=True)
 def first_met(points: FloatArray, times: FloatArray, others: OtherItineraries, separation: float) -> int:
-    """Return the other robot that an itinerary comes too near to first, -1 where none.
+    """Return the other robot that an itinerary comes too close to first, or -1.
 
     Args:
-        points: (m, 2) of the itinerary.
-        times: (m,) with them.
-        others: the other robots'.
-        separation: meters from center to center. A robot that is nearer at the first point is met where it comes nearer
-            still.
+        points: (m, 2) points of the itinerary.
+        times: (m,) their times.
+        others: itineraries of the other robots.
+        separation: distance from center to center, meters. A robot that is nearer at the first point counts only where
+            it comes nearer still.
     """
     for i in range(points.shape[0]):
         for k in range(others.starts.shape[0] - 1):
@@ -237,27 +236,28 @@ def right_of_way(
     others: OtherItineraries,
     separation: float,
 ) -> tuple[int, int, bool]:
-    """Find the point up to which a robot may drive now: the last before one that others are to pass first.
+    """Find the point up to which a robot may drive now: the last one before a point that others must pass first.
 
     Args:
-        points: (m, 2) of its itinerary.
-        times: (m,) with them.
-        index: that of the point it has reached.
-        last: index of the last point that is looked at.
-        x: its true place; so y.
-        others: the other robots', each from the point it has reached.
-        separation: meters from center to center. A robot that is nearer already may go where it does not come nearer
-            still.
+        points: (m, 2) points of its itinerary.
+        times: (m,) their times.
+        index: index of the point that it has reached.
+        last: index of the last point to examine.
+        x: its true position; also y.
+        others: itineraries of the other robots, each from the point that it has reached.
+        separation: distance from center to center, meters. A robot that is nearer already may drive where it does not
+            come nearer still.
 
     Returns:
-        An index from `index` to `last`; the other robot that bars the next point, -1 when none does; and whether that
-        one stands for good.
+        An index from `index` to `last`; the other robot that blocks the next point, or -1; and whether that robot
+        stands permanently.
     """
     for i in range(index + 1, last + 1):
         px, py = points[i, 0], points[i, 1]
         for k in range(others.starts.shape[0] - 1):
             for m in range(others.starts[k], others.starts[k + 1]):
                 if others.times[m] >= times[i]:
+                    # Times increase along an itinerary, so all further points of this robot are later, too.
                     break
                 ox, oy = others.points[m, 0], others.points[m, 1]
                 if abs(px - ox) >= separation or abs(py - oy) >= separation:
@@ -270,19 +270,19 @@ def right_of_way(
 
 @njit(cache=True)
 def executable(points: FloatArray, times: FloatArray, others: OtherItineraries, separation: float) -> bool:
-    """Return True if an itinerary can be driven to its end, and no other robot is worse off than if it stayed.
+    """Return True if an itinerary can be driven to its end, and no other robot is worse off than if this robot stayed.
 
-    Itineraries that keep their distance at equal times always can. But robots that stand nearer than that already may
-    plan to stay so for a while, and then could bar each other's next points for good. So the right of way is simulated,
-    twice: all robots with this itinerary, and all with this robot standing where it is.
+    This always holds for itineraries that keep their distance at equal times. But robots that already stand closer may
+    plan to stay so for a while, and could then block each other's next points permanently. So the right of way is
+    simulated twice: all robots with this itinerary, and all with this robot standing where it is.
 
-    A step that is open stays open until it is taken, so the order in which robots are moved does not matter.
+    A step that is open stays open until it is driven. So the order in which robots are moved does not matter.
 
     Args:
-        points: (m, 2) of the itinerary.
-        times: (m,) with them.
-        others: the other robots', each from the point it has reached.
-        separation: meters from center to center, as in `right_of_way`.
+        points: (m, 2) points of the itinerary.
+        times: (m,) their times.
+        others: itineraries of the other robots, each from the point that it has reached.
+        separation: distance from center to center, as in `right_of_way`, meters.
     """
     own = points.shape[0]
     count = others.starts.shape[0]
@@ -301,7 +301,7 @@ def executable(points: FloatArray, times: FloatArray, others: OtherItineraries, 
 
 @njit(cache=True)
 def _driven(points: FloatArray, times: FloatArray, others: OtherItineraries, separation: float) -> NDArray[np.int64]:
-    """Return (k + 1,) points that a robot and k others reach by right of way: indices into the points of all, in a row."""
+    """Return the (k + 1,) points that this robot and k others reach by right of way, as indices into all points."""
     own = points.shape[0]
     count = others.starts.shape[0]
     all_points = np.concatenate((points, others.points))
@@ -329,7 +329,7 @@ def _open(
     robot: int,
     separation: float,
 ) -> bool:
-    """Return True if a robot at its point at[robot] may drive to the next one, the others being at theirs."""
+    """Return True if a robot at its point at[robot] may drive to the next one while the others are at theirs."""
     x, y = points[at[robot], 0], points[at[robot], 1]
     px, py, time = points[at[robot] + 1, 0], points[at[robot] + 1, 1], times[at[robot] + 1]
     for k in range(at.shape[0]):
@@ -341,7 +341,8 @@ def _open(
             ox, oy = points[m, 0], points[m, 1]
             if abs(px - ox) >= separation or abs(py - oy) >= separation:
                 continue
-            # Unlike in `right_of_way` no 2 cm are given: in simulation robots are just where they planned to be.
+            # Unlike in `right_of_way`, without a tolerance of 2 cm: in this simulation robots are exactly where they
+            # planned.
             distance = elementary.hypot(px - ox, py - oy)
             if distance < separation and distance < elementary.hypot(x - ox, y - oy):
                 return False
@@ -350,13 +351,13 @@ def _open(
 
 @njit(cache=True)
 def reached_index(points: FloatArray, index: int, x: float, y: float) -> int:
-    """Return the index of the point that a robot at (x, y) has reached: of those just ahead the nearest; it never goes back."""
+    """Return the index of the point that a robot at (x, y) has reached: the nearest just ahead; it never goes back."""
     best = index
     best_distance = elementary.hypot(points[index, 0] - x, points[index, 1] - y)
     along = 0.0
     for i in range(index + 1, points.shape[0]):
         along += elementary.hypot(points[i, 0] - points[i - 1, 0], points[i, 1] - points[i - 1, 1])
-        # A loop to a place to wait and back again is longer than this: it must not be skipped.
+        # A loop to a waiting place and back is longer than this, so it is never skipped.
         if along > 0.45:
             break
         distance = elementary.hypot(points[i, 0] - x, points[i, 1] - y)

@@ -1,7 +1,7 @@
 """Planning of itineraries for one robot: over the map, and in time among the other robots.
 
-First the global planner's path, driven without a stop; if that meets other robots' itineraries, a search in space and
-time (`safe_interval`); if that fails, the path that there would be without the others, for them to clear.
+First comes the global planner's path, driven without a stop. If it meets other robots' itineraries, a search in space
+and time follows (`safe_interval`). If that fails, the result is the path without the others, which they should clear.
 """
 
 import math
@@ -41,16 +41,16 @@ from sim.robot.global_planning.safe_interval import BoolArray, Roadmap, make_roa
 from sim.robot.part_failure import PartFailed
 
 PLANNED_GAP = 0.16
-"""Meters that two robots' circumscribed circles are apart in a plan."""
+"""Distance between two robots' circumscribed circles in a plan, meters."""
 DRIVEN_GAP = 0.1
-"""The same while they drive, by right of way."""
+"""Distance between them while they drive by right of way, meters."""
 ROOM_TO_TURN = 0.08
-"""Meters that the circumscribed circle is off the walls where a robot waits or makes a detour."""
+"""Distance of the circumscribed circle from walls where a robot waits or makes a detour, meters."""
 
 
 @dataclass(frozen=True, slots=True)
 class BlockedByRobots:
-    """A path exists, but other robots stand in it.
+    """A path exists, but other robots block it.
 
     Attributes:
         wanted_path: (m, 2) map points of that path.
@@ -64,13 +64,13 @@ _PathCosts = Literal["present", "without robots", "without observations"]
 
 @dataclass(slots=True)
 class _Attempt:
-    """An attempt to plan, as far as it has come: on large maps it takes several ticks.
+    """State of a planning attempt; on large maps it takes several ticks.
 
     Attributes:
-        start: where it began.
+        start: pose where it began.
         goal: the goal.
-        found: by costs that they are over, the paths searched so far.
-        search: the one under way, and by which costs.
+        found: results of finished searches, by their costs.
+        search: the present search, and its costs.
     """
 
     start: Pose2
@@ -84,12 +84,12 @@ class ItineraryPlanner:
 
     Args:
         static: the map.
-        costmap: the robot's, over the whole map.
-        inflation: its inflation layer's parameters.
-        planner: finds paths for it when it is alone.
+        costmap: the robot's global costmap.
+        inflation: parameters of its inflation layer.
+        planner: planner of paths without regard to other robots.
 
     Attributes:
-        fault: failure of a planner of others, until somebody takes it; empty without one.
+        fault: failure of an installed planner, until it is read; empty without one.
     """
 
     def __init__(
@@ -106,11 +106,11 @@ class ItineraryPlanner:
         self.configure(inflation, planner)
 
     def configure(self, inflation: InflationParameters, planner: PathPlanner) -> None:
-        """Go on with this planner, and with what the costmap has become by other parameters.
+        """Continue with this planner, and with the costmap after a change of parameters.
 
         Args:
-            inflation: its inflation layer's parameters.
-            planner: finds paths for the robot when it is alone.
+            inflation: parameters of the costmap's inflation layer.
+            planner: planner of paths without regard to other robots.
         """
         costmap = self.costmap
         self._planner = planner
@@ -125,17 +125,17 @@ class ItineraryPlanner:
         self._too_near = cost_at(circumscribed, costmap.inscribed_radius, inflation.cost_scaling_factor)
 
     def update_neighbours(self, neighbours: Sequence[Neighbour]) -> None:
-        """Bring the costmap up to date with the last broadcasts of the other robots."""
+        """Update the costmap with the last broadcasts of the other robots."""
         self.costmap.update_neighbours(neighbours)
         self.costmap.update(0.0, 0.0)
 
     @property
     def searching(self) -> bool:
-        """True from a `plan` that found nothing yet until one does."""
+        """True after a `plan` that found nothing yet, until one returns a result."""
         return self._attempt is not None
 
     def search_on(self) -> None:
-        """Go on with the search under way, for this tick."""
+        """Continue the present search, for this tick."""
         attempt = self._attempt
         if attempt is None or attempt.search is None:
             return
@@ -149,7 +149,7 @@ class ItineraryPlanner:
             attempt.found[over], attempt.search = PlanRefusal("no_way", self.fault), None
 
     def give_up(self) -> None:
-        """Give up the search under way."""
+        """Stop the present search."""
         attempt, self._attempt = self._attempt, None
         if attempt is not None and attempt.search is not None:
             attempt.search[1].close()
@@ -157,17 +157,17 @@ class ItineraryPlanner:
     def plan(
         self, start: Pose2, goal: Pose2, time: float, others: OtherItineraries
     ) -> Itinerary | BlockedByRobots | PlanRefusal | None:
-        """Plan an itinerary to a goal that keeps clear of all others: the planner's if it does, else the quickest.
+        """Plan an itinerary to a goal that keeps clear of all others: the planner's path, or else the quickest one.
 
         Args:
             start: pose of the base.
             goal: pose at the end.
-            time: from which the itinerary is numbered.
-            others: the other robots' itineraries.
+            time: start time of the itinerary.
+            others: itineraries of the other robots.
 
         Returns:
-            None where a path is still being searched: `search_on` then, once a tick, and ask again. What was found is
-            kept as long as the goal stays and the robot does not go far.
+            None while the search goes on: call `search_on` once per tick, and then `plan` again. Partial results are
+            kept while the goal stays the same and the robot does not go far.
         """
         attempt = self._attempt
         if attempt is None or attempt.goal != goal or attempt.start.distance(start) > NEAR_START:
@@ -179,7 +179,7 @@ class ItineraryPlanner:
         return planned
 
     def _path(self, attempt: _Attempt, over: _PathCosts, costs: Costs) -> Path | PlanRefusal | None:
-        """Return the path over these costs, None while it is being searched."""
+        """Return the path over these costs, or None while the search goes on."""
         if over not in attempt.found and attempt.search is None:
             attempt.search = over, self._planner.search(costs, self._frame, attempt.start, attempt.goal)
             self.search_on()
@@ -209,9 +209,9 @@ class ItineraryPlanner:
         return self._refusal(attempt, alone) if isinstance(alone, PlanRefusal) else alone
 
     def _alone(self, attempt: _Attempt, walls: Costs) -> BlockedByRobots | PlanRefusal | None:
-        """Plan the path that there would be without the other robots.
+        """Plan the path that would exist without the other robots.
 
-        A robot that waits for others asks for the same path again and again: it is planned once.
+        A robot that waits for others needs the same path again and again, so it is planned only once.
         """
         asked = (attempt.start, attempt.goal)
         if walls is self._walls and asked == self._alone_query and self._alone_answer is not None:
@@ -225,7 +225,7 @@ class ItineraryPlanner:
         return answer
 
     def _refusal(self, attempt: _Attempt, refused: PlanRefusal) -> PlanRefusal | None:
-        """Return the refusal itself, unless the map alone has a path: then an obstacle that was seen is the cause."""
+        """Return the refusal; if the map alone has a path, return that an obstacle seen by the laser is the cause."""
         bare: Path | PlanRefusal | None = refused
         if self.costmap.obstacles.any_marks:
             bare = self._path(attempt, "without observations", self._walls)
@@ -237,19 +237,19 @@ class ItineraryPlanner:
         return PlanRefusal("blocked_by_obstacle", "an obstacle that is not on the map blocks the way")
 
     def obstructed(self, points: FloatArray) -> bool:
-        """Return True if an obstacle that was seen lies on (m, 2) points of a path."""
+        """Return True if an obstacle seen by the laser is on (m, 2) points of a path."""
         radius = self.costmap.inscribed_radius - self._frame.resolution
         seen = self.costmap.obstacles
         return seen.any_marks and bool(_touched(points, seen.marks, self._frame, radius))
 
     def refuge(self, start: Pose2, wanted_path: FloatArray, time: float, others: OtherItineraries) -> Itinerary | None:
-        """Plan an itinerary to a place off another robot's path; None when there is none.
+        """Plan an itinerary to a place off another robot's path; None if there is no such place.
 
         Args:
             start: pose of the base.
-            wanted_path: (m, 2) the path that the other robot wants to take.
-            time: from which the itinerary is numbered.
-            others: the other robots' itineraries.
+            wanted_path: (m, 2) path that the other robot wants to drive.
+            time: start time of the itinerary.
+            others: itineraries of the other robots.
         """
         free, _ = self._free_space()
         away = refuge(self._roadmap, free, np.array([start.x, start.y]), wanted_path, time, others, self.separation)
@@ -259,9 +259,9 @@ class ItineraryPlanner:
         return away if self._executable(away, others) else None
 
     def made_way_for(self, itinerary: Itinerary, others: OtherItineraries) -> int | None:
-        """Return the first of the others that an itinerary makes way for; None where it makes way for none.
+        """Return the first of the others that an itinerary makes way for; None if it makes way for none.
 
-        It is the one that would be met first on the way that there would be without the others.
+        This is the robot that would be met first on the path that would exist without the others.
         """
         if itinerary.unhindered_from == -math.inf:
             return None
@@ -275,7 +275,7 @@ class ItineraryPlanner:
         return None if met < 0 else met
 
     def obstructs(self, place: FloatArray, wanted_path: FloatArray) -> bool:
-        """Return True if a robot at a (2,) place obstructs another one on its (m, 2) path."""
+        """Return True if a robot at a (2,) place blocks another one on its (m, 2) path."""
         return bool(
             (
                 elementary_arrays.hypot(wanted_path[:, 0] - place[0], wanted_path[:, 1] - place[1]) < self.separation
@@ -283,7 +283,7 @@ class ItineraryPlanner:
         )
 
     def first_obstructing(self, neighbours: Sequence[Neighbour], wanted_path: FloatArray) -> int | None:
-        """Return the first robot along a (m, 2) path that stands on it, or is to arrive on it."""
+        """Return the first robot along a (m, 2) path that stands on it or will arrive on it."""
         met: list[tuple[int, int]] = []
         for other in neighbours:
             place = other.path[-1] if len(other.times) else other.base_in_map.array()[:2]
@@ -306,9 +306,9 @@ class ItineraryPlanner:
 
 @lru_cache(maxsize=8)
 def _coarse(static: OccupancyGrid, radius: float) -> tuple[Roadmap, NDArray[np.int32]]:
-    """Return the coarse grid for robots of a radius, meters, and (n, 2) the cells of the map in which its centers lie.
+    """Return the coarse grid for robots of a radius (meters), and the (n, 2) map cells that contain its centers.
 
-    All robots of one size share them, so they must not be written to.
+    All robots of the same size share them, so they must not be written to.
     """
     made = make_roadmap(static, clearance_field(static), radius)
     return made, static.cells_of(made.centres.reshape(-1, 2)).astype(np.int32)
@@ -330,7 +330,7 @@ def _touched(points: FloatArray, marks: Costs, frame: CostFrame, radius: float) 
 
 @njit(cache=True)
 def thinned(points: FloatArray, spacing: float) -> FloatArray:
-    """Return (k, 2) of (m, 2) points: both ends, and those at least `spacing` meters apart."""
+    """Select (k, 2) of (m, 2) points: both ends, and points at least `spacing` meters apart."""
     kept = np.empty((points.shape[0] + 1, 2))
     kept[0] = points[0]
     count = 1

@@ -1,8 +1,8 @@
-"""A plan on request, to a goal or as near to it as the caller accepts.
+"""A plan on request, to a goal or to a place as near to it as the caller accepts.
 
 Source: ros-planning/navigation, move_base/src/move_base.cpp (planService).
-Differs: costs are left as they are; which places can be reached is found out once, not by a plan to each; offered also
-while the robot drives.
+Differences: costs are not changed. One search finds all reachable places, instead of one plan to each. The request also
+works while the robot drives.
 """
 
 import math
@@ -15,7 +15,7 @@ from sim.robot.costmap.costs import CostFrame, Costs
 from sim.robot.global_planning.path import Path, PlanRefusal, RobotPathPlanner
 
 STEP = 3
-"""Cells from one square of places around the goal to the next."""
+"""Cells between two successive squares of places around the goal."""
 
 
 def make_plan(
@@ -27,19 +27,19 @@ def make_plan(
     tolerance: float,
     add_unreachable_goal: bool,
 ) -> FloatArray | PlanRefusal:
-    """Plan a path to the goal, or else to the first place of ever larger squares around it that can be reached.
+    """Plan a path to the goal, or to the first reachable place on ever larger squares around it.
 
     Args:
-        planner: finds the paths.
+        planner: planner that finds the paths.
         costs: (rows, cols).
-        frame: their place in the map.
+        frame: frame of the costs in the map.
         start: pose at the beginning, in the costmap's frame.
         goal: pose at the end.
         tolerance: half the side of the largest square, meters.
-        add_unreachable_goal: True if the goal itself follows after a place near to it.
+        add_unreachable_goal: True to append the goal itself after a place near it.
 
     Returns:
-        (m, 3) poses in the costmap's frame, or why there is no path to the goal itself.
+        (m, 3) poses in the costmap's frame, or the reason why no path leads to the goal itself.
     """
     path = planner.plan(costs, frame, start, goal)
     if isinstance(path, Path):
@@ -50,9 +50,9 @@ def make_plan(
     step = min(STEP * frame.resolution, tolerance)
     rows, cols = costs.shape
     corner = np.array([frame.x, frame.y])
-    # A hair less, or rounding might lead to a cell beyond the last one.
+    # A little less, because rounding might lead to a cell beyond the last one.
     opposite = corner + (np.array([cols, rows]) - 1e-6) * frame.resolution
-    # Beyond the map's size there is nothing to search.
+    # Beyond the map there is nothing to search.
     farthest = min(tolerance, (rows + cols) * frame.resolution)
     for ring in range(1, math.floor(farthest / step + 1e-6) + 1):
         points = np.array([goal.x, goal.y]) + _square(ring) * step
@@ -69,7 +69,7 @@ _SIGNS = np.array([(-1, -1), (1, -1), (-1, 1), (1, 1)])
 
 
 def _square(ring: int) -> FloatArray:
-    """Return (k, 2) x and y, in steps, of points on a square so many steps around (0, 0), in the order in which ROS goes."""
+    """Return (k, 2) x and y, in steps, of points on a square `ring` steps around (0, 0), in ROS's order."""
     along = np.arange(ring + 1)
     sides = np.column_stack([np.full(ring, ring), along[:-1]])
     ends = np.column_stack([along, np.full(ring + 1, ring)])

@@ -1,7 +1,7 @@
-"""navfn: a potential that spreads like a wave, by Dijkstra or A*, and the path that runs down it.
+"""navfn: a potential that spreads like a wave, by Dijkstra or A*, and the path down its slope.
 
 Source: ros-planning/navigation, navfn/src/navfn.cpp and navfn_ros.cpp. Potentials are the same, bit for bit.
-Differs: poses head along the path, where ROS leaves all but the last one unturned; see also `wave` and
+Difference: poses face along the path, while ROS sets only the last heading. See also `wave` and
 `potential_planner`.
 """
 
@@ -22,7 +22,7 @@ COST_OBSTACLE = LETHAL
 
 
 def passage_costs(allow_unknown: bool) -> CellCosts:
-    """Return (256,) cost of passing a cell, for each of a costmap's costs: 50 when free, more near obstacles."""
+    """Return the (256,) costs of crossing a cell, for each cost of a costmap: 50 if free, more near obstacles."""
     costs = np.arange(256)
     table: CellCosts = np.minimum(COST_NEUTRAL + np.floor(COST_FACTOR * costs), COST_OBSTACLE - 1).astype(np.uint8)
     table[INSCRIBED] = table[LETHAL] = BLOCKED
@@ -31,10 +31,10 @@ def passage_costs(allow_unknown: bool) -> CellCosts:
 
 
 class Navfn:
-    """The part of navfn that is its own; see `PotentialMethod`.
+    """The part that is specific to navfn; see `PotentialMethod`.
 
     Args:
-        parameters: navfn's.
+        parameters: parameters of navfn.
     """
 
     exact = False
@@ -45,7 +45,7 @@ class Navfn:
         self._use_astar = parameters.use_astar
 
     def spread(self, space: Workspace, x: float, y: float, target: int, portion: int) -> Iterator[None]:
-        """Spread the wave, cheap cells first, or with A* those that are cheap and near to the target."""
+        """Spread the wave, cheap cells first; with A*, cells that are cheap and near the target first."""
         cols = space.shape[1]
         start = round(y) * cols + round(x)
         space.potential[start] = 0.0

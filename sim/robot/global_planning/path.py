@@ -1,4 +1,4 @@
-"""Paths through the map, and refusals where there is none."""
+"""Paths through the map, and refusals if no path exists."""
 
 from collections.abc import Generator
 from dataclasses import dataclass
@@ -33,7 +33,7 @@ _SENTENCES: dict[PlanRefusalCode, str] = {
 }
 
 OUTERMOST = "in the map's outermost row or column of cells, where planners lead no path"
-"""End of a sentence about a place there."""
+"""End of a sentence about a place at the map's border."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,7 +41,7 @@ class Path:
     """Poses from start to goal.
 
     Attributes:
-        poses: (m, 3) in the map, meters and radians; each heads for the next, the last has the goal's own heading.
+        poses: (m, 3) in the map, meters and radians. Each faces the next one; the last has the goal's heading.
     """
 
     poses: FloatArray
@@ -54,7 +54,7 @@ class Path:
 
 @dataclass(frozen=True, slots=True)
 class PlanRefusal:
-    """Refusal of a plan: there is no path.
+    """Refusal of a plan, because no path exists.
 
     Attributes:
         code: the cause, stable for programs.
@@ -66,22 +66,22 @@ class PlanRefusal:
 
 
 def plan_refusal(code: PlanRefusalCode) -> PlanRefusal:
-    """Make the refusal of this code, with its sentence."""
+    """Make the refusal for this code, with its sentence."""
     return PlanRefusal(code, _SENTENCES[code])
 
 
 def with_edge(
     refusal: PlanRefusal, shape: tuple[int, ...], frame: CostFrame, start: Pose2, goal: Pose2, radius: float = 0.0
 ) -> PlanRefusal:
-    """Return the refusal, and in its sentence that an end lies at the map's edge, where planners and bodies have limits.
+    """Return the refusal, with a note if an end is at the map's edge, where planners and bodies have limits.
 
     Args:
-        refusal: why there is no path.
+        refusal: reason why no path exists.
         shape: rows and columns of the map.
-        frame: their place.
+        frame: frame of the map.
         start: pose of the base.
         goal: pose at the end.
-        radius: that of the body; an end nearer to the edge is told. 0: the outermost cells alone.
+        radius: radius of the body; the note covers ends nearer than this to the edge. If 0, only the outermost cells.
     """
     if refusal.sentence != _SENTENCES.get(refusal.code) or refusal.code in {"start_outside", "goal_outside"}:
         return refusal
@@ -100,7 +100,7 @@ def with_edge(
 
 
 PathSearch = Generator[None, None, Path | PlanRefusal]
-"""A search for a path, a portion of the work at a time."""
+"""A search for a path, which does one portion of work at a time."""
 
 
 class PathPlanner(Protocol):
@@ -110,15 +110,15 @@ class PathPlanner(Protocol):
         """Search a path between two poses.
 
         Args:
-            costs: (rows, cols); left as they are.
-            frame: their place in the map.
+            costs: (rows, cols); not changed.
+            frame: frame of the costs in the map.
             start: pose of the base, in the costmap's frame.
             goal: pose at the end.
         """
 
 
 class RobotPathPlanner(PathPlanner, Protocol):
-    """Global planner of a robot. One of others raises `PartFailed`, and nothing else, where it fails."""
+    """Global planner of a robot. If an installed planner fails, it raises `PartFailed` and no other exception."""
 
     def plan(self, costs: Costs, frame: CostFrame, start: Pose2, goal: Pose2) -> Path | PlanRefusal:
         """Plan a path at once; see `search`."""
@@ -128,14 +128,14 @@ class RobotPathPlanner(PathPlanner, Protocol):
 
 
 class PlannerFactory(Protocol):
-    """Factory of a global planner of others."""
+    """Factory of an installed global planner."""
 
     def __call__(self, parameters: RobotParameters, seed: int, /) -> RobotPathPlanner:
-        """Return the planner of a robot with these parameters; `seed` is another one for each robot."""
+        """Return the planner of a robot with these parameters; `seed` differs for each robot."""
         ...
 
 
 def headings(points: FloatArray, last: float) -> FloatArray:
-    """Return (m, 3) poses on (m, 2) points: each heads for the next, the last has the heading given."""
+    """Return (m, 3) poses on (m, 2) points: each faces the next one, the last has the heading `last`."""
     steps = np.diff(points, axis=0)
     return np.column_stack([points, np.append(elementary_arrays.atan2(steps[:, 1], steps[:, 0]), last)])

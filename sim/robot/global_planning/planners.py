@@ -1,4 +1,4 @@
-"""Choice of the global planner that a robot plans by."""
+"""Choice of a robot's global planner."""
 
 from sim.parameters import GlobalPlannerParameters, NavfnParameters
 from sim.robot.global_planning.global_planner import GlobalPlanner
@@ -16,7 +16,7 @@ def global_planner(
     """Make the global planner that `move_base: base_global_planner` names.
 
     Args:
-        base_global_planner: move_base's parameter of this name.
+        base_global_planner: move_base's parameter of that name.
         navfn: parameters if it is navfn.
         global_planner: parameters if it is global_planner.
         space: see `PotentialPlanner`.

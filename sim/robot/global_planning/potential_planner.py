@@ -1,9 +1,9 @@
-"""A global planner that spreads a potential from the robot and comes down it from the goal.
+"""A global planner that spreads a potential from the robot and follows its slope down from the goal.
 
 Source: ros-planning/navigation, navfn/src/navfn_ros.cpp, global_planner/src/planner_core.cpp.
-Differs: a start in a lethal cell is refused, where ROS clears the cell; a goal that was reached is the path's end
-even when a tolerance is set, where navfn ends at one of a raster of points about it; positions are those of the cells'
-centers, where navfn's paths lie half a cell off, towards the origin; the costmap is left as it is.
+Differences: a start in a lethal cell is refused, while ROS clears the cell. A reached goal is the path's end even with
+a tolerance, while navfn ends at one of a raster of points around it. Positions are those of the cells' centers, while
+navfn's paths are off by half a cell towards the origin. The costmap is not changed.
 """
 
 import math
@@ -21,10 +21,11 @@ from sim.robot.global_planning.path import OUTERMOST, Path, PathSearch, PlanRefu
 from sim.robot.global_planning.wave import BLOCKED, UNREACHED, CellCosts, Points, Potential, Workspace, prepare
 
 MAX_CELLS = 1e9
-"""Cells from a map's corner up to which places are told apart."""
+"""Cells from a map's corner up to which places are distinguished."""
 PORTION = 300_000
-"""Cells that a search visits in a tick, about: twice as many as a wave visits that spreads over 26 m x 14 m, and some
-six milliseconds' work. It is a number of cells and no time, so that plans are the same on every machine."""
+"""Approximate number of cells that a search visits in a tick: twice as many as a wave visits that spreads over 26 m x
+14 m, and about six milliseconds of work. It is a number of cells and not a time, so that plans are the same on every
+machine."""
 
 
 class PotentialMethod(Protocol):
@@ -32,36 +33,36 @@ class PotentialMethod(Protocol):
 
     @property
     def table(self) -> CellCosts:
-        """(256,) cost of passing a cell of each cost; BLOCKED where there is no passage."""
+        """(256,) cost of crossing a cell for each cell cost; BLOCKED if it cannot be crossed."""
 
     @property
     def tolerance(self) -> float:
-        """Meters from a goal that cannot be reached within which a path may end."""
+        """Maximum distance between the end of a path and a goal that cannot be reached, meters."""
 
     @property
     def exact(self) -> bool:
-        """True when the wave begins between cells' centers, and the path ends there; else both are at centers."""
+        """True if wave and path start between the centers of cells; False if both start at centers."""
 
     def spread(self, space: Workspace, x: float, y: float, target: int, portion: int) -> Iterator[None]:
         """Fill the potential from a position, in cells, until the target is reached; -1 for no target.
 
-        Yields after every portion, a number of cells visited, but the last.
+        Yield after every portion (a number of visited cells) except the last.
         """
 
     def trace(self, potential: Potential, cols: int, x: float, y: float, end_x: float, end_y: float) -> Points:
-        """Return (m, 2) positions from a place that was reached down to where the wave began."""
+        """Return (m, 2) positions from a reached place down to where the wave began."""
 
     def orient(self, points: FloatArray, start: float, goal: float) -> FloatArray:
         """Return (m, 3) poses on (m, 2) points, from the headings at both ends."""
 
 
 class PotentialPlanner:
-    """Plans by a potential over the costmap.
+    """Global planner that uses a potential over the costmap.
 
     Args:
         method: the part in which planners differ.
-        space: room to plan in, used where it fits the costmap; nothing is kept there between plans, so that planners
-            may share one. A search waits for those that began before it. None: of its own.
+        space: workspace, used if it fits the costmap. Nothing is kept in it between plans, so planners may share one; a
+            search waits for those that began before it. If None, the planner makes its own.
     """
 
     def __init__(self, method: PotentialMethod, space: Workspace | None = None) -> None:
@@ -73,7 +74,7 @@ class PotentialPlanner:
         return self.potential(costs, frame, start) < UNREACHED
 
     def potential(self, costs: Costs, frame: CostFrame, start: Pose2) -> Potential:
-        """Return (rows, cols) potential from a start, UNREACHED where no path from there may end; arguments as for `plan`."""
+        """Return the (rows, cols) potential from a start, UNREACHED where no path can end; arguments as for `plan`."""
         rows, cols = costs.shape
         x, y = _position(frame, start)
         if not (0 <= round(y) < rows and 0 <= round(x) < cols) or costs[round(y), round(x)] == LETHAL:
@@ -87,7 +88,7 @@ class PotentialPlanner:
         return space.potential.reshape(rows, cols).copy()
 
     def descend(self, potential: Potential, frame: CostFrame, place: Pose2, start: Pose2) -> FloatArray | None:
-        """Return (m, 2) points from a place down to the start of a `potential`, meters in its frame; None where unreached."""
+        """Return (m, 2) points from a place down to the start of a `potential` (frame, meters); None if unreached."""
         rows, cols = potential.shape
         (x, y), (end_x, end_y) = _position(frame, place), _position(frame, start)
         if not (0 <= round(y) < rows and 0 <= round(x) < cols) or potential[round(y), round(x)] >= UNREACHED:
@@ -109,19 +110,19 @@ class PotentialPlanner:
                 return path
 
     def search(self, costs: Costs, frame: CostFrame, start: Pose2, goal: Pose2) -> PathSearch:
-        """Search a path from start to goal that keeps off obstacles as their costs ask for.
+        """Search a path from start to goal that avoids obstacles according to their costs.
 
         Args:
-            costs: (rows, cols); as they are when the search begins, after the first portions perhaps.
-            frame: their place in the map.
+            costs: (rows, cols). They are read when the search begins, which may be after the first portions.
+            frame: frame of the costs in the map.
             start: pose of the base, in the costmap's frame.
             goal: pose at the end.
 
         Yields:
-            After every portion of the work but the last.
+            After every portion of work except the last.
 
         Returns:
-            The path, or why there is none.
+            The path, or the reason why none exists.
         """
         method = self._method
         rows, cols = costs.shape
@@ -168,7 +169,7 @@ class PotentialPlanner:
                 )
             down = method.trace(space.potential, cols, goal_x, goal_y, x, y)
         finally:
-            # Also of a search that is given up half-way.
+            # Also when a search is stopped before its end.
             space.users.remove(user)
         points = (down[::-1] + 0.5) * frame.resolution + np.array([frame.x, frame.y])
         if len(points) == 1:
@@ -178,7 +179,7 @@ class PotentialPlanner:
         return Path(method.orient(points, start.theta, end.theta))
 
     def _fitting(self, costs: Costs) -> Workspace:
-        """Return the workspace that fits these costs."""
+        """Return a workspace that fits these costs."""
         if self._space.shape != costs.shape:
             self._space = Workspace(*costs.shape)
         return self._space
@@ -191,19 +192,19 @@ class PotentialPlanner:
 def _position(frame: CostFrame, pose: Pose2) -> tuple[float, float]:
     """Return the position in cells, such that rounding gives the cell: whole numbers are centers."""
     x, y = (pose.x - frame.x) / frame.resolution, (pose.y - frame.y) / frame.resolution
-    # The lower edge is a cell's own, also where rounding to even would say otherwise.
+    # The lower edge belongs to the cell, even where rounding to even would give another one.
     return _within(x), _within(y)
 
 
 def _within(position: float) -> float:
-    # Places beyond are on no map, and may be infinitely many cells away.
+    # Places farther away are on no map, and could be infinitely many cells away.
     position = min(max(position, -MAX_CELLS), MAX_CELLS)
     cell = math.floor(position)
     return cell + min(max(position - cell - 0.5, -0.499999), 0.499999)
 
 
 def _nearest_reached(space: Workspace, x: float, y: float, tolerance: float) -> tuple[int, int] | None:
-    """Return (col, row) of the reached cell nearest to a position, none farther than the tolerance; all in cells."""
+    """Return (col, row) of the reached cell nearest to a position, within the tolerance; all in cells."""
     rows, cols = space.shape
     top, left = max(0, math.floor(y - tolerance)), max(0, math.floor(x - tolerance))
     window = space.potential.reshape(rows, cols)[

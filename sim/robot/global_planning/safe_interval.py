@@ -1,15 +1,15 @@
-"""Safe interval path planning (SIPP): the quickest itinerary among robots whose itineraries are known.
+"""Safe interval path planning (SIPP): the quickest itinerary among robots with known itineraries.
 
-Space is a coarse grid, and each of its cells has a list of safe intervals: spans of time in which no other robot comes
-near. A state of the search is a cell and one of its safe intervals. Within an interval a robot may wait as long as it
-likes, so an earlier arrival can do all that a later one can, and one arrival per state, the earliest, is enough. That
-makes the search as small as one in space alone, times the few intervals of a cell, where a search in space and time
-would have a state for every second of waiting. States are expanded by A*, in the order of arrival plus the time to go
-without other robots. The goal is reached when the robot arrives in an interval that never ends, so that it may stay.
+Space is a coarse grid. Each cell has a list of safe intervals: spans of time in which no other robot comes near. A
+state of the search is a cell and one of its safe intervals. Within an interval a robot may wait for any time. So an
+earlier arrival can do everything that a later one can, and one arrival per state, the earliest, is enough. This makes
+the search as small as a search in space alone, times the few intervals of a cell. A search in space and time would have
+a state for every second of waiting. A* expands states in the order of arrival time plus the remaining time without
+other robots. The goal is reached if the robot arrives in an interval that never ends, so that it may stay.
 
 Source: Phillips, Likhachev, SIPP: Safe Interval Path Planning for Dynamic Environments (ICRA 2011).
-Differs: intervals begin and end on a raster of BIN_LENGTH seconds, and what lies beyond the last bin counts as safe or
-not as that bin is.
+Difference: intervals begin and end on a raster of BIN_LENGTH seconds. The time beyond the last bin is safe if the last
+bin is.
 """
 
 import heapq
@@ -27,25 +27,25 @@ from sim.numerics.kernels import njit
 from sim.robot.global_planning.itinerary import ITINERARY_SPEED, NEAR_START, Itinerary, OtherItineraries
 
 CELL_SIDE = 0.2
-"""Side of a coarse cell, meters, at most."""
+"""Maximum side of a coarse cell, meters."""
 BIN_LENGTH = 0.5
-"""Seconds of one bin of time: intervals begin and end between bins."""
+"""Duration of a time bin, seconds. Intervals begin and end between bins."""
 BIN_COUNT = 240
-"""Number of bins that are looked ahead: two minutes."""
+"""Number of bins that the search looks ahead: two minutes."""
 
 UNHINDERED = 1.0
-"""Seconds that an itinerary may take longer than without other robots, and still counts as going on unhindered."""
+"""Seconds by which an itinerary may take longer than without other robots and still counts as unhindered."""
 
 BoolArray = NDArray[np.bool_]
 CellNumbers = NDArray[np.int32]
 
 
 class BusyBins(NamedTuple):
-    """Bins of time in which other robots come near cells, in the form that compiled kernels take.
+    """Time bins in which other robots come near cells, in the form for compiled kernels.
 
     Attributes:
-        row: (rows, cols) of the coarse grid: the row of `busy` that a cell has; -1 where nobody ever comes near.
-        busy: (n, bins) True where another robot comes near within a bin.
+        row: (rows, cols) of the coarse grid: the row of `busy` for a cell; -1 if no robot ever comes near.
+        busy: (n, bins) True if another robot comes near within a bin.
     """
 
     row: CellNumbers
@@ -57,10 +57,11 @@ class Roadmap:
     """The coarse grid.
 
     Attributes:
-        centers: (rows, cols, 2) map point of each cell: its middle, or its roomiest point when that is too tight.
-        free: (rows, cols) whether a robot can stand and turn there without touching a wall.
+        centers: (rows, cols, 2) map point of each cell: its middle, or the point with most clearance if that is too
+            tight.
+        free: (rows, cols) True if a robot can stand and turn there without touching a wall.
         corner: (2,) map coordinates of the outer corner of cell (0, 0).
-        side: that of a cell, meters.
+        side: side of a cell, meters.
     """
 
     centres: FloatArray
@@ -70,19 +71,19 @@ class Roadmap:
 
 
 def make_roadmap(grid: OccupancyGrid, clearance: FloatArray | NDArray[np.float32], radius: float) -> Roadmap:
-    """Lay a coarse grid over a map.
+    """Make a coarse grid over a map.
 
     Args:
         grid: the map.
         clearance: (rows, cols) of the map: meters to the nearest obstacle or unknown cell.
-        radius: that of the robot however it is turned, meters.
+        radius: circumscribed radius of the robot, meters.
     """
     stride = max(1, int(CELL_SIDE / grid.resolution + 1e-9))
     rows, cols = grid.rows // stride, grid.cols // stride
     whole = clearance[: rows * stride, : cols * stride]
     blocks = whole.reshape(rows, stride, cols, stride).swapaxes(1, 2).reshape(rows, cols, stride * stride)
     middle = (stride // 2) * stride + stride // 2
-    # Compared as numbers of double precision, whatever those of the clearance are.
+    # Compare in double precision, for clearances of either precision.
     needed = np.float64(radius)
     roomiest = np.where(blocks[:, :, middle] >= needed, middle, blocks.argmax(axis=2))
     row, col = np.divmod(roomiest, stride)
@@ -97,12 +98,12 @@ def _shade(
     traffic: BusyBins, count: int, free: BoolArray, centres: FloatArray, corner: FloatArray, side: float, x: float,
     y: float, radius: float, start_x: float, start_y: float, present: float, first: int, last: int,
 ) -> tuple[BusyBins, int]:  # fmt: skip
-    """Mark the free cells around a robot at (x, y) busy from bin `first` to bin `last`.
+    """Mark the free cells around a robot at (x, y) as busy from bin `first` to bin `last`.
 
-    Of the traffic's rows `count` are in use; both are returned as they are then.
+    `count` rows of the traffic are in use. Return both as they are afterwards.
 
-    `present` is that robot's distance, meters, from the planning robot's start (start_x, start_y): at the start no more
-    distance is asked for than there is, or a robot that stands too near to another could never leave.
+    `present` is the distance of that robot from the planning robot's start (start_x, start_y), meters. At the start, no
+    more than this distance is required. Otherwise a robot that stands too close to another one could never leave.
     """
     row_of, busy = traffic
     rows, cols = row_of.shape
@@ -117,7 +118,7 @@ def _shade(
         for c in range(max(0, int(col - span)), min(cols, int(col + span) + 1)):
             cx, cy = centres[r, c, 0], centres[r, c, 1]
             dx, dy = cx - x, cy - y
-            # Most cells are settled by squares, which take a tenth of the time; where rounding could decide, not so.
+            # Squares decide most cells in a tenth of the time. Only where rounding could matter, compute the distance.
             squared = dx * dx + dy * dy
             if not free[r, c] or squared > far:
                 continue
@@ -128,8 +129,9 @@ def _shade(
             if abs(cx - start_x) < side and abs(cy - start_y) < side:
                 off = elementary.hypot(cx - start_x, cy - start_y)
                 if off < side:
-                    # The cell that the start is rounded to may lie nearer to the other robot than the start itself
-                    # does, by as much as a cell's half diagonal; the cells beside it may not, but for rounding.
+                    # The cell to which the start is rounded may be nearer to the other robot than the start itself, by
+                    # up to
+                    # half a cell's diagonal. The cells next to it may be nearer only by rounding.
                     needed = min(radius, present - (0.75 * side if off < 0.71 * side else 0.02))
                     distance = elementary.hypot(dx, dy)
             if distance < needed:
@@ -149,11 +151,11 @@ def _traffic(
     free: BoolArray, centres: FloatArray, corner: FloatArray, side: float, others: OtherItineraries, start: FloatArray,
     time: float, separation: float, bins: int, bin_length: float,
 ) -> BusyBins:  # fmt: skip
-    """Find the bins of time in which another robot comes near free cells."""
+    """Find the time bins in which another robot comes near free cells."""
     traffic, count = BusyBins(np.full(free.shape, -1, np.int32), np.zeros((256, bins), np.bool_)), 0
     for k in range(others.starts.shape[0] - 1):
         begin, end = others.starts[k], others.starts[k + 1]
-        # Before an itinerary begins, its robot stands at its first point.
+        # Before an itinerary begins, its robot stands at the first point.
         now_x, now_y = others.points[begin, 0], others.points[begin, 1]
         present = elementary.hypot(now_x - start[0], now_y - start[1])
         first = math.floor((others.times[begin] - time) / bin_length) if others.times[begin] > -math.inf else 0
@@ -167,7 +169,8 @@ def _traffic(
             traffic, count = _shade(
                 traffic, count, free, centres, corner, side, x, y, separation, start[0], start[1], present, first, last
             )
-            # From one point to the next takes less than a bin. Where it goes over the border of two bins the robot may
+            # The step from one point to the next takes less than a bin. If it crosses the border of two bins, the robot
+            # may
             # be near this point in both. A longer span can only be a wait, at this very point.
             if i > begin:
                 first = math.floor((others.times[i - 1] - time) / bin_length)
@@ -182,15 +185,15 @@ def _traffic(
 
 @njit(cache=True)
 def _distances(free: BoolArray, targets: BoolArray, side: float) -> FloatArray:
-    """Return (rows, cols) meters to the nearest target through free cells; inf where none can be reached.
+    """Return (rows, cols) meters to the nearest target through free cells; inf if none can be reached.
 
     The grid is swept forward and backward in turn until nothing changes (a distance transform over eight neighbors). A
-    cell is looked at again only where one of its neighbors has changed since: nothing else can have become nearer.
+    cell is visited again only if one of its neighbors has changed, because only then it can become nearer.
     """
     rows, cols = free.shape
     field = np.full((rows, cols), np.inf)
     due = np.zeros((rows, cols), np.bool_)
-    # Number of cells that are due in each row.
+    # Number of cells to visit in each row.
     in_row = np.zeros(rows, np.int64)
     left = 0
     for r in range(rows):
@@ -229,7 +232,7 @@ def _distances(free: BoolArray, targets: BoolArray, side: float) -> FloatArray:
 
 @njit(cache=True)
 def _make_due(due: BoolArray, in_row: NDArray[np.int64], free: BoolArray, row: int, col: int) -> int:
-    """Have the free cells around one looked at again; return how many were not due before."""
+    """Mark the free cells around one for another visit. Return how many were not marked before."""
     count = 0
     for r in range(max(0, row - 1), min(due.shape[0], row + 2)):
         for c in range(max(0, col - 1), min(due.shape[1], col + 2)):
@@ -244,10 +247,10 @@ def _make_due(due: BoolArray, in_row: NDArray[np.int64], free: BoolArray, row: i
 def _reachable(
     free: BoolArray, first: NDArray[np.int64], closes: FloatArray, targets: BoolArray, start_row: int, start_col: int
 ) -> bool:
-    """Return True unless, however long it waits, no robot can get from the start to a target where it may stay.
+    """Return False if no robot can get from the start to a target where it may stay, however long it waits.
 
-    Only then a search would look at all states in vain: where a target is never left free, or where a robot that stands
-    for good bars every way. The states are as in `_search`.
+    In this case a search would visit all states in vain: if a target is never left free, or if a robot that stands
+    permanently blocks every path. The states are as in `_search`.
     """
     rows, cols = free.shape
     met = np.zeros((rows, cols), np.bool_)
@@ -277,19 +280,20 @@ def _search(
     free: BoolArray, traffic: BusyBins, targets: BoolArray, centres: FloatArray, side: float, start_row: int,
     start_col: int, bin_length: float, speed: float,
 ) -> FloatArray:  # fmt: skip
-    """Return (m, 4) x, y, seconds from now, and seconds that would be left there without other robots.
+    """Return the quickest path to a target where the robot may stay.
 
-    They are those of the quickest path to a target where one may stay; (0, 4): there is none.
+    It is (m, 4): x, y, seconds from now, and remaining seconds from there without other robots. (0, 4) if there is
+    none.
     """
     rows, cols = free.shape
     row_of, busy = traffic
     bins = busy.shape[1]
-    # The heuristic ignores other robots and the walls beside diagonal steps, so it hardly ever overestimates.
+    # The heuristic ignores other robots, and walls next to diagonal steps, so it hardly ever overestimates.
     to_go = _distances(free, targets, side)
     if to_go[start_row, start_col] == np.inf:
         return np.empty((0, 4))
-    # Number the safe intervals of every cell: those of a cell are the states first[cell] up to first[cell + 1], in the
-    # order of time, each from opens[k] to closes[k]; one that lasts to the end of what is looked at never closes.
+    # Number the safe intervals of all cells. Those of a cell are the states first[cell] up to first[cell + 1], in the
+    # order of time, each from opens[k] to closes[k]. An interval that lasts to the end of the last bin never closes.
     first = np.zeros(rows * cols + 1, np.int64)
     for cell in range(rows * cols):
         r, c = cell // cols, cell % cols
@@ -327,7 +331,7 @@ def _search(
         return np.empty((0, 4))
     if not _reachable(free, first, closes, targets, start_row, start_col):
         return np.empty((0, 4))
-    # arrival[k] is the earliest known arrival in state k, from state parent[k]. Once done it is final.
+    # arrival[k] is the earliest known arrival in state k, from state parent[k]. It is final once done[k] is True.
     arrival = np.full(total, np.inf)
     parent = np.full(total, -1, np.int64)
     cell_of = np.empty(total, np.int64)
@@ -353,20 +357,22 @@ def _search(
                 nr, nc = r + dr, c + dc
                 if (dr == 0 and dc == 0) or not (0 <= nr < rows and 0 <= nc < cols) or not free[nr, nc]:
                     continue
-                # A diagonal step passes between its two side cells: both must be free, or a corner would be cut.
+                # A diagonal step passes between its two side cells. Both must be free, or it would cut a corner.
                 if dr != 0 and dc != 0 and not (free[r, nc] and free[nr, c]):
                     continue
                 length = elementary.hypot(centres[nr, nc, 0] - centres[r, c, 0], centres[nr, nc, 1] - centres[r, c, 1])
                 takes = length / speed
                 target = nr * cols + nc
                 for k in range(first[target], first[target + 1]):
-                    # The robot sets out when it is here and the next cell is safe, whichever is later: both cells must
-                    # be safe while it is between them.
+                    # The robot starts when it is here and the next cell is safe, whichever is later: both cells must be
+                    # safe while it is between them.
                     arrives = max(time, opens[k]) + takes
                     if arrives > closes[state]:
-                        # This cell is not safe for so long, and the next cell's later intervals open later still.
+                        # This cell is not safe until then, and the next cell's later intervals open even later.
                         break
                     if arrives > closes[k] or arrives >= arrival[k] - 1e-9:
+                        # Too late for this interval, or no earlier than a known arrival: see the module on the earliest
+                        # arrival.
                         continue
                     arrival[k] = arrives
                     parent[k] = state
@@ -381,7 +387,7 @@ def _search(
         r, c = cell_of[state] // cols, cell_of[state] % cols
         if n > 0:
             x, y = trajectory[n - 1, 0], trajectory[n - 1, 1]
-            # A robot that does not set out at once waits here: the same point a second time.
+            # A robot that does not start at once waits here: the same point a second time.
             leaves = trajectory[n - 1, 2] - elementary.hypot(x - centres[r, c, 0], y - centres[r, c, 1]) / speed
             if leaves > arrival[state] + 1e-6:
                 trajectory[n] = centres[r, c, 0], centres[r, c, 1], leaves, to_go[r, c] / speed
@@ -396,7 +402,7 @@ def _search(
 def _off_path(
     free: BoolArray, centres: FloatArray, corner: FloatArray, side: float, path: FloatArray, distance: float
 ) -> BoolArray:  # fmt: skip
-    """Return (rows, cols) the free cells that are so many meters or more from each of (m, 2) points."""
+    """Return (rows, cols) True for free cells at least `distance` meters away from each of (m, 2) points."""
     off = free.copy()
     rows, cols = free.shape
     span = distance / side + 1.0
@@ -411,10 +417,10 @@ def _off_path(
 
 
 def _nearest(roadmap: Roadmap, free: BoolArray, x: float, y: float, reach: float) -> tuple[int, int] | None:
-    """Return the free cell whose center is nearest to a map point, within `reach` meters."""
+    """Return the free cell with the center nearest to a map point, within `reach` meters."""
     place = np.array([x, y]) - roadmap.corner
     if (place < -reach).any() or (place > roadmap.side * np.array(free.shape[::-1]) + reach).any():
-        # A place this far off may have no cell number that fits an integer.
+        # The cell number of a place this far away may not fit an integer.
         return None
     col, row = (place / roadmap.side).astype(np.int64)
     span = math.ceil(reach / roadmap.side)
@@ -443,15 +449,15 @@ def route(
 
     Args:
         roadmap: the coarse grid.
-        free: (rows, cols) True in those of its cells that may be used.
+        free: (rows, cols) True for its cells that may be used.
         start: (2,) map point.
         goal: (2,) map point.
-        time: from which the itinerary is numbered.
-        others: the other robots'.
-        separation: meters from center to center.
+        time: start time of the itinerary.
+        others: itineraries of the other robots.
+        separation: distance from center to center, meters.
 
     Returns:
-        None when there is none within the time looked ahead.
+        The itinerary; None if none exists within the time looked ahead.
     """
     cell = _nearest(roadmap, free, goal[0], goal[1], 2 * roadmap.side)
     if cell is None:
@@ -475,18 +481,18 @@ def refuge(
     others: OtherItineraries,
     separation: float,
 ) -> Itinerary | None:
-    """Find the quickest itinerary to a place off a path that another robot wants to take.
+    """Find the quickest itinerary to a place off a path that another robot wants to drive.
 
     Args:
-        roadmap: see `route`, as the other arguments.
-        free: (rows, cols).
+        roadmap: see `route`.
+        free: (rows, cols) True for cells that may be used.
         start: (2,) map point.
         avoided: (m, 2) map points of that path.
-        time: from which the itinerary is numbered.
-        others: the other robots'.
-        separation: meters from center to center, also from that path.
+        time: start time of the itinerary.
+        others: itineraries of the other robots.
+        separation: distance from center to center, also from that path, meters.
     """
-    # A cell farther than just off it, since the other robot plans between rounded places too.
+    # One cell farther away than necessary, because the other robot also plans between rounded places.
     targets = _off_path(free, roadmap.centres, roadmap.corner, roadmap.side, avoided, separation + roadmap.side)
     return _itinerary_to(roadmap, free, start, targets, time, others, separation)
 
@@ -509,7 +515,7 @@ def _itinerary_to(
     found = _search(free, traffic, targets, roadmap.centres, roadmap.side, *cell, BIN_LENGTH, ITINERARY_SPEED)
     if len(found) < 2:
         return None
-    # The first cell's center is but the start, rounded: a robot that has to wait there stays where it is.
+    # The first cell's center is only the rounded start: a robot that has to wait there stays where it is.
     points = found[:, :2].copy()
     points[(points == points[0]).all(axis=1)] = start
     times, would_be_left = time + found[:, 2], found[:, 3]

@@ -1,24 +1,24 @@
-"""Potentials that spread over a costmap like a wave, and paths that run down them: shared by navfn and global_planner.
+"""Potentials that spread over a costmap like a wave, and paths down their slope. navfn and global_planner share them.
 
-The potential of a cell is the cost of the cheapest path to it from where the wave began. As its only minimum lies
-there, a path is found from anywhere by going downhill (a navigation function). The wave is Dijkstra's algorithm with
-two changes. A cell's potential is not that of one neighbor plus a step, but that of a plane wave between its two
-lowest neighbors, so paths are not bound to rows, columns and diagonals (Konolige's gradient method). And instead of a
-sorted queue there are three unsorted ones: the cells of this round, of the next round, and those that are put off
-because they are dearer than a threshold, which rises when the first two are empty. Cells may then be visited before
-their potential is final; they are put in again when a neighbor can lower it.
+The potential of a cell is the cost of the cheapest path to it from the start of the wave. Its only minimum is there, so
+a path is found from anywhere by going downhill (a navigation function). The wave is Dijkstra's algorithm with two
+changes. First, the potential of a cell is that of a plane wave between its two lowest neighbors, instead of one
+neighbor plus a step. So paths are not bound to rows, columns and diagonals (Konolige's gradient method). Second, three
+unsorted queues replace a sorted one: the cells of this round, those of the next round, and those that are postponed
+because they cost more than a threshold. The threshold rises when the first two are empty. So cells may be visited
+before their potential is final; they are queued again when a neighbor can lower it.
 
-Cells are numbered row by row. Positions are (x, y) in cells, whole numbers at cell centers. Costs of passage are whole
-numbers from 1 to 255, and BLOCKED where there is none; the rim of the map has none.
+Cells are numbered row by row. Positions are (x, y) in cells, with whole numbers at cell centers. Costs of crossing are
+whole numbers from 1 to 255, or BLOCKED. All cells at the border of the map are blocked.
 
-A wave over a large map takes longer than a tick may. So it can be spread a portion at a time: what it becomes in the
-end does not depend on the portions, which end between two rounds.
+A wave over a large map takes longer than a tick may. So it can spread one portion at a time. The result does not depend
+on the portions, because they end between two rounds.
 
 Source: ros-planning/navigation, navfn/src/navfn.cpp; global_planner/src/dijkstra.cpp and gradient_path.cpp; Konolige,
 A Gradient Method for Realtime Robot Control (IROS 2000).
-Differs: there is no limit to the cells in wait, to the cycles, or to a path's length, at which ROS gives up or leaves
-cells out; a path never squeezes between two blocked cells that meet at a corner; and where the slope leads nowhere it
-goes from cell to cell until it is lower than ever, so that a path is found wherever there is one.
+Differences: there is no limit for waiting cells, cycles, or the length of a path, at which ROS gives up or drops
+cells. A path never squeezes between two blocked cells that meet at a corner. If the slope leads nowhere, the path goes
+from cell to cell until it is lower than ever before, so that a path is found whenever one exists.
 """
 
 from collections import deque
@@ -32,7 +32,7 @@ from sim.numerics.kernels import njit
 from sim.robot.costmap.costs import Costs
 
 Potential = NDArray[np.float32]
-"""(rows * cols,) cost of the cheapest path from the robot; UNREACHED where the wave did not come."""
+"""(rows * cols,) cost of the cheapest path from the robot; UNREACHED if the wave did not reach the cell."""
 CellCosts = NDArray[np.uint8]
 Cells = NDArray[np.uint32]
 Points = NDArray[np.float32]
@@ -40,19 +40,19 @@ Points = NDArray[np.float32]
 BLOCKED = 0
 UNREACHED = np.float32(1.0e10)
 MAX_STEPS_WITHOUT_DESCENT = 8
-"""Steps that a path may take down the slope without coming lower than before."""
+"""Steps that a path may follow the slope without getting lower than before."""
 
 
 class Workspace:
-    """Arrays for one size of map, used anew for every plan.
+    """Arrays for one map size, reused for every plan.
 
     Attributes:
         shape: rows and columns.
-        costs: (rows * cols,) cost of passing a cell.
+        costs: (rows * cols,) cost of crossing a cell.
         potential: (rows * cols,).
         waiting: (rows * cols,) True while a cell waits in a queue.
-        queues: (3, rows * cols) cells that wait.
-        users: those who plan in it, the first of them now, the others after it.
+        queues: (3, rows * cols) waiting cells.
+        users: planners that use it: the first one now, the others after it.
     """
 
     def __init__(self, rows: int, cols: int) -> None:
@@ -68,16 +68,17 @@ class Workspace:
 def prepare(
     costs: Costs, table: CellCosts, passage: CellCosts, potential: Potential, waiting: NDArray[np.bool_]
 ) -> None:
-    """Translate costs, close the rim, and reset the potential.
+    """Translate costs, block the border, and reset the potential.
 
-    The rim is closed so that every cell that the wave enters has four neighbors: no step needs a check of the borders.
+    Every cell that the wave enters has four neighbors, because the border is blocked. So no step needs to check the
+    limits of the map.
 
     Args:
         costs: (rows, cols).
-        table: (256,) cost of passing a cell of each cost.
-        passage: (rows * cols,) to write to.
-        potential: (rows * cols,) to write to.
-        waiting: (rows * cols,) to write to.
+        table: (256,) cost of crossing a cell for each cost.
+        passage: (rows * cols,) output.
+        potential: (rows * cols,) output.
+        waiting: (rows * cols,) output.
     """
     rows, cols = costs.shape
     for r in range(rows):
@@ -96,7 +97,7 @@ def prepare(
 def wave_value(
     left: np.float32, right: np.float32, below: np.float32, above: np.float32, cost: np.float32, quadratic: bool
 ) -> np.float32:
-    """Return the potential of a cell by those of its four neighbors and its own cost of passage."""
+    """Return the potential of a cell from those of its four neighbors and its own cost of crossing."""
     across = left if left < right else right
     along = below if below < above else above
     gap = across - along
@@ -105,30 +106,30 @@ def wave_value(
         gap, lowest = -gap, across
     if gap >= cost or not quadratic:
         return np.float32(lowest + cost)
-    # A plane wave between the two lower neighbors, as navfn's quadratic approximates it.
+    # A plane wave between the two lower neighbors, by navfn's quadratic approximation.
     d = gap / cost
     return np.float32(lowest + cost * np.float32(-0.2301 * d * d + 0.5307 * d + 0.7040))
 
 
 @njit(cache=True)
 def value_of(potential: Potential, cell: int, cols: int, cost: int, quadratic: bool) -> np.float32:
-    """Do the same for a cell by its number; it is not on the rim."""
+    """Do the same for a cell given by its number, which must not be at the border."""
     left, right, below, above = potential[cell - 1], potential[cell + 1], potential[cell - cols], potential[cell + cols]
     return np.float32(wave_value(left, right, below, above, np.float32(cost), quadratic))
 
 
 @njit(cache=True)
 def _lowered(value: np.float32, rank: np.float32, cost: int) -> bool:
-    """Return True where a neighbor of this value and cost may become lower from a cell of this rank.
+    """Return True if a neighbor with this value and cost may become lower from a cell of this rank.
 
-    It can by 0.7 of its own cost at least, the factor of a diagonal wave in `wave_value`.
+    Its new value would be at least the rank plus 0.7 of its own cost, the factor of a diagonal wave in `wave_value`.
     """
     return bool(cost != BLOCKED and value > rank + np.float32(0.707106781 * cost))
 
 
 @njit(cache=True)
 def _push(queues: Cells, queue: int, length: int, waiting: NDArray[np.bool_], cell: np.uint64) -> int:
-    """Put a cell into one of the queues unless it waits already; return the queue's new length."""
+    """Put a cell into one of the queues unless it waits already. Return the new length of the queue."""
     if waiting[cell]:
         return length
     waiting[cell] = True
@@ -140,7 +141,7 @@ def _push(queues: Cells, queue: int, length: int, waiting: NDArray[np.bool_], ce
 def _begin(
     potential: Potential, costs: CellCosts, waiting: NDArray[np.bool_], queue: Cells, cols: int, seeds: Cells
 ) -> int:
-    """Put the neighbors of the seeds into a queue; return its length."""
+    """Put the neighbors of the seeds into a queue. Return its length."""
     length = 0
     for seed in seeds:
         for step in (1, -1, -cols, cols):
@@ -168,37 +169,39 @@ def _spread_on(
     quadratic: bool,
     portion: int,
 ) -> tuple[np.float32, bool]:
-    """Go on with a wave, round after round, until so many cells have been visited.
+    """Continue a wave, round by round, until `portion` cells have been visited.
 
     Args:
-        potential: (rows * cols,) so far.
-        costs: (rows * cols,) cost of passing a cell.
+        potential: (rows * cols,) present potential.
+        costs: (rows * cols,) cost of crossing a cell.
         waiting: (rows * cols,) True for the cells in the queues.
-        queues: (3, rows * cols) cells of this round, of the next one, and those put off.
-        lengths: (3,) of the queues; changed in place. The second is 0.
-        cols: see `spread`, as other arguments.
-        target: the cell at which to stop; -1 for the whole map.
+        queues: (3, rows * cols) cells of this round, of the next round, and postponed ones.
+        lengths: (3,) lengths of the queues, changed in place. The second is 0.
+        cols: number of columns.
+        target: cell at which to stop; -1 for the whole map.
         attraction: as in `spread`.
         limit: cells of at most this cost are first.
-        increment: by which it rises.
+        increment: step by which the limit rises.
         quadratic: as in `spread`.
-        portion: cells to visit.
+        portion: number of cells to visit.
 
     Returns:
-        The limit now, and whether the wave goes on.
+        The new limit, and whether the wave goes on.
     """
-    # Invariant: `waiting` is True exactly for the cells in the queues, each of which stands in one of them once. So no
+    # Invariant: `waiting` is True exactly for the cells in the queues, and each of them is in one queue once. So no
     # queue ever holds more cells than the map has.
     current, following, later = 0, 1, 2
     n_current, n_following, n_later = lengths[0], 0, lengths[2]
     target_row, target_col = target // cols, target % cols
-    # Unsigned, for which numba need not look out for indices that count from the end.
+    # Unsigned, so that numba omits the code for negative indices, which count from the end.
     one, width = np.uint64(1), np.uint64(cols)
     visited = 0
     goes_on = n_current > 0
     while goes_on and visited < portion:
         visited += n_current
         for i in range(n_current):
+            # First release all cells of this round, then visit them: a visit may put another one of them into a queue
+            # again.
             waiting[queues[current, i]] = False
         for i in range(n_current):
             cell = np.uint64(queues[current, i])
@@ -213,7 +216,7 @@ def _spread_on(
                 row, col = cell // width, cell % width
                 away = elementary.hypot(float(col) - target_col, float(row) - target_row)
                 rank += np.float32(np.float32(away) * attraction)
-            # navfn's A* also asks a neighbor to be worse by this rank: cells once reached are seldom looked at again.
+            # navfn's A* compares neighbors with this rank as well. So cells that were reached are seldom visited again.
             near = rank < limit
             queue, n = (following, n_following) if near else (later, n_later)
             if _lowered(left, rank, costs[cell - one]):
@@ -231,16 +234,16 @@ def _spread_on(
         current, following = following, current
         n_current, n_following = n_following, 0
         if n_current == 0:
-            # All cells below the threshold are done: it rises, and those that were put off are next.
+            # All cells below the threshold are done. It rises, and the postponed cells are next.
             limit += np.float32(increment)
             current, later = later, current
             n_current, n_later = n_later, 0
-        # As in ROS the wave stops at the end of the round in which it reaches the target.
+        # As in ROS, the wave stops at the end of the round in which it reaches the target.
         goes_on = n_current > 0 and not (target >= 0 and potential[target] < UNREACHED)
     if goes_on:
-        # Where they are looked for next time.
+        # Move them to the queues where the next call expects them.
         this, put_off = queues[current, :n_current].copy(), queues[later, :n_later].copy()
-        # One by one: where shapes might differ, numba adds what formats the message, and compiles it for a second.
+        # One by one: for slices of possibly different shapes, numba would compile an error message, for about a second.
         for i in range(n_current):
             queues[0, i] = this[i]
         for i in range(n_later):
@@ -262,14 +265,14 @@ def spread(
     """Spread a wave, cheap cells first, until it reaches the target or ends.
 
     Args:
-        space: prepared; the potential is set at the seeds, UNREACHED elsewhere.
+        space: prepared workspace; the potential is set at the seeds, UNREACHED elsewhere.
         seeds: cells whose neighbors are first.
-        target: the cell at which to stop; -1 for the whole map.
-        attraction: cost per cell of the straight line to the target, which A* adds in choosing what comes first; or 0.
-        threshold: cells of at most this cost are first ...
-        increment: ... then those of so much more, and so on.
-        quadratic: True if the wave runs in all directions alike, or along rows and columns.
-        portion: cells to visit at a time, and the rest of a round.
+        target: cell at which to stop; -1 for the whole map.
+        attraction: cost per cell of the straight line to the target, which A* adds to choose the next cells; or 0.
+        threshold: cells of at most this cost are first.
+        increment: step by which the threshold rises.
+        quadratic: True if the wave spreads equally in all directions, False if along rows and columns.
+        portion: number of cells to visit at a time, plus the rest of a round.
 
     Yields:
         Between two portions.
@@ -288,7 +291,7 @@ def spread(
 
 @njit(cache=True)
 def _slope(potential: Potential, cell: int, cols: int) -> tuple[np.float32, np.float32]:
-    """Return the unit vector (x, y) of the steepest descent at a cell; (0, 0) when it is level."""
+    """Return the unit vector (x, y) of the steepest descent at a cell; (0, 0) if it is level."""
     here = potential[cell]
     dx = dy = np.float32(0.0)
     left, right, below, above = potential[cell - 1], potential[cell + 1], potential[cell - cols], potential[cell + cols]
@@ -316,7 +319,7 @@ def _mixed(a: np.float32, b: np.float32, share: np.float32) -> np.float32:
 def _lowest_beside(potential: Potential, cell: int, cols: int) -> tuple[int, bool]:
     """Return the lowest of a cell and its eight neighbors, and whether the wave reached all of them.
 
-    Neighbors across a corner do not count when the cells on both sides of the corner were not reached.
+    A diagonal neighbor does not count if the wave reached neither of the two cells at the corner between.
     """
     lowest, value, inside = cell, potential[cell], True
     for up in (-cols, 0, cols):
@@ -336,15 +339,15 @@ def _lowest_beside(potential: Potential, cell: int, cols: int) -> tuple[int, boo
 
 @njit(cache=True)
 def descend(potential: Potential, cols: int, x: float, y: float, end_x: float, end_y: float) -> Points:
-    """Follow the slope from a place that the wave reached to where it came from, in steps of half a cell.
+    """Follow the slope from a reached place to the start of the wave, in steps of half a cell.
 
     Args:
         potential: (rows * cols,).
-        cols: columns of the map.
-        x: place to begin at; its nearest cell was reached.
-        y: the same.
-        end_x: place where the wave began.
-        end_y: the same.
+        cols: number of columns of the map.
+        x: x of the first place; the wave must have reached its nearest cell.
+        y: y of the first place.
+        end_x: x of the start of the wave.
+        end_y: y of the start of the wave.
 
     Returns:
         (m, 2) positions, from (x, y) to the end.
@@ -370,10 +373,10 @@ def descend(potential: Potential, cols: int, x: float, y: float, end_x: float, e
             best, since_best, by_cells = potential[cell], 0, False
         else:
             since_best += 1
-            # Going round in circles: down from cell to cell until lower than ever.
+            # The path runs in circles: go down from cell to cell until it is lower than ever.
             by_cells = by_cells or since_best > MAX_STEPS_WITHOUT_DESCENT
         lowest, inside = _lowest_beside(potential, cell, cols)
-        # Interpolated slopes may lead to and fro between two positions: that is left like a place without slope.
+        # Interpolated slopes may lead back and forth between two positions: treat this like a place without slope.
         swings = n > 2 and path[n - 1, 0] == path[n - 3, 0] and path[n - 1, 1] == path[n - 3, 1]
         step_x = step_y = np.float32(0.0)
         if inside and not swings and not by_cells:
@@ -385,7 +388,7 @@ def descend(potential: Potential, cols: int, x: float, y: float, end_x: float, e
             step_y = _mixed(_mixed(ay, by, dx), _mixed(cy, ey, dx), dy)
         if step_x == 0.0 and step_y == 0.0:
             if lowest == cell:
-                # The bottom: one of the cells in which the wave began.
+                # The bottom: one of the cells where the wave began.
                 break
             cell = lowest
             dx = dy = np.float32(0.0)
@@ -411,7 +414,7 @@ def descend(potential: Potential, cols: int, x: float, y: float, end_x: float, e
 
 @njit(cache=True)
 def descend_by_cells(potential: Potential, cols: int, x: float, y: float, end_x: float, end_y: float) -> Points:
-    """Do the same from cell to cell: each is the lowest of the eight around the one before."""
+    """Do the same from cell to cell: each is the lowest of the eight cells around the previous one."""
     path = [(np.float32(x), np.float32(y))]
     cell = round(y) * cols + round(x)
     end = round(end_y) * cols + round(end_x)
