@@ -85,7 +85,7 @@ def itineraries_of(neighbours: Sequence[Neighbour]) -> OtherItineraries:
 
 
 def relevant_neighbours(neighbours: Sequence[Neighbour], x: float, y: float, distance: float) -> list[Neighbour]:
-    """Return the neighbors that may come within `distance` meters of a place: all except those standing farther away."""
+    """Return the neighbors that may come within `distance` meters of a place: all but those standing farther away."""
     # A small margin, so that rounding excludes none.
     reach = distance + 1e-6
     return [
