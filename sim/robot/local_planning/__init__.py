@@ -1,1 +1,1 @@
-"""Local planning: the command that follows a plan best among those that are safe."""
+"""Local planning: the safe command that follows a plan best."""

@@ -1,16 +1,16 @@
-"""Safe commands: those after which a robot can still stop in time.
+"""Safe commands: commands after which a robot can still stop in time.
 
-A command is safe when the robot, having obeyed it until the next command and then braked as hard as it can, has come
-nowhere too near to a wall or to a place where a neighbor can be while it brakes. Walls must stay WALL_MARGIN away. Of
-the gap to a neighbor, less NEIGHBOUR_MARGIN, a robot may use up one half: the other robot may just now be deciding to
-use the other half. Where less than the margin is left (an estimate jumped, somebody was put there), it may not become
-less. So braking is safe whenever the last command was, and robots that obey safe commands alone do not collide, as long
-as the margins cover the errors of their estimates. Turning in place moves a robot's corners so little from one command
-to the next that it may use all of a gap but TURNING_MARGIN.
+A robot obeys a command until the next one, and then brakes as hard as it can. The command is safe if meanwhile the
+robot never comes too close to a wall, or to a place where a neighbor can be while it brakes. Walls must stay
+WALL_MARGIN away. A robot may use half of the gap to a neighbor, minus NEIGHBOUR_MARGIN, because the other robot may
+just decide to use the other half. If less than the margin is left (an estimate jumped, a robot was put there), the gap
+must not shrink. So braking is safe whenever the last command was safe. Robots that obey only safe commands do not
+collide, as long as the margins cover the errors of their estimates. Turning in place moves the corners of a robot very
+little between two commands. So it may use all of a gap except TURNING_MARGIN.
 
-Source: Fox, Burgard, Thrun, The Dynamic Window Approach to Collision Avoidance (1997), for admissible velocities: those
-from which a robot can stop in time; van den Berg, Lin, Manocha, Reciprocal Velocity Obstacles (ICRA 2008), for two
-robots that take half of the avoidance each.
+Source: Fox, Burgard, Thrun, The Dynamic Window Approach to Collision Avoidance (1997), for admissible velocities, from
+which a robot can stop in time; van den Berg, Lin, Manocha, Reciprocal Velocity Obstacles (ICRA 2008), for two robots
+that do half of the avoidance each.
 """
 
 import math
@@ -30,32 +30,32 @@ from sim.robot.costmap.costs import LETHAL, CostFrame, Costs
 from sim.robot.costmap.footprint_cost import circumscribed_radius
 
 WALL_MARGIN = 0.08
-"""Meters: about the largest error of localization."""
+"""Distance kept from walls, meters: about the largest error of localization."""
 LEAST_MARGIN = 0.03
-"""Meters that remain of it in any case."""
+"""Part of this distance that always remains, meters."""
 USUAL_PADDING = 0.01
-"""Meters: costmap_2d's default `footprint_padding`; what a robot's padding is beyond it counts toward its margins."""
+"""costmap_2d's default `footprint_padding`, meters. Padding beyond it counts toward the margins."""
 SLIGHT_MARGIN = 0.01
-"""Meters that remain where the padding is a margin in itself."""
+"""Margin that remains if the padding itself is a margin, meters."""
 NEIGHBOUR_MARGIN = 0.14
-"""Meters: the errors of two robots' localization add up."""
+"""Distance kept from neighbors, meters: the localization errors of two robots add up."""
 TURNING_MARGIN = 0.08
 LATENCY = 0.02
-"""Seconds from a decision to the moment it acts."""
+"""Time from a decision to its effect, seconds."""
 OBSTACLE_RANGE = 1.5
-"""Meters from a robot within which it looks out for obstacles that its laser has seen."""
+"""Distance within which a robot heeds obstacles that its laser has seen, meters."""
 NEIGHBOUR_RANGE = 2.0
-"""Meters between footprints beyond which a neighbor does not matter."""
+"""Distance between footprints beyond which a neighbor does not matter, meters."""
 
 
 class Surroundings(NamedTuple):
-    """Walls and neighbors that a robot may hit, in the form that compiled kernels take.
+    """Walls and neighbors that a robot may hit, in the form for compiled kernels.
 
     Attributes:
         clearance: (rows, cols) meters from each cell of the map to the nearest wall.
-        frame: place of these cells in the map.
+        frame: frame of these cells in the map.
         bodies: (k, n, 2) outlines in the map: each neighbor where it is, and where it can be until it stands.
-        gaps: (k,) meters left to each before the robot moves.
+        gaps: (k,) distance to each before the robot moves, meters.
     """
 
     clearance: NDArray[np.float32]
@@ -66,7 +66,7 @@ class Surroundings(NamedTuple):
 
 @njit(cache=True)
 def _inside(x: float, y: float, polygon: FloatArray) -> bool:
-    """Return True if a point lies in a polygon (even-odd rule)."""
+    """Return True if a point is in a polygon (even-odd rule)."""
     inside = False
     j = polygon.shape[0] - 1
     for i in range(polygon.shape[0]):
@@ -80,7 +80,7 @@ def _inside(x: float, y: float, polygon: FloatArray) -> bool:
 
 @njit(cache=True)
 def gap(a: FloatArray, b: FloatArray) -> float:
-    """Meters between two polygons; 0 when they touch or overlap.
+    """Return the distance between two polygons, meters; 0 if they touch or overlap.
 
     Args:
         a: (n, 2) corners in order.
@@ -106,7 +106,7 @@ def gap(a: FloatArray, b: FloatArray) -> float:
 
 @njit(cache=True)
 def _toward(speed: float, wanted: float, step: float) -> float:
-    """Return the speed after a change of at most `step` toward the wanted one."""
+    """Return the velocity after a change of at most `step` toward the wanted one."""
     return min(speed + step, wanted) if wanted > speed else max(speed - step, wanted)
 
 
@@ -116,7 +116,7 @@ def stopping_poses(
     acc_lim_x: float, acc_lim_theta: float,
 ) -> FloatArray:  # fmt: skip
     """Return (k, 3) poses of a robot that obeys a command for `hold` seconds and then brakes, until it stands."""
-    # Two ticks a step, and 8 s at most: brakes too weak for that make the search no longer.
+    # Two ticks per step, and at most 8 s, so that very weak brakes do not make the search longer.
     dt = 0.04
     poses = np.empty((200, 3))
     n = 0
@@ -141,13 +141,13 @@ def stopping_poses(
 def wall_clearance(
     clearance: NDArray[np.float32], frame: CostFrame, outline: FloatArray, x: float, y: float, theta: float
 ) -> float:
-    """Meters from a robot's outline to the nearest wall; 0 outside the map.
+    """Return the distance from a robot's outline to the nearest wall, meters; 0 outside the map.
 
     Args:
         clearance: see Surroundings.
         frame: see Surroundings.
         outline: (m, 2) points along the outline, base frame.
-        x: place of the base in the map; so y and theta.
+        x: x of the base in the map; also y and theta.
     """
     c, s = elementary.cos_sin(theta)
     rows, cols = clearance.shape
@@ -155,7 +155,7 @@ def wall_clearance(
     for i in range(outline.shape[0]):
         px = x + c * outline[i, 0] - s * outline[i, 1]
         py = y + s * outline[i, 0] + c * outline[i, 1]
-        # Interpolated between four cell centers, or a step along a wall would seem a step toward it now and then.
+        # Interpolate between four cell centers. Otherwise a step along a wall could seem to be a step toward it.
         across, along = (py - frame.y) / frame.resolution - 0.5, (px - frame.x) / frame.resolution - 0.5
         row, col = math.floor(across), math.floor(along)
         if row < 0 or col < 0 or row >= rows - 1 or col >= cols - 1:
@@ -176,11 +176,11 @@ def beside_obstacles(
     Args:
         clearance: (rows, cols) meters to the nearest wall.
         marks: (rows, cols) LETHAL where an obstacle was seen.
-        frame: place of these cells in the map.
-        x: place of the robot in the map; so y.
+        frame: frame of these cells in the map.
+        x: x of the robot in the map; also y.
 
     Returns:
-        A window of the clearance, exact up to WALL_MARGIN, and where it lies.
+        A window of the clearance, exact up to WALL_MARGIN, and its frame.
     """
     cells = math.ceil(OBSTACLE_RANGE / frame.resolution)
     row, col = math.floor((y - frame.y) / frame.resolution), math.floor((x - frame.x) / frame.resolution)
@@ -188,6 +188,7 @@ def beside_obstacles(
     high, right = min(clearance.shape[0], row + cells + 1), min(clearance.shape[1], col + cells + 1)
     near = clearance[low:high, left:right].copy()
     span = math.ceil(WALL_MARGIN / frame.resolution) + 1
+    # Beyond WALL_MARGIN the exact distance makes no difference, so each mark changes only few cells.
     for r in range(low, high):
         for c in range(left, right):
             if marks[r, c] != LETHAL:
@@ -201,25 +202,26 @@ def beside_obstacles(
 
 @njit(cache=True)
 def _bodies(states: FloatArray, footprints: FloatArray, acc_lim_x: float, hold: float) -> FloatArray:
-    """Return (3 k, n, 2) outlines of k robots: where they are, and halfway and all the way to where they can stop.
+    """Return (3 k, n, 2) outlines of k robots: where they are, halfway to where they can stop, and there.
 
     Args:
-        states: (k, 5) x, y, theta and the linear and angular velocity of each.
+        states: (k, 5) x, y, theta, linear and angular velocity of each robot.
         footprints: (k, n, 2).
-        acc_lim_x: limit of braking, for all robots, m/s^2.
-        hold: seconds from one command to the next, latency included.
+        acc_lim_x: braking limit for all robots, m/s^2.
+        hold: time between two commands, including latency, seconds.
     """
     out = np.empty((3 * states.shape[0], footprints.shape[1], 2))
     for k in range(states.shape[0]):
         x, y, theta, v, w = states[k]
-        # Driving on at speed v for so long covers as much as holding v and then braking does: v hold + v^2 / (2 a).
+        # Driving at speed v for this time covers the same distance as holding v and then braking: v hold + v^2 / (2 a).
         coast = hold + abs(v) / (2.0 * acc_lim_x)
         for part in range(3):
             time = 0.5 * part * coast
             turned = theta + w * time
             c, s = elementary.cos_sin(theta + 0.5 * w * time)
             body = placed_at(footprints[k], x + v * time * c, y + v * time * s, turned)
-            # One by one: where shapes might differ, numba adds what formats the message, and compiles it for a second.
+            # One by one: for slices of possibly different shapes, numba would compile an error message, for about a
+            # second.
             for i in range(body.shape[0]):
                 out[3 * k + part, i, 0], out[3 * k + part, i, 1] = body[i, 0], body[i, 1]
     return out
@@ -227,7 +229,7 @@ def _bodies(states: FloatArray, footprints: FloatArray, acc_lim_x: float, hold: 
 
 @njit(cache=True)
 def _gaps(body: FloatArray, bodies: FloatArray) -> FloatArray:
-    """Return (k,) meters from one polygon to each of k others; to those of one robot, the least of the three."""
+    """Return (k,) distances from one polygon to k others, meters; for the three of one robot, the smallest of them."""
     out = np.empty(bodies.shape[0])
     for k in range(0, bodies.shape[0], 3):
         least = min(gap(body, bodies[k]), gap(body, bodies[k + 1]), gap(body, bodies[k + 2]))
@@ -244,16 +246,16 @@ def surroundings(
     acc_lim_x: float,
     hold: float,
 ) -> Surroundings:
-    """Gather the walls and neighbors that a robot at a pose must look out for.
+    """Collect the walls and neighbors that a robot at a pose must avoid.
 
     Args:
         clearance: (rows, cols) meters to the nearest wall.
-        frame: place of these cells in the map.
-        footprint: (n, 2) of the robot, padded.
+        frame: frame of these cells in the map.
+        footprint: (n, 2) padded corners of the robot.
         pose: pose of its base in the map.
-        neighbors: the other robots; those far off are left out.
-        acc_lim_x: limit of braking, for all robots, m/s^2.
-        hold: seconds from one command to the next, latency included.
+        neighbors: the other robots; distant ones are ignored.
+        acc_lim_x: braking limit for all robots, m/s^2.
+        hold: time between two commands, including latency, seconds.
     """
     x, y, theta = pose.x, pose.y, pose.theta
     reach = NEIGHBOUR_RANGE + 2.0 * circumscribed_radius(footprint)
@@ -280,7 +282,7 @@ def surroundings(
 
 
 def _fitted(footprint: FloatArray, corners: int) -> FloatArray:
-    """Return a footprint with this number of corners: its last one repeated, or the box around it."""
+    """Return a footprint with this number of corners: with repeated last corner, or the bounding box."""
     missing = corners - len(footprint)
     if missing == 0:
         return footprint
@@ -291,7 +293,7 @@ def _fitted(footprint: FloatArray, corners: int) -> FloatArray:
 
 
 def left_of(margin: float, padding: float) -> float:
-    """Return what is left of a margin, meters, for a footprint that was padded by `padding` meters."""
+    """Return the rest of a margin, meters, for a footprint padded by `padding` meters."""
     return margin - max(0.0, padding - USUAL_PADDING)
 
 
@@ -304,18 +306,18 @@ def safe(
 
     Args:
         around: the surroundings at this pose.
-        footprint: (n, 2) of the robot, padded.
+        footprint: (n, 2) padded corners of the robot.
         outline: (m, 2) points along it.
-        x: place of the base in the map; so y and theta.
-        v: its speed, m/s; so w, its rate of turn, rad/s.
-        wanted_v: the command; so wanted_w.
-        hold: seconds from one command to the next, latency included.
-        acc_lim_x: limit of braking, m/s^2; acc_lim_theta in turning, rad/s^2.
-        margin: meters to keep from walls.
+        x: x of the base in the map; also y and theta.
+        v: its velocity, m/s; also w, its angular velocity, rad/s.
+        wanted_v: the command; also wanted_w.
+        hold: time between two commands, including latency, seconds.
+        acc_lim_x: braking limit, m/s^2; acc_lim_theta in turning, rad/s^2.
+        margin: distance to keep from walls, meters.
     """
     room = wall_clearance(around.clearance, around.frame, outline, x, y, theta)
-    # A robot nearer than the margin may stay as near as it is, and 3 mm nearer, or it could not even drive along the
-    # wall. These millimeters add up from command to command, but only until LEAST_MARGIN is left.
+    # A robot nearer than the margin may stay as near as it is, and come 3 mm nearer. Otherwise it could not even drive
+    # along the wall. These millimeters add up from command to command, but only until LEAST_MARGIN is left.
     room = max(min(margin, room) - 0.003, min(LEAST_MARGIN, margin, room))
     poses = stopping_poses(x, y, theta, v, w, wanted_v, wanted_w, hold, acc_lim_x, acc_lim_theta)
     radius = circumscribed_radius(footprint)
@@ -326,7 +328,7 @@ def safe(
     turning = wanted_v == 0.0 and abs(v) < 0.05
     for j in range(around.bodies.shape[0]):
         present = around.gaps[j]
-        # Half of what is left above the margin; below it the gap may not shrink, but for a rounding error.
+        # Half of the gap above the margin may be used; below it the gap must not shrink, except by a rounding error.
         if turning:
             needed = min(TURNING_MARGIN, present - 1e-3)
         elif present > NEIGHBOUR_MARGIN:
@@ -336,7 +338,7 @@ def safe(
         body = around.bodies[j]
         for k in range(poses.shape[0]):
             px, py, turned = poses[k]
-            # The whole footprint lies within `radius` of the base: the distance of the base settles most cases.
+            # The whole footprint is within `radius` of the base. So the base's distance decides most cases cheaply.
             closest = np.inf
             for i in range(body.shape[0]):
                 closest = min(closest, point_to_edge(px, py, body[i - 1, 0], body[i - 1, 1], body[i, 0], body[i, 1]))

@@ -1,17 +1,17 @@
-"""The dynamic window approach: of the commands that the next period can reach, the one that leads best.
+"""The dynamic window approach: the best of the commands that are reachable within the next period.
 
-The dynamic window is the set of velocities (v, w) that the motors can reach within one control period. A grid of
-samples of it is rolled out into arcs, and critics score each arc by its last pose: how far it is from the path, how far
-from the path's end, both for the body and for a nose ahead of it, and what the costs along the arc are. Arcs are rolled
-out first, because the distances are then counted only on the cells that arcs end on (`map_grid`); what is dear, the
-outline's collisions and room to brake, is looked at from the best score on until a command passes
+The dynamic window is the set of velocities (v, w) that the motors can reach within one control period. Samples on a
+grid of this window are rolled out into arcs. Critics score each arc by its last pose: the distance to the path and to
+the path's end, both for the center and for a nose in front of it, and the costs along the arc. All arcs are rolled out
+first, because distances are then counted only for cells where arcs end (`map_grid`). The slow checks, for collisions of
+the outline and for room to brake, start with the best score and end at the first command that passes
 (`rollout.best_safe_command`).
 
 Source: ros-planning/navigation, dwa_local_planner/src/dwa_planner.cpp; base_local_planner/src/
 simple_trajectory_generator.cpp, simple_scored_sampling_planner.cpp and the cost functions; Fox, Burgard, Thrun, The
 Dynamic Window Approach to Collision Avoidance (1997).
-Differs: as `trajectory_rollout` does; and without the standing robot's first choice of turning in place,
-which ROS makes wherever obstacle costs outweigh progress (see `STALL_TIMEOUT` in `local_planner`).
+Differences: those of `trajectory_rollout`. And in ROS a standing robot prefers turning in place wherever obstacle costs
+exceed progress; here it does not (see `STALL_TIMEOUT` in `local_planner`).
 """
 
 import math
@@ -37,21 +37,21 @@ from sim.robot.local_planning.rollout import (
 )
 
 EPSILON = 1e-4
-"""Tolerance of speeds at their bounds, m/s and rad/s."""
+"""Tolerance of velocities at their limits, m/s and rad/s."""
 ESCAPE_VEL = -0.1
-"""Meters a second backwards when no command leads on, for ESCAPE_DIST meters; ROS's leaves that to move_base."""
+"""Velocity for backing up if no command leads on, for ESCAPE_DIST meters, m/s. ROS leaves this to move_base."""
 ESCAPE_DIST = 0.12
 
 
 class _Samples(NamedTuple):
-    """Commands that are tried, and how they are rolled out.
+    """Commands to try, and settings of their rollouts.
 
     Attributes:
         v: (k,) m/s; w (m,) rad/s.
-        least_v: a command slower than both least_v and least_w is not tried.
-        only_v: the sign that v must have, or 0; only_w that of w.
-        at_once: True if a command's speed is reached in the first instant.
-        sim_time: see DwaPlannerParameters, and so on.
+        least_v: commands slower than both least_v and least_w are not tried.
+        only_v: required sign of v, or 0; also only_w for w.
+        at_once: True if a command's velocity is reached immediately.
+        sim_time: see DwaPlannerParameters, also for the others.
     """
 
     v: FloatArray
@@ -67,16 +67,17 @@ class _Samples(NamedTuple):
 
 
 class _Critics(NamedTuple):
-    """Weights and settings by which a trajectory is scored.
+    """Weights and settings for the score of a trajectory.
 
     Attributes:
-        path: per cell that the body ends off the path; alignment the same for the nose.
-        goal: per cell from there to the path's end, for both.
-        obstacles: per unit of cost.
+        path: weight per cell between the center's end and the path; alignment for the nose.
+        goal: weight per cell from there to the path's end, for both.
+        obstacles: weight per unit of cost.
         sum_scores: True if the costs along the trajectory add up.
-        twirling: per rad/s.
-        nose: meters that the nose is forward of the center.
-        scaling_speed: m/s above which the footprint grows, up to 1 + max_scaling_factor times at max_vel_trans.
+        twirling: weight per rad/s.
+        nose: distance of the nose in front of the center, meters.
+        scaling_speed: velocity above which the footprint grows, up to 1 + max_scaling_factor times at max_vel_trans,
+            m/s.
     """
 
     path: float
@@ -93,7 +94,7 @@ class _Critics(NamedTuple):
 
 @njit(cache=True)
 def _growth(v: float, critics: _Critics) -> float:
-    """Return the factor by which the footprint is scaled: it grows with speed, so that fast robots keep more room."""
+    """Return the scale factor of the footprint. It grows with velocity, so that fast robots keep more distance."""
     above = abs(v) - critics.scaling_speed
     span = critics.max_vel_trans - critics.scaling_speed
     return 1.0 + critics.max_scaling_factor * above / span if above > 0.0 and span > 0.0 else 1.0
@@ -101,7 +102,7 @@ def _growth(v: float, critics: _Critics) -> float:
 
 @njit(cache=True)
 def _steps(v: float, w: float, samples: _Samples) -> int:
-    """Number of poses in a rollout: none of its steps is longer, or turns farther, than the granularities."""
+    """Return the number of poses in a rollout, so that no step is longer, or turns more, than the granularities."""
     distance, turn = abs(v) * samples.sim_time, abs(w) * samples.sim_time
     return max(1, math.ceil(max(distance / samples.granularity, turn / samples.angular_granularity)))
 
@@ -111,11 +112,11 @@ def _best(
     costs: Costs, frame: CostFrame, grid: MapGrids, path: FloatArray, around: Surroundings, body: RobotBody,
     now: MotionState, samples: _Samples, critics: _Critics,
 ) -> tuple[float, float, float]:  # fmt: skip
-    """Return the best safe command (v, w) and its score; infinite: there is none."""
+    """Return the best safe command (v, w) and its score; infinite if there is none."""
     rows, cols = costs.shape
     total = samples.v.shape[0] * samples.w.shape[0]
     out = candidate_commands(total)
-    # The cells of the body at the end, and then those of the nose.
+    # The cells of center and nose at the end of each trajectory, in turn.
     cells = np.empty(2 * total, dtype=np.int32)
     n = 0
     for v in samples.v:
@@ -151,7 +152,7 @@ def _best(
         last = path[path.shape[0] - 1]
         spread(grid, cols, along, cells[: 2 * n], grid.path)
         spread(grid, cols, along[along.shape[0] - 1 :], cells[: 2 * n : 2], grid.goal)
-        # The nose's goal lies as far beyond the path's end as the nose is forward of the center.
+        # The nose's goal is as far beyond the path's end as the nose is in front of the center.
         bearing = elementary.atan2(last[1] - now.y, last[0] - now.x)
         ahead = np.empty((1, 2))
         c, s = elementary.cos_sin(bearing)
@@ -161,7 +162,7 @@ def _best(
         spread(
             grid, cols, beyond if beyond.shape[0] > 0 else along[along.shape[0] - 1 :], cells[1 : 2 * n : 2], grid.nose
         )
-    # As in ROS, a nose that nothing reaches is as far off as there are cells.
+    # As in ROS, a nose that cannot be reached has a distance of as many steps as there are cells.
     lost = rows * cols
     for i in range(n):
         end, nose = cells[2 * i], cells[2 * i + 1]
@@ -176,7 +177,7 @@ def _best(
 
 
 def _spaced(low: float, high: float, samples: int) -> FloatArray:
-    """Return (k,) speeds from low to high, evenly; zero is put in where they pass it."""
+    """Return (k,) evenly spaced velocities from low to high; zero is inserted if they pass it."""
     if low >= high:
         return np.array([high])
     speeds = np.linspace(low, high, max(2, samples))
@@ -184,14 +185,14 @@ def _spaced(low: float, high: float, samples: int) -> FloatArray:
 
 
 class _OscillationCritic:
-    """Keeps a robot from reversing: it may not go back at once the way it came (oscillation_cost_function.cpp).
+    """Keeps a robot from reversing: it must not immediately return the way it came (oscillation_cost_function.cpp).
 
     Args:
-        reset_dist: meters after which it may.
-        reset_angle: or radians.
+        reset_dist: distance after which it may, meters.
+        reset_angle: or turn after which it may, radians.
 
     Attributes:
-        only: the signs that v and w must have; 0 for either.
+        only: required signs of v and w; 0 allows both.
     """
 
     def __init__(self, reset_dist: float, reset_angle: float) -> None:
@@ -202,7 +203,7 @@ class _OscillationCritic:
         self._since = MotionState(0.0, 0.0, 0.0, 0.0, 0.0)
 
     def took(self, now: MotionState, v: float, w: float, least_v: float) -> None:
-        """Take note of the command that the robot was given."""
+        """Record the command that the robot was given."""
         for axis, speed in enumerate((v, w if abs(v) <= least_v else 0.0)):
             sign = math.copysign(1.0, speed) if speed else 0.0
             if sign and sign == -self._last[axis]:
@@ -219,12 +220,12 @@ class DwaPlanner(LocalPlanner):
     """The dynamic window approach for one robot.
 
     Args:
-        parameters: dwa_local_planner's.
+        parameters: parameters of dwa_local_planner.
         footprint: (n, 2) padded corners, base frame.
-        inflation: the costmap's.
+        inflation: inflation parameters of the costmap.
         shape: rows and columns of the local costmap.
-        period: seconds from one command to the next.
-        padding: meters by which the corners are padded.
+        period: time between two commands, seconds.
+        padding: padding of the corners, meters.
     """
 
     def __init__(
@@ -259,7 +260,7 @@ class DwaPlanner(LocalPlanner):
         super().__init__(limits, footprint, inflation, period, padding)
 
     def reset(self) -> None:
-        """Forget the path that was followed."""
+        """Forget the present path."""
         super().reset()
         wanted = self._parameters
         self._oscillation = _OscillationCritic(wanted.oscillation_reset_dist, wanted.oscillation_reset_angle)
@@ -311,7 +312,7 @@ class DwaPlanner(LocalPlanner):
                 wanted.vth_samples,
             ),
             wanted.min_vel_trans,
-            # Slower than any rate: nothing is tried that stays where it is.
+            # Below any angular velocity: no command that only turns is tried.
             math.inf if stalled else wanted.min_vel_theta,
             only_v,
             only_w,

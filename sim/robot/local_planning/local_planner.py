@@ -1,7 +1,7 @@
-"""Local planner: what the navigator drives by, all of it but the search itself.
+"""Local planner: everything that the navigator uses to drive, except the search for a command itself.
 
-A robot that faces away from its path turns in place before it sets out; one that nothing leads on backs up; every
-command leaves room to stop (`sim.robot.local_planning.braking`).
+A robot that faces away from its path turns in place before it starts. A robot without any command that leads on backs
+up. Every command leaves room to stop (`sim.robot.local_planning.braking`).
 """
 
 import math
@@ -22,30 +22,30 @@ from sim.robot.local_planning.braking import LATENCY, SLIGHT_MARGIN, WALL_MARGIN
 from sim.robot.local_planning.rollout import COMFORT, MotionState, RobotBody, command_safe, rollout
 
 TURN_IN_PLACE = 1.0
-"""Radians off the path beyond which a robot turns in place; within TURNED it sets out."""
+"""Angle to the path above which a robot turns in place, radians; below TURNED it starts."""
 TURNED = 0.3
 ALIGNED = 0.05
-"""Radians from a heading that leads on, where the present one does not, within which a robot sets out."""
+"""Angle to a heading that leads on, if the present one does not, below which a robot starts, radians."""
 OUTLINE_SPACING = 0.1
 STALL_TIMEOUT = 3.0
-"""Seconds of driving without moving STALL_DISTANCE meters, after which of obstacles only collisions count."""
+"""Seconds of driving without moving STALL_DISTANCE meters, after which only collisions with obstacles count."""
 STALL_DISTANCE = 0.3
 FREE_AGAIN_DISTANCE = 1.0
-"""Meters of driving after which the costs of obstacles count again."""
+"""Distance after which the costs of obstacles count again, meters."""
 BACK_ALONG = 0.1
-"""Radians off the heading in which it came within which a robot with little margin may back up. Costmaps forget what
-lies under the padded outline, and a laser does not see behind: only where the body has been is surely free."""
+"""Maximum angle to the heading in which it came for a robot with little margin to back up, radians. Costmaps forget
+what is under the padded outline, and a laser does not see behind: only where the body has been is certainly free."""
 MIN_ARC_RADIUS = 0.05
-"""Meters: thinner robots, even a point, back up in arcs as a robot of this radius does."""
+"""Minimum radius for backing up, meters: thinner robots, even a point, back up in the arcs of such a robot."""
 
 
 @frozen()
 class PlannedCommand:
-    """A command, its trajectory, and whether the search for one failed.
+    """A command, its trajectory, and whether the search for it failed.
 
     Attributes:
-        command: the velocity asked for.
-        local_plan: (k, 3) map poses it leads through.
+        command: the velocity command.
+        local_plan: (k, 3) map poses along its trajectory.
         stuck: True if every command that leads on was unsafe or blocked.
     """
 
@@ -56,19 +56,20 @@ class PlannedCommand:
 
 @dataclass(frozen=True, slots=True)
 class PlannerLimits:
-    """Parameters of a local planner that the navigator, and the manoeuvres that all planners share, depend on.
+    """Parameters of a local planner that are used by the navigator and by maneuvers that all planners share.
 
     Attributes:
         acc_lim_x: m/s^2; acc_lim_theta in turning, rad/s^2.
         max_vel_theta: rad/s; at least min_in_place_vel_theta in place.
-        escape_vel: m/s of backing up, negative; ends after escape_reset_dist meters or escape_reset_theta radians.
-        heading_lookahead: meters along the path to the point that a robot turns to before it sets out.
-        oscillation_reset_dist: meters after which a robot may turn the other way round.
-        sim_time: seconds a trajectory is rolled out.
-        sim_granularity: meters between its points.
+        escape_vel: velocity for backing up, negative, m/s; ends after escape_reset_dist meters or escape_reset_theta
+            radians.
+        heading_lookahead: distance along the path to the point that a robot faces before it starts, meters.
+        oscillation_reset_dist: distance after which a robot may turn in the opposite direction, meters.
+        sim_time: duration of a rollout, seconds.
+        sim_granularity: distance between its points, meters.
         xy_goal_tolerance: meters; yaw_goal_tolerance radians.
         latch_xy_goal_tolerance: True if a robot that was at the goal only turns.
-        trans_stopped_vel: m/s that count as standing; theta_stopped_vel rad/s.
+        trans_stopped_vel: velocity below which a robot counts as standing, m/s; theta_stopped_vel rad/s.
     """
 
     acc_lim_x: float
@@ -91,7 +92,7 @@ class PlannerLimits:
 
 @njit(cache=True)
 def _toward(path: FloatArray, x: float, y: float, lookahead: float) -> tuple[float, float]:
-    """Map heading from (x, y) to the first of (m, 2) points `lookahead` meters off, or the last; meters to the last."""
+    """Return the heading from (x, y) to the first of (m, 2) points `lookahead` away, and the meters to the last."""
     last = path.shape[0] - 1
     target = last
     for i in range(last):
@@ -105,14 +106,14 @@ def _toward(path: FloatArray, x: float, y: float, lookahead: float) -> tuple[flo
 class LocalPlanner(ABC):
     """Chooses commands for one robot, each of which leaves room to stop.
 
-    Commands are sampled and rolled out; subclasses say which, and how they are scored.
+    Commands are sampled and rolled out. Subclasses define the samples and the scores.
 
     Args:
-        limits: from its parameters.
+        limits: limits from its parameters.
         footprint: (n, 2) padded corners, base frame.
-        inflation: the costmap's.
-        period: seconds from one command to the next.
-        padding: meters by which the corners are padded.
+        inflation: inflation parameters of the costmap.
+        period: time between two commands, seconds.
+        padding: padding of the corners, meters.
 
     Attributes:
         limits: the parameters that others need.
@@ -146,7 +147,7 @@ class LocalPlanner(ABC):
         self.reset()
 
     def reset(self) -> None:
-        """Forget the path that was followed."""
+        """Forget the present path."""
         self._turning = False
         self._side = 0.0
         self._turned_at: Pose2 | None = None
@@ -158,7 +159,7 @@ class LocalPlanner(ABC):
         self._came: float | None = None
 
     def turn_first(self) -> None:
-        """Turn to the path before setting out again."""
+        """Turn to the path before the next start."""
         self._turning = True
         self._escape_speed = self.limits.escape_vel
 
@@ -167,7 +168,7 @@ class LocalPlanner(ABC):
         return bool(command_safe(around, self._body, _motion(pose, twist), command.linear, command.angular))
 
     def turn(self, pose: Pose2, twist: Twist, heading: float, around: Surroundings) -> PlannedCommand:
-        """Turn in place toward a heading, the other way round if something is near; slower as it gets there."""
+        """Turn in place toward a heading, in the other direction if something is near; slow down near the heading."""
         if abs(twist.linear) > 0.1:
             return PlannedCommand(STANDSTILL, self._preview(pose, twist, STANDSTILL), False)
         limits = self.limits
@@ -177,8 +178,8 @@ class LocalPlanner(ABC):
             self._turned_at, self._side, self._barred = pose, 0.0, ()
         if self._side == 0.0 or abs(difference) < TURN_IN_PLACE:
             self._side = math.copysign(1.0, difference)
-        # Having begun to turn the long way round, go on with it; and a side that something bars stays barred here, or
-        # the robot would turn to and fro between two obstacles.
+        # Once the robot turns the long way, it continues so. And a side that is blocked stays blocked at this place.
+        # Otherwise the robot would turn back and forth between two obstacles.
         for side in (self._side, -self._side):
             if side in self._barred:
                 continue
@@ -190,15 +191,15 @@ class LocalPlanner(ABC):
         return PlannedCommand(STANDSTILL, self._preview(pose, twist, STANDSTILL), True)
 
     def escape(self, pose: Pose2, twist: Twist, around: Surroundings) -> PlannedCommand:
-        """Drive slowly backwards, in an arc if need be, or where there is no room behind forwards, if that is safe."""
+        """Drive slowly backwards, in an arc if needed. Without room behind, drive forwards, if that is safe."""
         backs_up = self._body.margin == WALL_MARGIN or (
             self._came is not None and abs(wrap_angle(pose.theta - self._came)) < BACK_ALONG
         )
-        # Having turned round before an obstacle, do not go back to it.
+        # After turning away from an obstacle, do not return to it.
         for speed in (self._escape_speed, -self._escape_speed):
             if speed < 0.0 and not backs_up:
                 continue
-            # Beside a corner, which straight on would come nearer, an arc may lead away from it.
+            # Next to a corner that driving straight would approach, an arc may lead away from it.
             arc = 2.0 * speed / max(self._body.circumscribed, MIN_ARC_RADIUS)
             for turn in (0.0, arc, -arc):
                 command = Twist(speed, turn)
@@ -222,10 +223,10 @@ class LocalPlanner(ABC):
         Args:
             pose: pose of the base in the map.
             twist: its velocity.
-            costs: (cells, cells) the local costmap.
-            frame: its place in the map.
-            path: (m, 2) map points from the robot on, within the costmap; it leads to the last one.
-            slow_down: seconds left to reach the last point at the present speed, at least.
+            costs: (cells, cells) local costmap.
+            frame: its frame in the map.
+            path: (m, 2) map points from the robot on, within the costmap; the last one is the aim.
+            slow_down: minimum time to reach the last point, seconds; limits the velocity.
             around: walls and neighbors that the robot may hit.
         """
         aligning = self._align(pose, twist, around)
@@ -253,16 +254,16 @@ class LocalPlanner(ABC):
         return PlannedCommand(command, self._preview(pose, twist, command), score == math.inf)
 
     def _align(self, pose: Pose2, twist: Twist, around: Surroundings) -> PlannedCommand | None:
-        """Return the command that turns to the heading that leads on.
+        """Return the command that turns to the heading that leads on, or None, and then forget this heading.
 
-        None: there is no such heading, the robot has it, or something bars the turn. It is forgotten then.
+        It is None if there is no such heading, if the robot has reached it, or if something blocks the turn.
         """
         if self._heading is None:
             return None
         limits, difference = self.limits, wrap_angle(self._heading - pose.theta)
         speed = min(limits.max_vel_theta, max(limits.min_in_place_vel_theta, abs(difference)))
         command = STANDSTILL if abs(twist.linear) > 0.1 else Twist(0.0, math.copysign(speed, difference))
-        # A turn at the least rate must not pass the heading by, or it would be turned back to.
+        # A turn at the minimum rate must not pass the heading, or the robot would have to turn back.
         tolerance = max(ALIGNED, limits.min_in_place_vel_theta * self._body.period)
         if abs(difference) < tolerance or not self.safe(pose, twist, command, around):
             self._heading = None
@@ -278,9 +279,9 @@ class LocalPlanner(ABC):
         greatest_v: float,
         around: Surroundings,
     ) -> float | None:
-        """Return a heading to turn to in place where no command leads on; None: there is none.
+        """Return a heading to turn to in place if no command leads on; None if there is none.
 
-        For the arguments see `_search`.
+        See `_search` for the arguments.
         """
         return None
 
@@ -295,22 +296,22 @@ class LocalPlanner(ABC):
         around: Surroundings,
         stalled: bool,
     ) -> tuple[float, float, float]:
-        """Return the best safe command (v, w) and its score, the lower the better; infinite: there is none.
+        """Return the best safe command (v, w) and its score, lower is better; infinite if there is none.
 
         Args:
-            now: the robot's pose and velocities.
-            costs: see `follow`, and so on.
-            frame: see there.
-            path: see there.
-            greatest_v: m/s that it may not exceed, whatever its parameters say.
-            around: see there.
-            stalled: True if obstacles count only where they are hit, and standing is no choice.
+            now: pose and velocities of the robot.
+            costs: see `follow`.
+            frame: see `follow`.
+            path: see `follow`.
+            greatest_v: maximum velocity in addition to that of the parameters, m/s.
+            around: see `follow`.
+            stalled: True if obstacles count only in collisions, and standing is not allowed.
         """
 
     def _is_stalled(self, pose: Pose2) -> bool:
-        """Return True if the robot has driven for long without moving on.
+        """Return True if the robot has driven for long without getting ahead.
 
-        ROS's planners can find it best to turn to and fro for ever, or to stand, where all that leads on has a cost.
+        ROS's planners may prefer to turn back and forth forever, or to stand, if everything that leads on has a cost.
         """
         stalled = self._stalled_for > STALL_TIMEOUT
         if self._mark is None or self._mark.distance(pose) > (FREE_AGAIN_DISTANCE if stalled else STALL_DISTANCE):
@@ -320,7 +321,7 @@ class LocalPlanner(ABC):
 
     def _preview(self, pose: Pose2, twist: Twist, command: Twist) -> FloatArray:
         time, granularity = self.limits.sim_time, self.limits.sim_granularity
-        # A turn of the body is as long as the path of its farthest corner.
+        # A turn is as long as the path of the body's farthest corner.
         arc = abs(command.linear) + abs(command.angular) * self._body.circumscribed
         return rollout(
             _motion(pose, twist),

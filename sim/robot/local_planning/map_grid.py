@@ -1,9 +1,9 @@
-"""Distance maps of the local costmap: steps from each cell to the path, or to a point of it, along free cells.
+"""Distance maps of the local costmap: steps from each cell to the path, or to a point on it, along free cells.
 
-Grids are flat, with a rim of closed cells around the costmap's: a step to a neighbor needs no check of the borders.
+Grids are flat, with a border of closed cells around those of the costmap. So a step to a neighbor needs no check.
 
 Source: ros-planning/navigation, base_local_planner/src/map_grid.cpp.
-Differs: spreads only until all cells that will be looked at are reached; the counts there are the same.
+Difference: the wave stops when all cells of interest are reached; the counts there are the same.
 """
 
 import math
@@ -18,22 +18,22 @@ from sim.numerics.kernels import njit
 from sim.robot.costmap.costs import INSCRIBED, CostFrame, Costs
 
 Steps = NDArray[np.int32]
-"""Number of steps between cells that share a side; negative where none lead, or where the count was not asked for."""
+"""Number of steps between cells that share a side; negative if unreachable or not requested."""
 
 OPEN = -1
 CLOSED = -2
 
 
 class MapGrids(NamedTuple):
-    """Arrays to work in, for a costmap of (rows, cols).
+    """Work arrays for a costmap of (rows, cols).
 
     Attributes:
         terrain: ((rows + 2) * (cols + 2),) OPEN or CLOSED.
-        path: the same size, steps from the path.
-        goal: steps from where the path ends.
-        nose: steps from where a robot's nose shall end.
-        queue: the same size.
-        wanted: the same size, True where a cell's count is asked for; all False between calls.
+        path: same size, steps from the path.
+        goal: same size, steps from the end of the path.
+        nose: same size, steps from the point where a robot's nose should end.
+        queue: same size, cells to visit.
+        wanted: same size, True for cells with a requested count; all False between calls.
     """
 
     terrain: Steps
@@ -53,7 +53,7 @@ def map_grids(rows: int, cols: int) -> MapGrids:
 
 @njit(cache=True)
 def index_of(costs: Costs, frame: CostFrame, x: float, y: float) -> int:
-    """Return the flat index of the cell at a map point; -1 off the costmap."""
+    """Return the flat index of the cell at a map point; -1 outside the costmap."""
     rows, cols = costs.shape
     row = math.floor((y - frame.y) / frame.resolution)
     col = math.floor((x - frame.x) / frame.resolution)
@@ -65,14 +65,14 @@ def index_of(costs: Costs, frame: CostFrame, x: float, y: float) -> int:
 
 @njit(cache=True)
 def survey(costs: Costs, frame: CostFrame, x: float, y: float, own_radius: float, terrain: Steps) -> None:
-    """Close the cells of cost INSCRIBED and more, except those under the robot itself.
+    """Close the cells with costs of INSCRIBED and more, except those under the robot itself.
 
     Args:
         costs: (rows, cols).
-        frame: their place in the map.
-        x: place of the robot; so y.
-        own_radius: meters around the robot that are its own.
-        terrain: overwritten with the result.
+        frame: frame of the costs in the map.
+        x: x of the robot; also y.
+        own_radius: radius around the robot of cells that are always open, meters.
+        terrain: output.
     """
     rows, cols = costs.shape
     terrain[:] = CLOSED
@@ -91,9 +91,10 @@ def survey(costs: Costs, frame: CostFrame, x: float, y: float, own_radius: float
 
 @njit(cache=True)
 def cells_along(costs: Costs, frame: CostFrame, path: FloatArray) -> Steps:
-    """Return the flat indices of the cells along (m, 2) map points, a cell apart or less; those off the costmap are left out.
+    """Return the flat indices of the cells along (m, 2) map points, at most a cell apart, without those off the
+    costmap.
 
-    The first point may stand more than once; a cell too.
+    A cell may occur several times; so may the first point.
     """
     room = 1
     for i in range(1, path.shape[0]):
@@ -117,14 +118,14 @@ def cells_along(costs: Costs, frame: CostFrame, path: FloatArray) -> Steps:
 
 @njit(cache=True)
 def spread(grid: MapGrids, cols: int, seeds: Steps, queried: Steps, steps: Steps) -> None:
-    """Count the steps from the nearest seed, breadth first.
+    """Count the steps from the nearest seed, by breadth-first search.
 
     Args:
-        grid: its terrain must have been surveyed.
+        grid: work arrays; the terrain must have been surveyed.
         cols: columns of the costmap.
         seeds: flat indices.
-        queried: flat indices of the cells whose count is wanted; negative ones are left out. Empty: all.
-        steps: array of the grid, overwritten with the result.
+        queried: flat indices of the cells with requested counts; negative ones are ignored. If empty, all cells.
+        steps: array of the grid for the output.
     """
     for cell in range(steps.size):
         steps[cell] = grid.terrain[cell]
@@ -148,6 +149,7 @@ def spread(grid: MapGrids, cols: int, seeds: Steps, queried: Steps, steps: Steps
                 left -= 1
     begin = 0
     while begin < end and left > 0:
+        # Breadth first, so each count is final when it is set. The search stops once no requested cell is left.
         cell = queue[begin]
         begin += 1
         following = steps[cell] + 1

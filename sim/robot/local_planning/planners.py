@@ -1,4 +1,4 @@
-"""Choice of the local planner that a robot drives by."""
+"""Choice of a robot's local planner."""
 
 from sim.numerics.float_array import FloatArray
 from sim.parameters import RobotParameters
@@ -13,10 +13,10 @@ def local_planner(
     """Make the local planner that `move_base: base_local_planner` names.
 
     Args:
-        parameters: the robot's software's.
+        parameters: parameters of the robot's software.
         footprint: (n, 2) padded corners, base frame.
         shape: rows and columns of the local costmap.
-        period: seconds from one command to the next.
+        period: time between two commands, seconds.
     """
     padding, inflation = parameters.local_costmap.footprint_padding, parameters.local_costmap.inflation_layer
     if parameters.move_base.base_local_planner == "dwa_local_planner/DWAPlannerROS":

@@ -1,4 +1,4 @@
-"""Rollout of a command: the poses it leads through, their costs, and collisions of the outline there."""
+"""Rollout of a command: the poses along its trajectory, their costs, and collisions of the outline there."""
 
 import math
 from typing import NamedTuple
@@ -15,7 +15,7 @@ from sim.robot.costmap.inflation import cost_at
 from sim.robot.local_planning.braking import Surroundings, safe
 
 COMFORT = 0.1
-"""Meters that a trajectory keeps from obstacles where it can: a robot too near a corner cannot turn."""
+"""Preferred distance between a trajectory and obstacles, meters: a robot too close to a corner cannot turn."""
 
 
 class MotionState(NamedTuple):
@@ -29,18 +29,18 @@ class MotionState(NamedTuple):
 
 
 class RobotBody(NamedTuple):
-    """Shape and limits of the robot, in the form that compiled kernels take.
+    """Shape and limits of the robot, in the form for compiled kernels.
 
     Attributes:
         footprint: (n, 2) padded corners, base frame.
-        roomy: the same with what its padding leaves of COMFORT around it.
-        outline: (m, 2) points along it.
-        inscribed: its radius, meters; so circumscribed.
-        cost_scaling_factor: that of the costmap's inflation; so inflation_radius.
-        acc_lim_x: limit of accelerating and braking, m/s^2; acc_lim_theta in turning, rad/s^2.
-        period: seconds from one command to the next.
-        hold: the same, latency included.
-        margin: meters to keep from walls.
+        roomy: footprint with the part of COMFORT around it that its padding does not cover.
+        outline: (m, 2) points along the footprint.
+        inscribed: its inscribed radius, meters; also circumscribed.
+        cost_scaling_factor: parameter of the costmap's inflation; also inflation_radius.
+        acc_lim_x: limit of acceleration and braking, m/s^2; acc_lim_theta in turning, rad/s^2.
+        period: time between two commands, seconds.
+        hold: this time including latency, seconds.
+        margin: distance to keep from walls, meters.
     """
 
     footprint: FloatArray
@@ -62,10 +62,10 @@ class TrajectoryCost(NamedTuple):
 
     Attributes:
         legal: True if the center stays on the costmap and off obstacles.
-        worst: the greatest cost under the center.
-        total: the sum of the costs under the center.
-        doubtful: True if the outline may touch something, and must be looked at.
-        x: the pose that is scored; so y and theta.
+        worst: maximum cost under the center.
+        total: sum of the costs under the center.
+        doubtful: True if the outline may touch something and must be checked.
+        x: x of the pose to score; also y and theta.
     """
 
     legal: bool
@@ -79,8 +79,8 @@ class TrajectoryCost(NamedTuple):
 
 @njit(cache=True)
 def surely_free(body: RobotBody, scale: float) -> int:
-    """Return the cost under the center below which a footprint grown by `scale` and COMFORT touches nothing, however turned."""
-    # Inflation makes the cost at the center a measure of the distance to the nearest obstacle.
+    """Return the cost at the center below which the scaled footprint with COMFORT touches nothing at any heading."""
+    # Because of inflation, the cost at the center measures the distance to the nearest obstacle.
     radius = body.circumscribed * scale + 1.5 * COMFORT
     if radius >= body.inflation_radius:
         return 0
@@ -91,10 +91,10 @@ def surely_free(body: RobotBody, scale: float) -> int:
 def rollout(
     now: MotionState, wanted_v: float, wanted_w: float, body: RobotBody, sim_time: float, steps: int
 ) -> FloatArray:
-    """Return (steps, 3) poses that a command leads through, the present one first.
+    """Return (steps, 3) poses along the trajectory of a command, the present one first.
 
-    Velocities approach the command at the limits of acceleration. Sine and cosine are turned along, which is
-    faster than computing them anew at each pose.
+    Velocities approach the command at the limits of acceleration. Sine and cosine are rotated step by step, which is
+    faster than computing them for each pose.
     """
     out = np.empty((steps, 3))
     dt = sim_time / steps
@@ -110,6 +110,7 @@ def rollout(
         y += v * sin * dt
         theta += w * dt
         if w * dt != turning:
+            # The rotation per step changes only while the angular velocity does.
             turning = w * dt
             turn_cos, turn_sin = elementary.cos_sin(turning)
         cos, sin = cos * turn_cos - sin * turn_sin, sin * turn_cos + cos * turn_sin
@@ -121,17 +122,17 @@ def trajectory_cost(
     costs: Costs, frame: CostFrame, now: MotionState, wanted_v: float, wanted_w: float, body: RobotBody,
     sim_time: float, steps: int, scored: int, free: int,
 ) -> TrajectoryCost:  # fmt: skip
-    """Follow a command step by step as `rollout` does, and look at the costs under the center.
+    """Follow a command step by step like `rollout`, and read the costs under the center.
 
     Args:
-        costs: (rows, cols) the local costmap.
-        frame: its place in the map.
-        now: the robot's pose and velocities.
-        wanted_v: the command; so wanted_w.
-        body: the robot's.
-        sim_time: seconds.
+        costs: (rows, cols) local costmap.
+        frame: its frame in the map.
+        now: pose and velocities of the robot.
+        wanted_v: the command; also wanted_w.
+        body: shape and limits of the robot.
+        sim_time: duration, seconds.
         steps: number of poses.
-        scored: index of the one to score.
+        scored: index of the pose to score.
         free: see `surely_free`.
     """
     rows, cols = costs.shape
@@ -148,7 +149,7 @@ def trajectory_cost(
         if row < 0 or col < 0 or row >= rows or col >= cols:
             return TrajectoryCost(False, worst, total, doubtful, x, y, theta)
         cost = costs[row, col]
-        # The robot stands at the first pose already: what that costs is no fault of the command.
+        # The robot is at the first pose already, so the command is not responsible for its cost.
         if i > 0 and cost >= free:
             if cost >= INSCRIBED:
                 return TrajectoryCost(False, worst, total, doubtful, x, y, theta)
@@ -171,7 +172,7 @@ def trajectory_cost(
 
 @njit(cache=True)
 def outline_free(costs: Costs, frame: CostFrame, footprint: FloatArray, poses: FloatArray, free: int) -> bool:
-    """Return True if a footprint touches nothing along (k, 3) poses, the first left out; see `surely_free`."""
+    """Return True if a footprint touches nothing along (k, 3) poses, without the first; see `surely_free`."""
     for i in range(1, poses.shape[0]):
         x, y, theta = poses[i]
         row, col = math.floor((y - frame.y) / frame.resolution), math.floor((x - frame.x) / frame.resolution)
@@ -182,7 +183,7 @@ def outline_free(costs: Costs, frame: CostFrame, footprint: FloatArray, poses: F
 
 @njit(cache=True)
 def comfortable(costs: Costs, frame: CostFrame, body: RobotBody, poses: FloatArray, free: int) -> bool:
-    """Do the same for the footprint with COMFORT around it; poses where that would leave the costmap are skipped."""
+    """Do the same for the footprint with COMFORT around it, without poses where it would leave the costmap."""
     rows, cols = costs.shape
     rim = (body.circumscribed + 1.5 * COMFORT) / frame.resolution + 1.0
     for i in range(1, poses.shape[0]):
@@ -206,14 +207,14 @@ def command_safe(around: Surroundings, body: RobotBody, now: MotionState, wanted
 
 
 class CandidateCommands(NamedTuple):
-    """Commands that were tried, n of them in the first places of each array.
+    """Candidate commands; the first n places of each array are used.
 
     Attributes:
         commands: (m, 2) m/s and rad/s.
-        scores: (m,) the lower the better; infinite where a command leads nowhere.
-        steps: (m,) poses of each one's rollout.
-        growth: (m,) factor by which the footprint is scaled that must be free along it.
-        doubtful: (m,) True when the outline may touch something.
+        scores: (m,) lower is better; infinite if a command leads nowhere.
+        steps: (m,) number of poses of each rollout.
+        growth: (m,) scale factor of the footprint that must be free along the rollout.
+        doubtful: (m,) True if the outline may touch something.
     """
 
     commands: FloatArray
@@ -240,25 +241,26 @@ def best_safe_command(
     costs: Costs, frame: CostFrame, tried: CandidateCommands, n: int, around: Surroundings, body: RobotBody,
     now: MotionState, sim_time: float, at_once: bool,
 ) -> tuple[float, float, float]:  # fmt: skip
-    """Return the best of n commands that is free and safe (v, w) and its score; infinite: there is none.
+    """Return the best of n commands that is free and safe (v, w) and its score; infinite if there is none.
 
-    Checks that take long are made from the best score on. A command that comes nearer to something than COMFORT is
-    taken only if nothing else is left, or if the robot is that near already.
+    The slow checks start with the best score and end at the first command that passes. A command that comes nearer to
+    something than COMFORT is used only if no other is left, or if the robot is that near already.
 
     Args:
-        costs: (rows, cols) the local costmap.
-        frame: its place in the map.
-        tried: the commands; their scores are used up.
-        n: their number.
+        costs: (rows, cols) local costmap.
+        frame: its frame in the map.
+        tried: the commands; their scores are overwritten.
+        n: number of commands.
         around: walls and neighbors that the robot may hit.
-        body: the robot's.
-        now: the robot's pose and velocities.
-        sim_time: seconds rolled out.
-        at_once: True if a command's speed is reached in the first instant.
+        body: shape and limits of the robot.
+        now: pose and velocities of the robot.
+        sim_time: duration of the rollouts, seconds.
+        at_once: True if a command's velocity is reached immediately.
     """
     second_best, second_score = -1, np.inf
     crowded = footprint_cost(costs, frame, body.roomy, now.x, now.y, now.theta) < 0.0
     for _ in range(n):
+        # Selection of the minimum instead of sorting, because one of the first commands usually passes.
         best = 0
         for i in range(1, n):
             if tried.scores[i] < tried.scores[best]:

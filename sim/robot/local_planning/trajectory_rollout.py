@@ -1,11 +1,11 @@
-"""Trajectory rollout: roll out sampled commands, score the poses they lead to, take the best that is safe.
+"""Trajectory rollout: roll out sampled commands, score the resulting poses, use the best command that is safe.
 
 Source: ros-planning/navigation, base_local_planner/src/trajectory_planner.cpp and trajectory_planner_ros.cpp; Gerkey,
 Konolige, Planning and Control in Unstructured Terrain (2008).
-Differs: a robot that faces away from its path first turns in place; obstacles are scored under the robot's center, and
-under its outline only looked at for collisions; of a trajectory only the pose that is scored must have a path to the
-goal; a command must also be safe (`braking`); the speed falls toward a point that may not be passed yet; with a
-`min_vel_x` above 0, turns in place are tried only where nothing else leads on, and to the heading that does.
+Differences: a robot that faces away from its path first turns in place. Obstacle costs are read under the robot's
+center; the outline is only checked for collisions. Only the scored pose of a trajectory must have a path to the goal.
+A command must also be safe (`braking`). The velocity falls toward a point that must not be passed yet. With a
+`min_vel_x` above 0, turns in place are tried only if nothing else leads on, and only to the heading that does.
 """
 
 import math
@@ -33,17 +33,17 @@ from sim.robot.local_planning.rollout import (
 )
 
 HEADING_SCALE = 0.3
-"""Weight of a radian off the path in heading scoring; fixed in ROS, too."""
+"""Weight of a radian off the path in heading scoring; also fixed in ROS."""
 STANDSTILL_SPEED = 1e-3
-"""Meters a second below which a command does not lead on."""
+"""Velocity below which a command does not lead on, m/s."""
 LOOK_AROUND = 0.5 * math.pi
-"""Radians either way within which a robot looks for a heading that leads on, where its own does not."""
+"""Range on both sides in which a robot searches for a heading that leads on, if its own does not, radians."""
 LOOK_STEP = 0.15
-"""Radians from one of these headings to the next."""
+"""Step between these headings, radians."""
 
 
 class _Samples(NamedTuple):
-    """Commands that are tried, and how they are rolled out; see TrajectoryPlannerParameters."""
+    """Commands to try, and settings of their rollouts; see TrajectoryPlannerParameters."""
 
     lowest_v: float
     highest_v: float
@@ -59,12 +59,12 @@ class _Samples(NamedTuple):
 
 
 class _Weights(NamedTuple):
-    """Weights by which a trajectory is scored.
+    """Weights for the score of a trajectory.
 
     Attributes:
-        path: per cell off the path; goal per cell left; obstacles per cost.
-        heading_time: seconds into a trajectory at which its heading is scored; negative: its end is scored.
-        straight: True if the goal counts by the squared meters to it.
+        path: weight per cell off the path; goal per remaining cell; obstacles per unit of cost.
+        heading_time: seconds into a trajectory at which its heading is scored. If negative, its end is scored.
+        straight: True if the score uses the squared distance to the goal.
     """
 
     path: float
@@ -76,7 +76,7 @@ class _Weights(NamedTuple):
 
 @njit(cache=True)
 def _steps(v: float, w: float, samples: _Samples, by_time: bool) -> int:
-    """Number of poses in a rollout."""
+    """Return the number of poses in a rollout."""
     if by_time:
         return max(1, int(samples.sim_time / samples.granularity + 0.5))
     along = abs(v) * samples.sim_time / samples.granularity
@@ -85,7 +85,7 @@ def _steps(v: float, w: float, samples: _Samples, by_time: bool) -> int:
 
 @njit(cache=True)
 def _in_sight(costs: Costs, frame: CostFrame, x: float, y: float, to_x: float, to_y: float) -> bool:
-    """Return True if no obstacle lies on the straight line between two map points."""
+    """Return True if no obstacle is on the straight line between two map points."""
     pieces = max(1, math.ceil(elementary.hypot(to_x - x, to_y - y) / (0.5 * frame.resolution)))
     for piece in range(pieces + 1):
         share = piece / pieces
@@ -98,7 +98,7 @@ def _in_sight(costs: Costs, frame: CostFrame, x: float, y: float, to_x: float, t
 
 @njit(cache=True)
 def _heading_off(costs: Costs, frame: CostFrame, path: FloatArray, x: float, y: float, theta: float) -> float:
-    """Return the radians from a heading to the farthest point of the path in sight; infinite when none is."""
+    """Return the angle between a heading and the farthest visible point of the path, radians; infinite without one."""
     for i in range(path.shape[0] - 1, -1, -1):
         if _in_sight(costs, frame, x, y, path[i, 0], path[i, 1]):
             return abs(wrap_angle(elementary.atan2(path[i, 1] - y, path[i, 0] - x) - theta))
@@ -110,7 +110,7 @@ def _best(
     costs: Costs, frame: CostFrame, grid: MapGrids, path: FloatArray, around: Surroundings, body: RobotBody,
     now: MotionState, samples: _Samples, weights: _Weights,
 ) -> tuple[float, float, float]:  # fmt: skip
-    """Return the best safe command (v, w) and its score less that of standing still; infinite: there is none."""
+    """Return the best safe command (v, w), and its score minus that of standing still; infinite if there is none."""
     cols = costs.shape[1]
     by_time = weights.heading_time >= 0.0
     free = surely_free(body, 1.0)
@@ -167,12 +167,12 @@ class TrajectoryPlanner(LocalPlanner):
     """Trajectory rollout for one robot.
 
     Args:
-        parameters: base_local_planner's.
+        parameters: parameters of base_local_planner.
         footprint: (n, 2) padded corners, base frame.
-        inflation: the costmap's.
+        inflation: inflation parameters of the costmap.
         shape: rows and columns of the local costmap.
-        period: seconds from one command to the next.
-        padding: meters by which the corners are padded.
+        period: time between two commands, seconds.
+        padding: padding of the corners, meters.
     """
 
     def __init__(
@@ -199,7 +199,7 @@ class TrajectoryPlanner(LocalPlanner):
             xy_goal_tolerance=parameters.xy_goal_tolerance,
             yaw_goal_tolerance=parameters.yaw_goal_tolerance,
             latch_xy_goal_tolerance=parameters.latch_xy_goal_tolerance,
-            # Fixed at 0.01 in ROS, which wheels that err never measure.
+            # Fixed at 0.01 in ROS, which noisy wheels never measure.
             trans_stopped_vel=0.05,
             theta_stopped_vel=0.1,
         )
@@ -233,7 +233,7 @@ class TrajectoryPlanner(LocalPlanner):
             wanted.sim_granularity,
             wanted.angular_sim_granularity,
         )
-        # ROS's biases are per cell; those in meters are scaled by what a cell is of one.
+        # ROS's biases are per cell. Biases per meter are multiplied by the size of a cell.
         per_cell = frame.resolution if wanted.meter_scoring else 1.0
         weights = _Weights(
             0.0 if wanted.simple_attractor else wanted.path_distance_bias * per_cell,
@@ -253,7 +253,7 @@ class TrajectoryPlanner(LocalPlanner):
         greatest_v: float,
         around: Surroundings,
     ) -> float | None:
-        # ROS's planner tries turns in place always. Where `min_vel_x` is above 0, the samples here have none.
+        # ROS's planner always tries turns in place. With a `min_vel_x` above 0, the samples here contain none.
         best, best_score = None, 0.0
         for side in (1.0, -1.0):
             for step in range(1, round(LOOK_AROUND / LOOK_STEP) + 1):
