@@ -1,14 +1,14 @@
 """Adaptive Monte Carlo localization: ROS's amcl as a function of values.
 
-When the robot has moved enough and a scan is there, the cloud of particles that stands for its place is moved, weighed
-and drawn anew (`hypothesis`). Where the map explains the scans badly from there, the robot is looked for all over the
-map by a second cloud, the rival. What is reported stays the place that was tracked until the rival has explained scans
-better for long: one bad scan, a person in the way or a door that was closed move nothing. The robot is lost when the
-place has explained several scans so badly that it cannot be right, or when the rival is better; it is found when
-particles and map agree for some scans in a row, and scans have spoken against the best other place of the map.
+After enough motion, and with a scan, the cloud of particles that represents the pose is moved, weighed and resampled
+(`hypothesis`). If the map explains the scans badly from there, a second cloud, the rival, searches for the robot all
+over the map. The reported pose stays the tracked one until the rival has explained scans better for long. So a single
+bad scan, a person in the way or a closed door causes no jump. The robot is lost if the pose has explained several scans
+so badly that it cannot be right, or if the rival is better. It is found if particles and map agree for some scans in a
+row, and scans have disproved the best other pose of the map.
 
 Source: Thrun, Burgard, Fox, Probabilistic Robotics (2005), table 8.3, sized by KLD sampling (Fox 2003); amcl_node.cpp
-and pf.c of ros-planning/navigation for when and in which order. Where this differs from amcl the docstrings say so.
+and pf.c of ros-planning/navigation for times and order. Docstrings name the differences to amcl.
 """
 
 import math
@@ -32,48 +32,48 @@ from sim.robot.localization.wrong_pose import ParticleEvidence, probability
 from sim.robot.localization.wrong_pose_coefficients import PARTICLES
 
 SETTLED_SCANS = 5
-"""Scans after which the cloud must be narrow for the robot to be found, while nearly all particles agree on one place
-that the map explains."""
+"""Number of scans with a narrow cloud after which a robot is found, while nearly all particles agree on one pose that
+the map explains."""
 
 SEARCH_SHARE = 0.2
-"""Share of the particles that are looked for all over the map every time that they are drawn, in a search."""
+"""Share of the particles that are drawn from all over the map at each resampling during a search."""
 
 RETRY_TICKS = 25
-"""Ticks until a robot that is lost, or whose scans are badly explained, weighs the next one even if it stands."""
+"""Ticks after which a lost robot, or one with badly explained scans, weighs the next scan even if it stands still."""
 
 MARGINS = (0.03, 0.1)
-"""Share of a scan that a rival must explain more to be any better than a place that was found by searching not long
-ago, and than one that was told or has been tracked for long."""
+"""Additional share of a scan that a rival must explain to be better: than a pose found by a search not long ago, and
+than a pose that was set or has been tracked for long."""
 MOST_OF_ONE_SCAN = 0.25
-"""A scan counts no more than this for or against a rival: no single one decides."""
+"""Maximum effect of one scan for or against a rival, so that no single scan decides."""
 CHALLENGED = 0.15
-"""Lead of a rival from which on the place can no longer be relied on."""
+"""Lead of a rival above which the tracked pose is not reliable."""
 WON = 1.0
-"""Lead with which a rival takes the place: four scans at least."""
+"""Lead at which a rival replaces the tracked pose: after four scans at least."""
 DOUBT = 0.5
-"""Lead of the best other place when a search ends, or when a rival has taken the place. The robot is lost until scans
-have used it up: two scans that explain the other place much worse, or seventeen that explain it as well because it is a
-twin."""
+"""Lead of the best other pose at the end of a search, or after a rival has replaced the pose. The robot is lost until
+scans have reduced it to 0: two scans that explain the other pose much worse, or seventeen that explain it as well
+because the two places look alike."""
 PROVEN_SCANS = 100
-"""Scans for which a place that was found by searching must be tracked to be as sure as one that was told. Until then it
-may be a twin of the right one, and the robot is lost as soon as the place explains less than usual."""
+"""Scans for which a pose found by a search must be tracked to be as reliable as a set one. Before this, the place may
+only look like the right one, and the robot is lost as soon as the pose explains less than usual."""
 
 
 @frozen(eq=False)
 class ParticleBelief:
-    """All that the filter remembers between two ticks.
+    """Everything that the filter remembers between two ticks.
 
     Attributes:
-        tick: that of the last update.
-        base_in_odom: the odometry then.
-        place: where the robot is held to be.
-        rival: where else it may be, as long as there is reason to look.
-        lead: by how much the rival has explained scans better of late, see `WON`.
-        anywhere: True while the place itself is looked for all over the map.
-        proven: True if the place was told, or has been tracked for long.
-        lost: the verdict, see `Estimate`.
+        tick: tick of the last update.
+        base_in_odom: odometry pose at that time.
+        place: hypothesis with the tracked pose.
+        rival: another hypothesis, while there is a reason to search.
+        lead: by how much the rival has explained recent scans better, see `WON`.
+        anywhere: True while the pose itself is searched all over the map.
+        proven: True if the pose was set, or has been tracked for long.
+        lost: True if the robot is lost, see `Estimate`.
         requested: True if the next scan is weighed in any case.
-        p_wrong: probability that the place is wrong, see `Estimate`; None before the first scan.
+        p_wrong: probability that the pose is wrong, see `Estimate`; None before the first scan.
     """
 
     tick: int
@@ -89,25 +89,25 @@ class ParticleBelief:
 
     @property
     def unsure(self) -> bool:
-        """True when more scans are wanted than the robot's movement brings."""
+        """True if more scans are needed than the robot's motion brings."""
         return self.lost or self.rival is not None or self.place.agreement.doubtful
 
     @property
     def odom_in_map(self) -> Pose2:
-        """The correction found at the last update."""
+        """The correction of the last update."""
         return self.place.mean.compose(self.base_in_odom.inverse())
 
 
 @dataclass(frozen=True, slots=True)
 class UniformPrior:
-    """State of a filter that was told to forget where it was, and has seen no tick since."""
+    """State of a filter after global localization, before its next tick."""
 
 
 AmclState = PosePrior | UniformPrior | ParticleBelief
 
 
 def saved(parameters: AmclParameters, estimate: Estimate) -> AmclParameters:
-    """Return the parameters with which a new filter begins where this estimate ends, as amcl writes to the parameter server."""
+    """Return parameters that start a new filter at this estimate, as amcl stores them on the parameter server."""
     pose, variances = estimate.base_in_map, np.diag(estimate.covariance)
     return replace(
         parameters,
@@ -123,23 +123,23 @@ def saved(parameters: AmclParameters, estimate: Estimate) -> AmclParameters:
 class Amcl:
     """A particle filter over (x, y, theta) that weighs scans against the map; see `Localizer`.
 
-    Before the first `start` it believes to be where its parameters say, as amcl does: at the map's origin by default.
+    Before the first `start` it assumes the pose in its parameters, as amcl does: by default the map's origin.
 
     Attributes:
-        state: everything the next estimate depends on, besides the arguments of `update`.
+        state: everything on which the next estimate depends, except the arguments of `update`.
     """
 
     def __init__(
         self, parameters: AmclParameters, grid: OccupancyGrid, mount: LaserMount, seed: int, robot: str
     ) -> None:
-        """Return a filter for one robot.
+        """Create a filter for one robot.
 
         Args:
-            parameters: amcl's.
+            parameters: parameters of amcl.
             grid: the static map.
-            mount: the laser whose scans `update` will bring.
-            seed: the session's.
-            robot: its name, e.g. "robot1": no two robots draw the same noise.
+            mount: the laser of the scans for `update`.
+            seed: random seed of the session.
+            robot: name of the robot, e.g. "robot1", so that each robot has its own noise.
         """
         self._grid = grid
         self._mount = mount
@@ -154,20 +154,20 @@ class Amcl:
         self.state: AmclState = PosePrior(pose, read_only(np.diag(variances)))
 
     def _use(self, parameters: AmclParameters) -> None:
-        """Make the models that these parameters ask for."""
+        """Make the models for these parameters."""
         self._parameters = parameters
         self._clouds = CloudFilter(parameters, self._grid, self._mount)
 
     def start(self, base_in_map: Pose2, covariance: FloatArray) -> None:
-        """Begin anew around this pose, at the next tick; the first scan from then on is weighed at once."""
+        """Restart around this pose at the next tick; the first scan after it is weighed immediately."""
         self.state = PosePrior(base_in_map, read_only(covariance.copy()))
 
     def globalize(self) -> None:
-        """Begin anew at the next tick, uniformly over the free cells and all headings."""
+        """Restart at the next tick, uniformly over the free cells and all headings."""
         self.state = UniformPrior()
 
     def widen(self, distance: float, turn: float) -> None:
-        """Doubt the pose more: the particles of the place and of its rival are moved by as much at random."""
+        """Increase the uncertainty: move the particles of the pose and of its rival at random by this much."""
         spread = (distance, distance, turn)
         variances = np.diag([each * each for each in spread])
         match self.state:
@@ -180,25 +180,25 @@ class Amcl:
                 self.state = replace(self.state, place=place, rival=rival)
 
     def request_update(self) -> None:
-        """Weigh the next scan even if the robot has not moved; the first scan after a start is weighed anyway."""
+        """Weigh the next scan even if the robot has not moved. The first scan after a start is always weighed."""
         if isinstance(self.state, ParticleBelief):
             self.state = replace(self.state, requested=True)
 
     def configure(self, parameters: RobotParameters) -> None:
-        """Go on with these parameters; a smaller cloud is drawn with the next generation.
+        """Continue with these parameters. If the cloud gets smaller, it does so at the next resampling.
 
-        Differs: amcl draws its particles anew, around the pose that it last reported.
+        Difference: amcl draws new particles around the pose that it last reported.
         """
         if parameters.amcl != self._parameters:
             self._use(parameters.amcl)
 
     @property
     def awaits_scan(self) -> bool:
-        """True once it has begun: only scans are weighed."""
+        """True once it has started, because only scans change it."""
         return isinstance(self.state, ParticleBelief)
 
     def update(self, odometry: Odometry, imu: Imu, scan: Scan | None) -> Estimate:
-        """Take in one tick; a scan is weighed when the robot has moved enough since the last one that was."""
+        """Process one tick. A scan is weighed if the robot has moved enough since the last weighed one."""
         belief = self.state
         if isinstance(belief, PosePrior):
             belief = self.state = self._scatter(belief, odometry)
@@ -232,7 +232,7 @@ class Amcl:
         )
 
     def _scatter(self, start: PosePrior, odometry: Odometry) -> ParticleBelief:
-        """Draw as many particles as allowed around a pose that is known."""
+        """Draw the maximum number of particles around a known pose."""
         n = self._parameters.max_particles
         noise = self._start_noise.normals(odometry.tick, 3 * n).reshape(n, 3)
         particles = start.base_in_map.array() + product(noise, np.ascontiguousarray(root(start.covariance).T))
@@ -242,7 +242,7 @@ class Amcl:
         return ParticleBelief(odometry.tick, odometry.base_in_odom, place)
 
     def _scatter_everywhere(self, odometry: Odometry) -> ParticleBelief:
-        """Draw as many particles as allowed over the whole map; their mean stands for a pose until a scan comes."""
+        """Draw the maximum number of particles over the whole map; their mean is the pose until a scan arrives."""
         n = self._parameters.max_particles
         particles = self._free_space.draw(n, self._noise.places, odometry.tick)
         mean = Pose2(*particles.mean(axis=0).tolist())
@@ -251,9 +251,9 @@ class Amcl:
         return ParticleBelief(odometry.tick, odometry.base_in_odom, place, anywhere=True, proven=False, lost=True)
 
     def _weigh(self, belief: ParticleBelief, odometry: Odometry, scan: Scan) -> ParticleBelief:
-        """Do one round of the filter: move, weigh, compare, and every so often resample."""
+        """Do one round of the filter: move, weigh, compare, and resample if due."""
         view = self._clouds.view(scan, odometry.tick)
-        # The first scan may come ticks after the start; whatever was driven until then counts all the same.
+        # The first scan may come some ticks after the start; the motion until then counts.
         left, reached = belief.base_in_odom, odometry.base_in_odom
         if belief.anywhere and not belief.place.updates and len(view.points):
             place = self._clouds.looked_for(view, self._noise)
@@ -261,7 +261,7 @@ class Amcl:
             searching = SEARCH_SHARE if belief.anywhere else 0.0
             place = self._clouds.followed(belief.place, left, reached, view, self._noise, searching)
         rival = belief.rival
-        # A place that a search found is compared with the best other one.
+        # A pose found by a search is compared with the best other pose.
         besides = None if belief.proven else place.mean
         if rival is not None:
             rival = self._clouds.followed(rival, left, reached, view, self._rival_noise, SEARCH_SHARE, besides)
@@ -272,35 +272,35 @@ class Amcl:
         return replace(now, p_wrong=probability(PARTICLES, evidence_of(now)))
 
     def _seeks_rival(self, belief: ParticleBelief, place: Hypothesis) -> bool:
-        """Return True if a search has a result, which may be a twin of the right place, or scans are suspicious."""
+        """Return True if a search has a result (which may only look like the right place), or scans are suspicious."""
         if belief.anywhere:
             return place.settled >= SETTLED_SCANS
         return belief.lead > 0.0 or (self._parameters.recovers and place.agreement.suspicious)
 
 
 def evidence_of(now: ParticleBelief) -> ParticleEvidence:
-    """Collect the features after an update that distinguish right places from wrong ones."""
+    """Collect the features after an update that distinguish right poses from wrong ones."""
     return ParticleEvidence.of(
         now.place, now.lead, lost=now.lost, anywhere=now.anywhere, proven=now.proven, rival=now.rival is not None
     )
 
 
 def _found(now: ParticleBelief) -> ParticleBelief:
-    """End the search for a robot that might be anywhere when it has a result; that is compared from then on."""
+    """End a global search that has a result. From then on, the result is compared with its rival."""
     return now if now.rival is None else replace(now, anywhere=False, lead=DOUBT)
 
 
 def _compared(now: ParticleBelief) -> ParticleBelief:
-    """Compare the place with its rival: is the robot lost, and which of them is believed from now on?"""
+    """Compare the pose with its rival: decide whether the robot is lost, and which of the two is used from now on."""
     place, rival, lead = now.place, now.rival, now.lead
     if rival is not None and rival.updates > 1:
-        # The scan that it was looked for with says nothing for it.
+        # The scan that the rival was found by is no evidence for it.
         better = rival.agreement.last - place.agreement.last - MARGINS[now.proven]
         better = max(-MOST_OF_ONE_SCAN, min(better, MOST_OF_ONE_SCAN))
         apart = elsewhere(rival.mean.array()[np.newaxis], place.mean.x, place.mean.y, place.mean.theta)[0]
         lead = max(0.0, lead + (better if apart else -MOST_OF_ONE_SCAN))
     if rival is not None and now.lost and lead >= WON and rival.settled >= SETTLED_SCANS:
-        # The robot stays lost while the new place is compared with the best other one: no jump is told as certain.
+        # Stay lost until one more scan confirms the new pose, so that no jump is reported as certain.
         place = replace(rival, settled=SETTLED_SCANS - 1)
         return replace(now, place=place, rival=None, lead=DOUBT, proven=False)
     if now.lost:

@@ -1,4 +1,4 @@
-"""The beam model: the fit of a scan to the map along its beams, and the share of a scan that a place explains."""
+"""The beam model: how well a scan fits the map along its beams, and the share of a scan that a pose explains."""
 
 import math
 from dataclasses import dataclass
@@ -16,13 +16,13 @@ from sim.parameters import AmclParameters
 from sim.robot.localization.likelihood_field import Beams
 
 _TOLERANCE = 0.3
-"""Meters by which a reading may miss the wall that the map shows and count as explained: errors of pose and map."""
+"""Maximum difference between an explained reading and the map's wall, meters: errors of pose and map."""
 
 _CUT_SHORT = 0.1
-"""Weight of a reading that something unmapped may have cut short, beside 1 for one that went through a wall."""
+"""Weight of a reading that something unmapped may have cut short, compared with 1 for one that went through a wall."""
 
 _TURNS = (-0.02, 0.0, 0.02)
-"""Radians by which the heading may be wrong. A beam that grazes a wall then has any of several ranges: all count."""
+"""Tolerated errors of the heading, radians. A beam that grazes a wall then has one of several ranges; all count."""
 
 
 @njit(cache=True)
@@ -37,9 +37,10 @@ def _sums(
     sigma_hit: float,
     lambda_short: float,
 ) -> FloatArray:
-    """Return (n,) sums over m readings of their log probability, where (n, m) ranges are expected."""
+    """Return (n,) sums over m readings of their log probability, for (n, m) expected ranges."""
     out = np.zeros(expected.shape[0])
     for j in range(ranges.size):
+        # Beams outside, poses inside: terms that depend only on the reading are computed once per beam.
         measured = ranges[j]
         if math.isnan(measured):
             continue
@@ -55,11 +56,11 @@ def _sums(
 
 
 class MapAgreement(NamedTuple):
-    """Agreement of a scan with the map, from one place.
+    """Agreement of a scan with the map, from one pose.
 
     Attributes:
-        share: of the readings that the map explains, 0..1.
-        cut_short: share of the readings that end before the map's surface, 0..1.
+        share: share of the readings that the map explains, 0 to 1.
+        cut_short: share of the readings that end in front of the map's surface, 0 to 1.
     """
 
     share: float
@@ -71,13 +72,13 @@ def _agreement(
     squares: FreeSquares, frame: GridFrame, directions: FloatArray, range_max: float,
     laser_x: float, laser_y: float, x: float, y: float, theta: float, ranges: FloatArray,
 ) -> tuple[float, float]:  # fmt: skip
-    """See `BeamModel.agreement`; NaN where no beam met anything.
+    """See `BeamModel.agreement`; NaN if no beam met anything.
 
     Args:
-        squares: see `Raycaster`, as frame.
-        directions: see `Beams`, as range_max.
-        laser_x: place of the laser in the base frame; so laser_y.
-        x: place of the base in the map; so y and theta.
+        squares: see `Raycaster`, also for frame.
+        directions: see `Beams`, also for range_max.
+        laser_x: x of the laser in the base frame; also laser_y.
+        x: x of the base in the map; also y and theta.
         ranges: (m,) readings, meters.
     """
     poses = np.empty((len(_TURNS), 3))
@@ -109,11 +110,11 @@ def _agreement(
 
 @dataclass(frozen=True, slots=True, eq=False)
 class BeamModel:
-    """Likelihood of each beam's reading, by the range to what it should have met on the map.
+    """Likelihood of each beam's reading, by the range to the wall that it should meet on the map.
 
     Attributes:
-        raycaster: on the map.
-        beams: those that are weighed.
+        raycaster: raycaster on the map.
+        beams: the beams that are weighed.
         parameters: the mixture: laser_z_*, laser_sigma_hit, laser_lambda_short.
     """
 
@@ -123,29 +124,29 @@ class BeamModel:
 
     @classmethod
     def of(cls, grid: OccupancyGrid, beams: Beams, parameters: AmclParameters) -> "BeamModel":
-        """Return the model on a map."""
+        """Return the model for a map."""
         return cls(Raycaster.of(grid), beams, parameters)
 
     def expected(self, particles: FloatArray) -> FloatArray:
-        """Return (n, m) meters that the beams should measure from (n, 3) base poses in the map; inf beyond `range_max`."""
+        """Return (n, m) expected ranges of beams from (n, 3) base poses in the map, meters; inf beyond `range_max`."""
         laser = self.beams.mount.laser_in_base
         c, s = elementary_arrays.cos(particles[:, 2]), elementary_arrays.sin(particles[:, 2])
         poses = particles.copy()
         poses[:, 0] += c * laser.x - s * laser.y
         poses[:, 1] += s * laser.x + c * laser.y
         out = np.empty((len(particles), len(self.beams.indices)))
-        # The beams' directions are those in the base frame.
+        # The directions of the beams are in the base frame.
         cast_beams(
             self.raycaster.squares, self.raycaster.frame, poses, self.beams.directions, self.beams.range_max, out
         )
         return out
 
     def log_likelihood(self, particles: FloatArray, ranges: FloatArray) -> FloatArray:
-        """Return (n,) log likelihood of (m,) ranges (see `Beams.ranges`) from each of (n, 3) base poses in the map.
+        """Return (n,) log likelihoods of (m,) ranges (see `Beams.ranges`) from (n, 3) base poses in the map.
 
-        Source: Probabilistic Robotics, table 6.1, with amcl's factors (a good reading's density is not normalized);
-            exact ranges. Differs: sums of logarithms, where amcl adds cubes; a beam that saw nothing counts as the
-            greatest range and not as impossible; too short readings are left out.
+        Source: Probabilistic Robotics, table 6.1, with amcl's factors (the density of good readings is not normalized)
+            and exact ranges. Differences: amcl adds cubes instead of logarithms. Here a beam that saw nothing counts as
+            the maximum range, not as impossible, and readings that are too short are ignored.
         """
         p = self.parameters
         return _sums(
@@ -161,10 +162,11 @@ class BeamModel:
         )
 
     def agreement(self, base_in_map: Pose2, ranges: FloatArray) -> MapAgreement | None:
-        """Compare (m,) ranges with the map from one place; None where no beam met anything.
+        """Compare (m,) ranges with the map from one pose; None if no beam met anything.
 
-        A reading is explained when it ends where the map has a wall. A reading cut short counts a tenth as much against
-        the place as one that went through a wall: other robots cut readings short, but nothing lengthens them.
+        A reading is explained if it ends where the map has a wall. A reading that was cut short counts only a tenth as
+        much against the pose as one that went through a wall: other robots shorten readings, but nothing lengthens
+        them.
         """
         beams, place = self.beams, base_in_map
         laser, raycaster = beams.mount.laser_in_base, self.raycaster

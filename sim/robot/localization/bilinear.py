@@ -6,14 +6,14 @@ from sim.numerics.float_array import FloatArray
 from sim.numerics.kernels import njit
 
 REACH = 1.0
-"""Meters: farther from any wall the field is flat and points pull nowhere."""
+"""Distance from walls beyond which the field is flat and points do not pull, meters."""
 
 
 @njit(cache=True)
 def interpolate(field: FloatArray, along: float, across: float) -> tuple[float, float, float]:
-    """Return the value and slope per cell (columns, rows) between the four centers around a point given in cells.
+    """Return the value, and the slope per cell (columns, rows), between the four centers around a point in cells.
 
-    Beyond the outermost centers the field is flat: slope 0.
+    Beyond the outermost centers the field is flat, with slope 0.
     """
     left, below = along - 0.5, across - 0.5
     col, row = math.floor(left), math.floor(below)

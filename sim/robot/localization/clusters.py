@@ -1,9 +1,9 @@
 """Particles in bins, bins in clusters, and a cloud of particles as one pose.
 
-The bins are amcl's: 0.5 m by 0.5 m by 10 degrees. They measure how spread the cloud is (KLD sampling) and tell
-hypotheses apart: bins that touch, if only by a corner, are one cluster.
+The bins are those of amcl: 0.5 m by 0.5 m by 10 degrees. They measure the spread of the cloud (KLD sampling) and
+separate hypotheses: bins that touch, even if only at a corner, are one cluster.
 
-Source: pf_kdtree.c. Differs: the bins of -180 and +180 degrees touch; in amcl a cloud that looks west falls apart.
+Source: pf_kdtree.c. Difference: the bins of -180 and +180 degrees touch; in amcl a cloud with heading west splits.
 """
 
 import math
@@ -19,9 +19,9 @@ from sim.numerics.float_array import FloatArray
 from sim.numerics.kernels import njit
 
 BIN_SIDE = 0.5
-"""Meters: a bin's sides."""
+"""Sides of a bin, meters."""
 SECTORS = 36
-"""Bins around the circle."""
+"""Number of bins around the circle."""
 
 _EMPTY = -1
 _HALF = 1 << 24
@@ -31,9 +31,9 @@ class ParticleBins(NamedTuple):
     """The occupied bins of a cloud.
 
     Attributes:
-        of_particle: (n,) the bin of each particle, numbered from 0 in the order of their first particles.
-        corners: (k, 3) each bin's place on the lattice: along x, along y, around.
-        slots: a hash table from packed lattice places to bins, -1 where empty.
+        of_particle: (n,) bin of each particle, numbered from 0 in the order of first particles.
+        corners: (k, 3) position of each bin on the lattice: along x, along y, around.
+        slots: hash table from packed lattice positions to bins, -1 if empty.
     """
 
     of_particle: NDArray[np.int64]
@@ -46,9 +46,9 @@ class CloudSummary(NamedTuple):
 
     Attributes:
         mean: weighted mean of the heaviest cluster, in the map.
-        covariance: (3, 3) spread of the whole cloud about it: m^2, m rad, rad^2.
-        weight: the heaviest cluster's share of the weight.
-        variances: (3,) of the heaviest cluster alone, about its mean: m^2, m^2, rad^2.
+        covariance: (3, 3) spread of the whole cloud about this mean: m^2, m rad, rad^2.
+        weight: share of the weight in the heaviest cluster.
+        variances: (3,) variances of the heaviest cluster alone, about its mean: m^2, m^2, rad^2.
     """
 
     mean: Pose2
@@ -59,9 +59,9 @@ class CloudSummary(NamedTuple):
 
 @njit(cache=True)
 def _slot(slots: NDArray[np.int64], corners: NDArray[np.int64], col: int, row: int, sector: int) -> int:
-    """Return the slot of the bin with this lattice place in the table, or the empty slot where it would go.
+    """Return the slot of the bin with this lattice position in the table, or the empty slot for it.
 
-    Open addressing with linear probing; the table is at least half empty, so the search ends.
+    Open addressing with linear probing. The table is at least half empty, so the search ends.
     """
     mask = slots.size - 1
     packed = ((col + _HALF) * (2 * _HALF) + row + _HALF) * SECTORS + sector
@@ -97,14 +97,14 @@ def _bin(particles: FloatArray) -> tuple[NDArray[np.int64], NDArray[np.int64], N
 
 
 def bin_particles(particles: FloatArray) -> ParticleBins:
-    """Return the bins that (n, 3) poses lie in."""
+    """Return the bins of (n, 3) poses."""
     return ParticleBins(*_bin(particles))
 
 
 @njit(cache=True)
 def _cluster(corners: NDArray[np.int64], slots: NDArray[np.int64]) -> NDArray[np.int64]:
     count = corners.shape[0]
-    # Flood fill from bin to bin through the 26 neighbors on the lattice; sectors go round the circle.
+    # Flood fill from bin to bin through the 26 neighbors on the lattice; sectors wrap around the circle.
     labels = np.full(count, _EMPTY, dtype=np.int64)
     waiting = np.empty(count, dtype=np.int64)
     clusters = 0
@@ -135,7 +135,7 @@ def _cluster(corners: NDArray[np.int64], slots: NDArray[np.int64]) -> NDArray[np
 
 
 def cluster_bins(bins: ParticleBins) -> NDArray[np.int64]:
-    """Return (k,) the cluster of each bin, numbered from 0: connected components of touching bins."""
+    """Return the (k,) cluster of each bin, numbered from 0: connected components of touching bins."""
     return _cluster(bins.corners, bins.slots)
 
 
@@ -150,6 +150,7 @@ def _summarise(
         total += weights[i]
     heaviest = np.argmax(mass)
     x, y, c, s = 0.0, 0.0, 0.0, 0.0
+    # The mean heading is that of the summed unit vectors, because angles themselves have no mean across -pi.
     for i in range(weights.size):
         if labels[of_particle[i]] == heaviest:
             x += weights[i] * particles[i, 0]
@@ -191,8 +192,8 @@ def summarise(particles: FloatArray, weights: FloatArray, bins: ParticleBins) ->
         weights: (n,) not all 0.
         bins: the bins of these particles.
 
-    Source: pf_cluster_stats. Differs: the spread is about the reported pose (amcl: about the mean of all clusters),
-        and holds the correlations of heading with place, which amcl leaves 0.
+    Source: pf_cluster_stats. Difference: the spread is about the reported pose (amcl: about the mean of all clusters),
+        and includes the correlations of heading and position, which amcl leaves at 0.
     """
     x, y, theta, covariance, weight, variances = _summarise(particles, weights, bins.of_particle, cluster_bins(bins))
     return CloudSummary(Pose2(x, y, theta), covariance, weight, variances)

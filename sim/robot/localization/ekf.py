@@ -1,6 +1,6 @@
 """A Kalman filter over (x, y, theta): wheels and gyroscope, corrected by scans matched to the map.
 
-`sim.robot.localization.pose_filters` has the Gaussian, its prediction and its update; here is what goes into them.
+`sim.robot.localization.pose_filters` has the Gaussian, its prediction and its update. This module provides their input.
 
 Source: Thrun, Burgard, Fox, Probabilistic Robotics (2005), table 7.2, with odometry for control (section 5.4) and a
 matched pose for measurement.
@@ -27,35 +27,35 @@ from sim.robot.localization.wrong_pose import GaussianEvidence, probability
 from sim.robot.localization.wrong_pose_coefficients import GAUSSIANS
 
 PREDICTION_INTERVAL = 5
-"""Ticks between predictions where no scan asks for one; in between, odometry alone carries the estimate on."""
+"""Ticks between predictions if no scan requires one. In between, odometry alone propagates the estimate."""
 
 GATE = 16.27
-"""Greatest squared Mahalanobis distance of a match that is believed: chi-square with 3 degrees of freedom, 0.999."""
+"""Maximum squared Mahalanobis distance of an accepted match: chi-square with 3 degrees of freedom, 0.999."""
 
 _LEAST_INFORMATION = np.diag((1.0, 1.0, 4.0))
-"""Keeps a match's covariance finite where a corridor leaves a direction open: one meter, half a radian."""
+"""Information that keeps a match's covariance finite if a corridor leaves a direction open: 1 m, 0.5 rad."""
 
 _LEAST_SHARE = 0.4
-"""Share of a scan's points that must lie on the map's walls; a scan from elsewhere hardly ever reaches it."""
+"""Share of a scan's points that must be on the map's walls. A scan from elsewhere hardly ever reaches it."""
 
 _LEARNING = 0.2
-"""Rate at which innovations that are greater or smaller than they should be change the motion's believed noise."""
+"""Rate at which unexpectedly large or small innovations change the assumed noise of the motion."""
 
 _MIN_NOISE_SCALE, _MAX_NOISE_SCALE = 0.2, 100.0
-"""Least and greatest factor by which the motion's noise may turn out to differ from what the parameters say. The least
-is that of wheels whose errors in each of the ticks between two predictions are independent."""
+"""Minimum and maximum factor between the motion's noise and the parameters. The minimum is that of wheels whose errors
+in each of the ticks between two predictions are independent."""
 
 _MEMORY = 0.95
-"""Weight of what older scans told of walls that are not where the map has them, for each scan since."""
+"""Weight of older scans in the estimate of misplaced walls, for each scan since."""
 
 _DOUBTING = 1.5
-"""Factor on the covariance after a match that fits, but is too far off to be believed: either may be wrong."""
+"""Factor of the covariance after a match that fits, but is too far off to be accepted: either may be wrong."""
 
 _LOST_AFTER = 20
-"""Scans refused one after another until the filter holds itself for lost: two seconds of a common laser."""
+"""Number of consecutive rejected scans until the robot is lost: two seconds of a common laser."""
 
 _LEVER = 3.0
-"""Meters: distance of a typical wall, by which an uncertain heading is converted to an uncertain place."""
+"""Distance of a typical wall, which converts uncertainty of heading to uncertainty of position, meters."""
 
 _NO_COVARIANCE = read_only(np.zeros((3, 3)))
 
@@ -65,18 +65,18 @@ class TrackingState:
     """State of tracking in addition to the Gaussian, as of the last prediction.
 
     Attributes:
-        tick: that of the prediction.
-        base_in_odom: the odometry then.
-        shared: (3, 3) of the error that all matches near by have in common, which no number of them averages out;
-            read-only.
-        matched: the odometry when a scan was last weighed in; None before the first.
-        motion_noise_scales: factors by which the variances of distances and of turns have turned out to be more than
-            the parameters say.
-        walls_off: sums over scans of what `ScanMatch.walls_off` says; the older a scan, the less it counts.
-        refused: scans that could not be believed since the last one that was.
-        poor: scans in a row that fitted badly, believed or not.
-        unmatched: share of the points of the last scan that do not lie on walls.
-        matches: matches believed since the pose was set or found.
+        tick: tick of the prediction.
+        base_in_odom: odometry pose at that time.
+        shared: (3, 3) covariance of the error that is common to all matches nearby, which no number of them averages
+            out; read-only.
+        matched: odometry pose at the last accepted scan; None before the first.
+        motion_noise_scales: factors by which the variances of distances and of turns are larger than the parameters
+            say.
+        walls_off: sums over scans of `ScanMatch.walls_off`; older scans count less.
+        refused: number of rejected scans since the last accepted one.
+        poor: number of consecutive scans that fit badly, accepted or not.
+        unmatched: share of the points of the last scan that are not on walls.
+        matches: number of accepted matches since the pose was set or found.
     """
 
     tick: int
@@ -92,19 +92,19 @@ class TrackingState:
 
     @property
     def lost(self) -> bool:
-        """True when scans have not fitted for so long that the pose cannot be relied on."""
+        """True if scans have not fitted for so long that the pose is not reliable."""
         return self.refused >= _LOST_AFTER
 
 
 def _anywhere(grid: OccupancyGrid) -> FloatArray:
-    """Return (3, 3) covariance of a pose that may be anywhere on the map: uniform over its extent and all headings."""
+    """Return the (3, 3) covariance of a pose anywhere on the map: uniform over its extent and all headings."""
     rows, cols = grid.cells.shape
     spread = (rows * rows + cols * cols) * (grid.resolution * grid.resolution) / 12.0
     return np.diag((spread, spread, math.pi * math.pi / 3.0))
 
 
 def _covariance(match: ScanMatch) -> FloatArray:
-    """Return (3, 3) covariance of a match."""
+    """Return the (3, 3) covariance of a match."""
     return inverse(match.information + _LEAST_INFORMATION)
 
 
@@ -114,7 +114,7 @@ def _surprise(innovation: FloatArray, expected: FloatArray) -> float:
 
 
 def _learnt(scales: tuple[float, float], innovation: FloatArray, expected: FloatArray) -> tuple[float, float]:
-    """Return the factors on the variances of distances and turns, after one more innovation and its (3, 3) covariance."""
+    """Return the factors of the variances of distances and turns after another innovation and its (3, 3) covariance."""
     drive = _surprise(innovation[:2], np.ascontiguousarray(expected[:2, :2])) / 2.0
     turn = innovation[2] * innovation[2] / expected[2, 2]
     lessons = (elementary.exp(_LEARNING * (min(each, GATE / 3.0) - 1.0)) for each in (drive, turn))
@@ -126,21 +126,21 @@ def _learnt(scales: tuple[float, float], innovation: FloatArray, expected: Float
 
 
 class KalmanLocalizer:
-    """One Gaussian hypothesis, cheap and smooth. See `Localizer`.
+    """A localizer with a single Gaussian, fast and smooth. See `Localizer`.
 
-    Where scans do not fit for some seconds it holds itself for lost, and looks for the one place where they do: near by
-    first, then all over the map; it looks as well where they fit badly for long, since another place may fit better. It
-    reports itself found only when a scan from another spot agrees. On a map that looks the same from two places it
-    stays lost, since one Gaussian cannot hold two hypotheses as particles do.
+    If scans do not fit for some seconds, it is lost and searches for the one pose where they fit, first nearby, then on
+    the whole map. It also searches if they fit badly for long, because another pose may fit better. It is found only
+    when a scan from another place agrees. On a map that looks the same from two places it stays lost, because a single
+    Gaussian cannot represent two hypotheses as particles do.
 
-    Before the first `start` it believes to be at the map's origin.
+    Before the first `start` it assumes the map's origin.
 
     Attributes:
-        looked: what it knew after the last scan that it looked at; None before the first.
+        looked: its evidence after the last scan that it examined; None before the first.
     """
 
     def __init__(self, software: RobotParameters, grid: OccupancyGrid, mount: LaserMount) -> None:
-        """Return a filter for one robot, on its static map, for the laser whose scans `update` will bring."""
+        """Create a filter for one robot, with its static map and the laser of the scans for `update`."""
         self._mount = mount
         self.configure(software)
         self._matcher = ScanMatcher.of(grid, mount.laser_in_base)
@@ -153,21 +153,21 @@ class KalmanLocalizer:
         self._particles = np.empty((0, 3))
 
     def start(self, base_in_map: Pose2, covariance: FloatArray) -> None:
-        """Begin anew around this pose, at the next tick; the first scan from then on is weighed at once."""
+        """Restart around this pose at the next tick; the first scan after it is used immediately."""
         self._filter.reset(base_in_map, covariance)
         self._state: TrackingState | None = None
-        self._odom_in_map = base_in_map  # until odometry comes
-        self._turned = 0.0  # radians that the gyroscope has counted since the last prediction
-        self._forgotten = False  # asked to forget where it is, and has neither found nor been given it since
+        self._odom_in_map = base_in_map  # until the first odometry
+        self._turned = 0.0  # rotation by the gyroscope since the last prediction, radians
+        self._forgotten = False  # True from `globalize` until the pose is found or set
         self.looked: GaussianEvidence | None = None
         self._p_wrong: float | None = None
 
     def globalize(self) -> None:
-        """Forget where the robot was: lost, with a covariance as wide as the map, until it is found or told a pose."""
+        """Forget the pose: the robot is lost, with a covariance as wide as the map, until its pose is found or set."""
         self._forgotten = True
 
     def widen(self, distance: float, turn: float) -> None:
-        """Doubt the pose more; see `Localizer`."""
+        """Increase the uncertainty; see `Localizer`."""
         more = np.diag((distance * distance, distance * distance, turn * turn))
         self._filter.reset(self._filter.mean, self._filter.covariance + more)
 
@@ -176,17 +176,17 @@ class KalmanLocalizer:
         self._requested = True
 
     def configure(self, parameters: RobotParameters) -> None:
-        """Go on with these parameters, believing what it believed."""
+        """Continue with these parameters and the present belief."""
         self._parameters = parameters.ekf
         self._beams = Beams.of(self._mount, parameters.ekf.laser_max_beams, parameters.ekf.laser_max_range)
 
     @property
     def awaits_scan(self) -> bool:
-        """False: the gyroscope counts in every tick."""
+        """False, because the gyroscope is used in every tick."""
         return False
 
     def update(self, odometry: Odometry, imu: Imu, scan: Scan | None) -> Estimate:
-        """Take in one tick; a scan is matched when the robot has moved enough since the last one that was."""
+        """Process one tick. A scan is matched if the robot has moved enough since the last match."""
         state = self._state
         if state is None:
             state = TrackingState(odometry.tick, odometry.base_in_odom, _NO_COVARIANCE)
@@ -251,28 +251,29 @@ class KalmanLocalizer:
         wheels_variance = parameters.odom_alpha1 * turn + parameters.odom_alpha2 * drive
         gyro_noise = parameters.gyro_noise * TICK
         gyro_variance = (odometry.tick - state.tick) * (gyro_noise * gyro_noise)
-        # Wheels that stand still are certain of it; then the gyroscope, which is only noise, does not count.
+        # Wheels that stand still are certain. Then the gyroscope, which only adds noise, does not count.
         listening = parameters.imu_used and wheels_variance > 0.0
         trust = wheels_variance / (wheels_variance + gyro_variance) if listening else 0.0
         correction = trust * wrap_angle(self._turned - moved.theta)
         turn_variance = (1.0 - trust) * wheels_variance
         drive_variance = parameters.odom_alpha3 * drive + parameters.odom_alpha4 * turn
 
-        # The chord of an arc points half of the turn aside; so does a correction of the turn.
+        # The chord of an arc deviates by half of the turn, and so does a correction of the turn.
         step = Pose2(0.0, 0.0, correction / 2.0).compose(Pose2(moved.x, moved.y, moved.theta + correction / 2.0))
         for_drive, for_turn = state.motion_noise_scales
         self._filter.predict(MeasuredMotion(step, for_drive * drive_variance, for_turn * turn_variance))
         self._turned = 0.0
 
     def _correct(self, state: TrackingState, scan: Scan) -> tuple[TrackingState, bool]:
-        """Weigh in the pose at which the scan matches the map, if it can be believed; and return whether it could.
+        """Use the pose at which the scan matches the map, if it is plausible. Also return whether it was accepted.
 
-        Innovations that are greater than they should be raise `motion_noise_scales`, factors on the motion's variances;
-        smaller ones lower them. A match too far off is not believed. But each such match that fits widens the
-        covariance, so that after several alike the next one is believed.
+        Innovations that are larger than expected raise `motion_noise_scales`, the factors of the motion's variances;
+        smaller ones lower them. A match too far away is rejected. But each such match that fits increases the
+        covariance, so that after several similar ones the next one is accepted.
 
         Source: Mehra, On the identification of variances and adaptive Kalman filtering (1970), for learning the
-            motion's noise from innovations; here as a running mean of its logarithm, which cannot become negative.
+            motion's noise from innovations; here as a running mean of its logarithm, so that the variance cannot become
+            negative.
         """
         points = self._beams.end_points(scan)
         doubt = self._filter.covariance + state.shared
@@ -309,7 +310,7 @@ class KalmanLocalizer:
         )
 
     def _search(self, state: TrackingState, scan: Scan) -> TrackingState:
-        """Begin anew where the scan fits, if that is one place only; lost, until the next match agrees."""
+        """Restart where the scan fits, if that is the only such pose; stay lost until the next match agrees."""
         near = None if self._forgotten else self._filter.mean
         found = self._matcher.search(self._beams.end_points(scan), near)
         state = replace(state, poor=0)

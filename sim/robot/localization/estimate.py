@@ -1,4 +1,4 @@
-"""Localizer: the interface that all of them share, and the estimate that they give."""
+"""Localizer: the common interface of all localizers, and their estimate."""
 
 from dataclasses import dataclass
 from typing import Protocol
@@ -18,20 +18,20 @@ from sim.parameters import RobotParameters
 
 @frozen()
 class Estimate:
-    """Pose of the robot as a localizer estimates it.
+    """A localizer's estimate of the robot's pose.
 
     Attributes:
-        tick: the one it holds for.
-        base_in_map: the robot's pose: the last correction, propagated by odometry.
-        odom_in_map: the correction itself, what tf publishes as map -> odom.
+        tick: its time.
+        base_in_map: pose of the robot: the last correction, propagated by odometry.
+        odom_in_map: the correction itself, which tf publishes as map -> odom.
         covariance: (3, 3) of x, y, theta in the map frame; m^2, m rad, rad^2.
-        particles: (n, 3) poses in the map; (0, 3) where the localizer has none.
-        updated: True if a scan (or whatever it corrects by) was weighed in this tick.
-        lost: True if the localizer itself holds that the pose cannot be relied on.
-        agreement: share of the last scan weighed that the map explains from this place, 0..1; None where the localizer
-            weighs none, or has not yet.
-        p_wrong: probability that the pose is wrong (`wrong_pose`) by the last scan weighed, 0..1; None likewise.
-        fault: failure of a localizer of others in this tick, which is lost then; empty without one.
+        particles: (n, 3) poses in the map; (0, 3) if the localizer has none.
+        updated: True if a scan (or another correction) was used in this tick.
+        lost: True if the localizer considers the pose unreliable.
+        agreement: share of the last weighed scan that the map explains from this pose, 0 to 1. None if the localizer
+            does not compute it, or before the first scan.
+        p_wrong: probability that the pose is wrong (`wrong_pose`) by the last weighed scan, 0 to 1; or None.
+        fault: failure of an installed localizer in this tick, which is then lost; empty without one.
     """
 
     tick: int
@@ -48,11 +48,11 @@ class Estimate:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PosePrior:
-    """State of a localizer that was told where it is, and has seen no tick since.
+    """State of a localizer whose pose was set, before its next tick.
 
     Attributes:
         base_in_map: the pose.
-        covariance: (3, 3) how sure; m^2, m rad, rad^2.
+        covariance: (3, 3) of x, y, theta; m^2, m rad, rad^2.
     """
 
     base_in_map: Pose2
@@ -60,14 +60,14 @@ class PosePrior:
 
 
 def read_only(array: FloatArray) -> FloatArray:
-    """Return the array itself, now safe to hand out: nobody can write to it."""
+    """Make an array read-only, so that it can be shared, and return it."""
     array.setflags(write=False)
     return array
 
 
 @njit(cache=True)
 def propagated(corrections: FloatArray, odometry: FloatArray) -> FloatArray:
-    """Return the propagated poses in the map, (n, 3), of poses of odom in the map and in odom: `Pose2.compose`, to the bit."""
+    """Return (n, 3) poses in the map, from poses of odom in the map and poses in odom; same bits as `Pose2.compose`."""
     out = np.empty_like(odometry)
     for i in range(odometry.shape[0]):
         c, s = elementary.cos_sin(corrections[i, 2])
@@ -83,38 +83,38 @@ class LocalizerFactory(Protocol):
     def __call__(
         self, parameters: RobotParameters, grid: OccupancyGrid, mount: LaserMount, seed: int, /
     ) -> "Localizer":
-        """Return the localizer of one robot, whose `start` is called next.
+        """Return the localizer of one robot. Its `start` is called next.
 
         Args:
-            parameters: of the robot's software.
+            parameters: parameters of the robot's software.
             grid: the map.
-            mount: of the laser.
-            seed: random seed, another one for each robot.
+            mount: the laser.
+            seed: random seed, different for each robot.
         """
         ...
 
 
 class Localizer(Protocol):
-    """One robot's localization; it never sees the truth."""
+    """Localization of one robot. It never sees the truth."""
 
     def start(self, base_in_map: Pose2, covariance: FloatArray) -> None:
-        """Begin anew around this pose (ROS: initialpose); `covariance` is (3, 3)."""
+        """Restart around this pose (ROS: initialpose); `covariance` is (3, 3)."""
 
     def globalize(self) -> None:
-        """Forget where the robot was: it may be anywhere (ROS: global_localization)."""
+        """Forget the pose: the robot may be anywhere (ROS: global_localization)."""
 
     def widen(self, distance: float, turn: float) -> None:
-        """Doubt the pose more: the robot has moved unseen, with standard deviations of these meters and radians."""
+        """Increase the uncertainty after unseen motion, by these standard deviations in meters and radians."""
 
     def request_update(self) -> None:
-        """Weigh the next scan even if the robot has not moved (ROS: request_nomotion_update)."""
+        """Use the next scan even if the robot has not moved (ROS: request_nomotion_update)."""
 
     def configure(self, parameters: RobotParameters) -> None:
-        """Go on with these parameters, believing what it believed (ROS: dynamic_reconfigure)."""
+        """Continue with these parameters and the present belief (ROS: dynamic_reconfigure)."""
 
     @property
     def awaits_scan(self) -> bool:
-        """True when ticks without a scan change nothing in it: odometry carries the last correction on."""
+        """True if ticks without a scan do not change it: odometry then propagates the last correction."""
 
     def update(self, odometry: Odometry, imu: Imu, scan: Scan | None) -> Estimate:
-        """Take in one tick; a scan where the laser was due."""
+        """Process one tick, with a scan if the laser was due."""

@@ -1,4 +1,4 @@
-"""The localizer that is told the truth: ROS's fake_localization."""
+"""The localizer that knows the truth: ROS's fake_localization."""
 
 from collections.abc import Callable
 
@@ -13,16 +13,16 @@ from sim.robot.localization.estimate import Estimate, read_only
 
 
 class FakeLocalization:
-    """Reports the robot's true pose, without doubt: for studies in which localization is not the question.
+    """Reports the robot's true pose with certainty, for studies that are not about localization.
 
-    The only part of a robot's software that may see the truth; the composer hands it over.
+    This is the only part of a robot's software that may see the truth; the composition of the programs passes it in.
     """
 
     def __init__(self, parameters: FakeLocalizationParameters, base_in_world: Callable[[], Pose2]) -> None:
-        """Ask `base_in_world` for the true pose at every tick; it must answer for the tick that is being estimated.
+        """Store `base_in_world`, which must return the true pose of the tick that is being estimated.
 
-        Source: fake_localization.cpp for how its deltas shift the map frame: a turn by -delta_yaw, then a step by
-            (-delta_x, -delta_y).
+        Source: fake_localization.cpp for how its deltas shift the map frame: a rotation by -delta_yaw, then a
+            translation by (-delta_x, -delta_y).
         """
         self._base_in_world = base_in_world
         self._world_in_map = Pose2(-parameters.delta_x, -parameters.delta_y, wrap_angle(-parameters.delta_yaw))
@@ -30,30 +30,30 @@ class FakeLocalization:
         self._particles = np.empty((0, 3))
 
     def start(self, base_in_map: Pose2, covariance: FloatArray) -> None:
-        """Do nothing: the true pose needs no start.
+        """Do nothing, because the true pose needs no start.
 
-        Differs: fake_localization shifts its map frame so that the pose it is told becomes the truth.
+        Difference: fake_localization shifts its map frame so that the received pose becomes the truth.
         """
 
     def globalize(self) -> None:
-        """Do nothing: there is no belief to forget."""
+        """Do nothing, because there is no belief to forget."""
 
     def widen(self, distance: float, turn: float) -> None:
-        """Do nothing: there is no belief to doubt."""
+        """Do nothing, because there is no belief to widen."""
 
     def request_update(self) -> None:
-        """Do nothing: no scans are weighed."""
+        """Do nothing, because no scans are used."""
 
     def configure(self, parameters: RobotParameters) -> None:
-        """Do nothing: none of its parameters can change while it runs, as in ROS."""
+        """Do nothing: as in ROS, its parameters cannot change while it runs."""
 
     @property
     def awaits_scan(self) -> bool:
-        """False: the truth is another one in every tick."""
+        """False, because the truth changes in every tick."""
         return False
 
     def update(self, odometry: Odometry, imu: Imu, scan: Scan | None) -> Estimate:
-        """Return the true pose now, and with it the `odom_in_map` that makes the odometry agree."""
+        """Return the present true pose, and the `odom_in_map` that makes the odometry agree with it."""
         base_in_map = self._world_in_map.compose(self._base_in_world())
         odom_in_map = base_in_map.compose(odometry.base_in_odom.inverse())
         return Estimate(

@@ -1,4 +1,4 @@
-"""Free space of a map, from which poses are drawn for a robot that does not know where it is."""
+"""Free space of a map. Poses for a robot that may be anywhere are drawn from it."""
 
 import math
 from dataclasses import dataclass
@@ -14,14 +14,14 @@ from sim.numerics.kernels import njit
 from sim.numerics.noise_arrays import NoiseStream
 
 ELSEWHERE = (1.0, 0.5)
-"""Meters or radians by which a pose must differ from another to be another place."""
+"""Minimum difference between poses at different places, in meters or radians."""
 
 
 @lru_cache(maxsize=8)
 def _free_cells(grid: OccupancyGrid) -> NDArray[np.uint32]:
-    """Return (n,) free cells, numbered row by row; read-only: all robots on a map share them.
+    """Return (n,) free cells, numbered row by row; read-only, because all robots on a map share them.
 
-    They are found when they are first needed: most robots never have to look for themselves all over the map.
+    They are computed on first use, because most robots never search the whole map.
     """
     candidates = (grid.cells == FREE, grid.cells != OCCUPIED)
     free = next((cells for cells in candidates if cells.any()), np.ones_like(grid.cells, dtype=np.bool_))
@@ -32,7 +32,7 @@ def _free_cells(grid: OccupancyGrid) -> NDArray[np.uint32]:
 
 @njit(cache=True)
 def _poses(free: NDArray[np.uint32], cols: int, frame: GridFrame, drawn: FloatArray) -> FloatArray:
-    """Return (n, 3) poses of (2 n,) uniforms: first those that draw cells, then those that draw headings."""
+    """Convert (2 n,) uniforms to (n, 3) poses: the first half selects cells, the second half headings."""
     n = drawn.size // 2
     out = np.empty((n, 3))
     for i in range(n):
@@ -46,7 +46,7 @@ def _poses(free: NDArray[np.uint32], cols: int, frame: GridFrame, drawn: FloatAr
 
 @njit(cache=True)
 def elsewhere(poses: FloatArray, x: float, y: float, theta: float) -> NDArray[np.bool_]:
-    """Return (n,) True where (n, 3) poses are at another place than this one, see `ELSEWHERE`."""
+    """Return (n,) True for those of (n, 3) poses that are at another place, see `ELSEWHERE`."""
     out = np.empty(poses.shape[0], dtype=np.bool_)
     for i in range(poses.shape[0]):
         dx, dy = poses[i, 0] - x, poses[i, 1] - y
@@ -57,7 +57,7 @@ def elsewhere(poses: FloatArray, x: float, y: float, theta: float) -> NDArray[np
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FreeSpace:
-    """The free cells of a map; where the map has none, all cells that are not occupied.
+    """The free cells of a map; if the map has none, all cells that are not occupied.
 
     Attributes:
         grid: the map.
@@ -66,7 +66,7 @@ class FreeSpace:
     grid: OccupancyGrid
 
     def draw(self, count: int, noise: NoiseStream, tick: int) -> FloatArray:
-        """Return (count, 3) poses in the middles of free cells, uniform over the map and all headings.
+        """Draw (count, 3) poses in the centers of free cells, uniform over the map and all headings.
 
         Source: AmclNode::uniformPoseGenerator.
         """

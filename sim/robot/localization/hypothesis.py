@@ -1,9 +1,9 @@
-"""A hypothesis of where the robot is: a cloud of particles that is moved, weighed by scans and drawn anew.
+"""A hypothesis about the robot's pose: a cloud of particles that is moved, weighed by scans and resampled.
 
-Every particle moves by the odometry with an error of its own (`motion`), and its weight is multiplied by how well the
-scan fits the map from there (`likelihood_field`, `beam`). The mean of the heaviest cluster (`clusters`) stands for the
-cloud. Every so often a new generation is drawn in proportion to the weights, as many particles as the cloud's spread
-asks for (`resampling`). Meanwhile `scan_agreement` watches how well the map explains the scans from that mean.
+Every particle moves by the odometry with its own random error (`motion`). Its weight is multiplied by how well the scan
+fits the map from there (`likelihood_field`, `beam`). The mean of the heaviest cluster (`clusters`) represents the
+cloud. From time to time a new generation is drawn in proportion to the weights, with as many particles as the cloud's
+spread requires (`resampling`). `scan_agreement` observes how well the map explains the scans from this mean.
 
 Source: Thrun, Burgard, Fox, Probabilistic Robotics (2005), table 8.3, sized by KLD sampling (Fox 2003).
 """
@@ -30,77 +30,75 @@ from sim.robot.localization.resampling import adaptive, systematic, tempered
 from sim.robot.localization.scan_agreement import ScanAgreement
 
 CANDIDATES_PER_PARTICLE = 20
-"""Places looked at for each particle drawn anew."""
+"""Candidate poses for each newly drawn particle."""
 MIN_CANDIDATES = 50_000
-"""At least so many, so that one lies near enough to the right place in a map of some hundred square meters."""
+"""Minimum number of candidates, so that one is close enough to the truth on a map of some hundred square meters."""
 MAX_CANDIDATES = 400_000
-"""At most so many."""
+"""Maximum number of candidates."""
 ROUGH_BEAMS = 15
-"""Beams at most by which candidates are compared at first; most of them fit so badly that these show it."""
+"""Maximum number of beams for a first comparison of candidates; most fit so badly that these beams show it."""
 ROUGH_SHARE = 0.1
-"""Share of the candidates, those that these beams fit best, that all beams weigh: ten times `FITTING_SHARE`."""
+"""Share of the candidates, the best by these beams, that all beams weigh: ten times `FITTING_SHARE`."""
 
 MOST_BESIDES = 2000
-"""Particles at most with which other places than one are looked for: only the best of them matters."""
+"""Maximum number of particles in a search away from a given pose; only the best one matters."""
 CANDIDATES_BESIDES = 10_000
-"""Places at most that are looked at for them anew, after the first time."""
+"""Maximum number of candidates in such a search after the first time."""
 
 FITTING_SHARE = 0.01
-"""Share of the candidates that must remain effective when newcomers are drawn by how well a scan fits."""
+"""Share of the candidates that must stay effective when newcomers are drawn by how well a scan fits."""
 NEWCOMER_JITTER = (0.05, 0.05, 0.05)
-"""Meters, meters, radians by which newcomers at one place differ."""
+"""Standard deviations of newcomers at one place; meters, meters, radians."""
 
 NEARBY = (0.5, 0.5, 0.25)
-"""Meters, meters, radians: standard deviations of the newcomers that are looked for around a place."""
+"""Standard deviations of newcomers around a pose; meters, meters, radians."""
 NEARBY_SHARE = 0.2
-"""Share of a generation that is looked for around its own place when scans fit it badly."""
+"""Share of a generation that is drawn around its own pose when scans fit it badly."""
 
 MOST_NEAR = 500
-"""Particles at most that are looked for around a place and the last one."""
+"""Maximum number of particles in a search around a pose and the previous one."""
 CLEARLY_BETTER = 0.1
-"""Share of a scan that these must explain more: among other robots, chance finds places that are a little better."""
+"""Share of a scan that these must explain more. Among other robots, slightly better poses are found at random."""
 
 CONVERGED_DISTANCE = 0.5
-"""Meters from the mean, along either axis, within which all particles must lie for beams to be skipped (pf.c)."""
+"""Distance from the mean, along either axis, of all particles if beams are skipped, meters (pf.c)."""
 
 EFFECTIVE_SHARE = 0.1
 """Share of equal particles that every scan must leave effective, see `tempered`."""
 
 JITTER = (0.01, 0.01, 0.01)
-"""Meters, meters, radians by which heirs of one particle differ. The odometry of a robot that turns on the spot
-does not spread their places: without this they would all become one.
-
-Source: Musso, Oudjane and Le Gland, Improving regularised particle filters (2001).
+"""Standard deviations of copies of a particle; meters, meters, radians. The odometry of a robot that turns on the
+spot does not spread their places: without this, all particles would become one.
 """
 
 SURE_SHARE = 0.8
-"""Share of the weight that the heaviest cluster must hold for a place to be sure."""
+"""Share of the weight that the heaviest cluster must have for a certain pose."""
 
 PULL = 1.2
-"""Standard deviation of the pull of things that the map does not show if all beams end on them, as a share of
-`laser_sigma_hit`: walls of the map that far away still attract what lies before them, in all particles alike."""
+"""Standard deviation of the pull of unmapped things if all beams end on them, as a share of `laser_sigma_hit`: walls of
+the map within this distance still attract the points in front of them, for all particles alike."""
 _PULLED = np.diag((1.0, 1.0, 1.0 / 9.0))
-"""A heading is pulled as a place is by walls three meters away."""
+"""Factors of this pull for x, y and heading. A heading is pulled like a position by walls three meters away."""
 
 INITIAL_AGREEMENT = ScanAgreement()
-"""The agreement that a hypothesis begins with."""
+"""Agreement of a new hypothesis."""
 
 
 @frozen(eq=False)
 class Hypothesis:
-    """A cloud of particles that is followed by itself, and how well the map explains the scans from its place.
+    """A cloud of particles that is tracked on its own, and the agreement of scans and map from its pose.
 
     Attributes:
         particles: (n, 3) poses in the map at the last update; read-only.
-        weights: (n,) their weights, summing to 1; read-only.
-        mean: the pose that stands for it then.
-        covariance: (3, 3) of that pose; read-only.
-        updates: scans weighed since it began.
-        agreement: share of them that the map explains.
-        settled: scans after which the cloud was narrow, since nearly all particles agree on one place that the map
+        weights: (n,) their weights, with a sum of 1; read-only.
+        mean: pose of the hypothesis at the last update.
+        covariance: (3, 3) covariance of this pose; read-only.
+        updates: number of scans weighed since it began.
+        agreement: share of the scans that the map explains.
+        settled: number of scans with a narrow cloud, since nearly all particles agree on one pose that the map
             explains.
-        noise_scales: by how much odometry has turned out to be worse than the parameters say.
-        share: the heaviest cluster's share of the weight at the last update.
+        noise_scales: factors by which odometry is noisier than the parameters say.
+        share: share of the weight in the heaviest cluster at the last update.
     """
 
     particles: FloatArray
@@ -115,7 +113,7 @@ class Hypothesis:
 
 
 def widened(place: Hypothesis, spread: tuple[float, float, float], draws: FloatArray) -> Hypothesis:
-    """Return a hypothesis whose particles are moved by (3 n,) standard normals, with these standard deviations."""
+    """Return the hypothesis with particles moved by (3 n,) standard normals times these standard deviations."""
     covariance = place.covariance + np.diag([each * each for each in spread])
     particles = place.particles + draws.reshape(-1, 3) * spread
     return replace(place, particles=read_only(particles), covariance=read_only(covariance))
@@ -126,9 +124,9 @@ class ScanView:
     """The part of a scan that is weighed.
 
     Attributes:
-        tick: when it was taken.
-        points: (m, 2) where its beams ended, base frame, see `Beams.end_points`.
-        ranges: (k,) of its beams, see `Beams.ranges`.
+        tick: its time.
+        points: (m, 2) end points of its beams, base frame, see `Beams.end_points`.
+        ranges: (k,) ranges of its beams, see `Beams.ranges`.
     """
 
     tick: int
@@ -138,7 +136,7 @@ class ScanView:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CloudNoise:
-    """The chance that one cloud of a robot is subject to."""
+    """Streams of random numbers for one cloud of a robot."""
 
     motion: NoiseStream
     resampling: NoiseStream
@@ -147,7 +145,7 @@ class CloudNoise:
 
     @classmethod
     def named(cls, seed: int, *names: str) -> "CloudNoise":
-        """Return the streams of a seed and a path of names."""
+        """Return the streams for a seed and a path of names."""
         motion, resampling, jitter, places = (
             NoiseStream.named(seed, *names, kind) for kind in ("motion", "resampling", "jitter", "recovery")
         )
@@ -155,10 +153,10 @@ class CloudNoise:
 
 
 class CloudFilter:
-    """The models by which hypotheses are followed on one map with one laser.
+    """Models that track hypotheses on one map with one laser.
 
     Args:
-        parameters: amcl's.
+        parameters: parameters of amcl.
         grid: the static map.
         mount: the laser.
     """
@@ -186,23 +184,23 @@ class CloudFilter:
         )
         self._motion = MotionModel(parameters.odom_model_type, alphas)
         self._free_space = FreeSpace(grid)
-        # Walls may lie anywhere in their cells: an error that all particles share, and none can show.
+        # A wall may be anywhere in its cell. All particles share this error, so their spread cannot show it.
         self._unknowable = np.diag((1.0, 1.0, 0.0)) * (grid.resolution * grid.resolution) / 12.0
 
     def view(self, scan: Scan, tick: int) -> ScanView:
-        """Return what is weighed of a scan.
+        """Return the part of a scan that is weighed.
 
         Raises:
-            ValueError: it has another number of beams than the laser that the filter was made for.
+            ValueError: the number of beams differs from that of the filter's laser.
         """
         if len(scan.ranges) != self._beams.mount.beams:
             raise ValueError(f"a scan of {len(scan.ranges)} beams from a laser of {self._beams.mount.beams}")
         return ScanView(tick, self._beams.end_points(scan), self._beams.ranges(scan))
 
     def looked_for(self, view: ScanView, noise: CloudNoise, besides: Pose2 | None = None) -> Hypothesis:
-        """Return a hypothesis of as many particles as allowed, at places of the whole map that a scan fits.
+        """Return a hypothesis with the maximum number of particles, at poses all over the map that fit a scan.
 
-        A uniform cloud of this size would hold no particle near the truth; so the scan is looked for in a sample that
+        A uniform cloud of this size would have no particle near the truth. So the scan is compared with a sample that
         is many times larger.
         """
         count = self._parameters.max_particles
@@ -214,16 +212,16 @@ class CloudFilter:
         self, before: Hypothesis, left: Pose2, reached: Pose2, view: ScanView, noise: CloudNoise,
         searching: float = 0.0, besides: Pose2 | None = None,
     ) -> Hypothesis:  # fmt: skip
-        """Return a hypothesis after a movement and a scan, drawn anew where that is due.
+        """Return a hypothesis after a motion and a scan, resampled if this is due.
 
         Args:
             before: the hypothesis at the last update.
-            left: the odometry then.
-            reached: the odometry now.
+            left: odometry pose at that time.
+            reached: present odometry pose.
             view: the scan.
-            noise: the cloud's own.
-            searching: share of the next generation that is looked for all over the map.
-            besides: a place around which nothing is looked for.
+            noise: random numbers of this cloud.
+            searching: share of the next generation that is drawn from all over the map.
+            besides: a pose; the search excludes its surroundings.
         """
         parameters = self._parameters
         draws = noise.motion.normals(view.tick, 3 * len(before.particles))
@@ -240,22 +238,22 @@ class CloudFilter:
                 return found
             scales = self._motion.learned(before.noise_scales, rate, draws, before.weights, weights)
             now = replace(now, noise_scales=scales)
-        # With selective resampling, a cloud whose effective number (1 / sum of squares) is above half of its particles
-        # is kept: drawing anew would only lose hypotheses (Grisetti, Stachniss, Burgard 2007).
+        # With selective resampling, a cloud is kept if its effective number (1 / sum of squares) is above half of its
+        # particles: resampling would only lose hypotheses (Grisetti, Stachniss, Burgard 2007).
         due = now.updates % parameters.resample_interval == 0 and not (
             parameters.selective_resampling and searching == 0.0 and 2.0 / (weights * weights).sum() > len(weights)
         )
         return self._drawn(now, view, noise, searching, besides) if due else now
 
     def _found_near(self, before: Hypothesis, now: Hypothesis, view: ScanView, noise: CloudNoise) -> Hypothesis | None:
-        """Look for the scan around the last place and around where odometry has carried it, in equal parts.
+        """Search for the scan around the last pose and around the pose by odometry, in equal parts.
 
-        The last scan was explained as well as is usual, and this one is not, so that the odometry between them is in
-        doubt: it was reset, or is off by more than its particles are spread. None where no place explains the scan as
-        well as is usual, and clearly better: then the scan may be to blame, or the robot was carried off.
+        The last scan was explained as well as usual and this one is not. So the odometry between them is in doubt: it
+        was reset, or its error exceeds the spread of the particles. Return None if no pose explains the scan as well as
+        usual and clearly better. Then the scan itself may be misleading, or the robot was kidnapped.
 
-        The factors on the errors of odometry stay: if they grew with every such scan, the cloud would soon be too wide
-        where scans are a meter apart.
+        The factors of the odometry noise stay. If they grew with every such scan, the cloud would soon be too wide for
+        scans that are a meter apart.
         """
         count = min(self._parameters.max_particles, MOST_NEAR)
         candidates = noise.places.normals(view.tick, 3 * count * CANDIDATES_PER_PARTICLE).reshape(-1, 3) * NEARBY
@@ -280,7 +278,8 @@ class CloudFilter:
         elif found is not None:
             agreement = agreement.after(found.share, parameters.recovery_alpha_slow, parameters.recovery_alpha_fast)
         pull = PULL * parameters.laser_sigma_hit * (found.cut_short if found is not None else 0.0)
-        # A cloud that is wide is no reason to doubt the place: such a scan does not count, and interrupts nothing.
+        # A wide cloud is no reason to doubt the pose. Such a scan does not count, but it does not reset the count
+        # either.
         agreed = summary.weight >= SURE_SHARE and agreement.explained
         settled = (before.settled if before else 0) + self._narrow(summary) if agreed else 0
         return Hypothesis(
@@ -295,13 +294,13 @@ class CloudFilter:
         )
 
     def _narrow(self, summary: CloudSummary) -> bool:
-        """Return True if the heaviest cluster is as narrow as the parameters ask for."""
+        """Return True if the heaviest cluster is as narrow as the parameters require."""
         parameters = self._parameters
         levels = (parameters.std_warn_level_x, parameters.std_warn_level_y, parameters.std_warn_level_yaw)
         return bool((np.sqrt(summary.variances) <= levels).all())
 
     def _log_likelihood(self, particles: FloatArray, view: ScanView) -> FloatArray:
-        """Return (n,) log likelihood of a scan from each particle, by the model that the parameters name."""
+        """Return the (n,) log likelihoods of a scan from each particle, by the model in the parameters."""
         parameters = self._parameters
         if parameters.laser_model_type == "beam":
             return self._beam_model.log_likelihood(particles, view.ranges)
@@ -320,11 +319,11 @@ class CloudFilter:
     def _drawn(
         self, now: Hypothesis, view: ScanView, noise: CloudNoise, searching: float, besides: Pose2 | None
     ) -> Hypothesis:
-        """Draw the next generation: heirs of the present one, and newcomers where scans fit badly."""
+        """Draw the next generation: copies of present particles, and newcomers if scans fit badly."""
         parameters = self._parameters
         heirs_offset, newcomers_offset = noise.resampling.uniforms(view.tick, 2)
         if searching and len(view.points):
-            # Newcomers lie in so many bins that KLD sampling would ask for the greatest number of particles anyway.
+            # Newcomers are in so many bins that KLD sampling would require the maximum number of particles anyway.
             size = min(len(now.particles), parameters.max_particles)
             count = int(searching * size + newcomers_offset)
             heirs = systematic(now.weights, size - count, heirs_offset)
@@ -343,7 +342,8 @@ class CloudFilter:
             nearby = parameters.recovers and now.agreement.drifting and len(view.points)
             count = int(NEARBY_SHARE * len(heirs) + newcomers_offset) if nearby else 0
             newcomers = self._nearby(now.mean, count, view, noise)
-            # Heirs are in the order of their parents, which lie in no order at all.
+            # Copies are in the order of their originals, which have no order. So omitting the first ones omits random
+            # ones.
             heirs = heirs[count:]
         particles = np.concatenate((self._jittered(now.particles[heirs], view.tick, noise), newcomers))
         weights = read_only(np.full(len(particles), 1.0 / len(particles)))
@@ -352,16 +352,16 @@ class CloudFilter:
     def _jittered(
         self, particles: FloatArray, tick: int, noise: CloudNoise, spread: tuple[float, float, float] = JITTER
     ) -> FloatArray:
-        """Return (n, 3) particles, each a little off, so that no two are the same."""
+        """Return the (n, 3) particles with small random errors, so that no two are equal."""
         return particles + noise.jitter.normals(tick, 3 * len(particles)).reshape(-1, 3) * spread
 
     def _anywhere(
         self, count: int, view: ScanView, noise: CloudNoise, besides: Pose2 | None, most: int = MAX_CANDIDATES
     ) -> FloatArray:
-        """Return (count, 3) places from all over the map where a scan fits, drawn in proportion to how well.
+        """Return (count, 3) poses from all over the map, drawn in proportion to how well the scan fits there.
 
-        Source: Lenser and Veloso, Sensor resetting localization for poorly modelled mobile robots (2000). Differs:
-            amcl draws blindly; such places hardly ever lie near enough to the truth to survive.
+        Source: Lenser and Veloso, Sensor resetting localization for poorly modelled mobile robots (2000). Difference:
+            amcl draws poses blindly; they are hardly ever close enough to the truth to survive.
         """
         places = min(max(MIN_CANDIDATES, count * CANDIDATES_PER_PARTICLE), most)
         candidates = self._free_space.draw(places, noise.places, view.tick)
@@ -376,10 +376,10 @@ class CloudFilter:
         return self._fitting(count, likely, FITTING_SHARE * len(rough) / len(likely), view, noise)
 
     def _nearby(self, place: Pose2, count: int, view: ScanView, noise: CloudNoise) -> FloatArray:
-        """Return (count, 3) places around one where a scan fits, drawn in proportion to how well.
+        """Return (count, 3) poses around a place, drawn in proportion to how well the scan fits there.
 
-        Wheels that are a fifth off, or a map that is some decimeters wrong, carry a cloud away from the truth step by
-        step: none of its particles' heirs comes back.
+        If wheels are wrong by a fifth, or a map by some decimeters, a cloud moves away from the truth step by step, and
+        no copy of its particles returns.
         """
         if count == 0:
             return np.empty((0, 3))
@@ -389,7 +389,7 @@ class CloudFilter:
     def _fitting(
         self, count: int, candidates: FloatArray, share: float, view: ScanView, noise: CloudNoise
     ) -> FloatArray:
-        """Return (count, 3) of the candidates, drawn so that this share of them remains effective."""
+        """Draw (count, 3) of the candidates, so that this share of them stays effective."""
         fit = self._field.log_likelihood(candidates, view.points)
         offset = noise.resampling.uniforms(view.tick, 3)[2]
         chosen: FloatArray = candidates[systematic(tempered(fit, share), count, offset)]

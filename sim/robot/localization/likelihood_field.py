@@ -1,4 +1,4 @@
-"""The likelihood field: the fit of a scan to the map from a place, by how near to walls its beams end."""
+"""The likelihood field: how well a scan fits the map from a pose, by the distances of its end points to walls."""
 
 import math
 from dataclasses import dataclass
@@ -16,15 +16,14 @@ from sim.numerics.kernels import njit
 
 
 def facing_distance(grid: OccupancyGrid, max_distance: float) -> NDArray[np.float32]:
-    """Meters from each cell's center to the nearest surface that a beam of some direction can meet, capped.
+    """Return the meters from each cell's center to the nearest surface that a beam of some direction can meet, capped.
 
-    A laser sees the near side of walls. To a field of distances to the nearest wall, as amcl's, it makes no difference
-    whether a beam ends before a wall or behind it: through thin walls a robot that sees nothing behind itself may
-    believe to be their thickness farther on than it is. Here the far side of a wall is as good as not there.
-
+    A laser sees the near side of walls. In a field of distances to the nearest wall, as in amcl, it makes no difference
+    whether a beam ends in front of a wall or behind it. With thin walls, a robot that sees nothing behind itself may
+    then believe to be farther ahead by their thickness. In this field the far side of a wall does not exist.
     Returns:
-        (4, rows, cols); beams of quadrant 0 head for lower columns and rows, 1: higher columns and lower rows, 2: lower
-        columns and higher rows, 3: higher columns and rows.
+        (4, rows, cols) for beams of quadrant 0 (to lower columns and rows), 1 (higher columns and lower rows), 2 (lower
+        columns and higher rows), 3 (higher columns and rows).
     """
     levels, level = facing_levels(grid, max_distance)
     return levels[level]
@@ -33,13 +32,13 @@ def facing_distance(grid: OccupancyGrid, max_distance: float) -> NDArray[np.floa
 def facing_levels(
     grid: OccupancyGrid, max_distance: float
 ) -> tuple[NDArray[np.float32], NDArray[np.uint16 | np.uint32]]:
-    """Return (n,) the different distances of `facing_distance`, and (4, rows, cols) the number of each cell's.
+    """Return the (n,) different distances of `facing_distance`, and (4, rows, cols) the index for each cell.
 
-    Between cells there are few different distances, so their numbers take half the memory or less.
+    Few different distances occur between cells, so indices need half the memory or less.
     """
     occupied = grid.cells == OCCUPIED
     row, col = np.indices(occupied.shape, sparse=True)
-    # From the middle of the wall's outermost cell half a cell back to its surface, or half a cell on.
+    # From the center of the wall's outermost cell half a cell back to its surface, or half a cell further.
     reach = math.ceil(max_distance / grid.resolution + 0.5)
     squares = np.unique(np.arange(reach + 1)[:, np.newaxis] ** 2 + np.arange(reach + 1) ** 2)  # of integers
     squares = squares[squares <= reach**2]  # of integers
@@ -62,13 +61,13 @@ def facing_levels(
             rows, cols = row[band] - near_row[band], col - near_col[band]
             away = np.minimum(rows**2 + cols**2, reach**2 + 1)  # of integers
             behind = np.sign(rows * row_step + cols * col_step)
-            # Beyond the reach all are as far as can be.
+            # Beyond the reach, use the maximum distance.
             level[quadrant, band] = np.where(away <= reach**2, number[away] + behind, len(capped))  # of integers
     return levels, level
 
 
 def _shifted(mask: NDArray[np.bool_], rows: int, cols: int) -> NDArray[np.bool_]:
-    """Shift a mask by rows and columns; False comes in from the edge."""
+    """Shift a mask by rows and columns; new cells at the edge are False."""
     padded = np.pad(mask, 1)
     moved: NDArray[np.bool_] = padded[1 - rows : padded.shape[0] - 1 - rows, 1 - cols : padded.shape[1] - 1 - cols]
     return moved
@@ -78,7 +77,7 @@ def _shifted(mask: NDArray[np.bool_], rows: int, cols: int) -> NDArray[np.bool_]
 def _table(
     grid: OccupancyGrid, max_distance: float, z_hit: float, random: float, sigma_hit: float
 ) -> tuple[NDArray[np.float32], NDArray[np.uint16 | np.uint32]]:
-    """Return (n,) log probabilities of readings that end at each distance, and (4, rows, cols) the number of each cell's.
+    """Return the (n,) log probabilities of readings at each distance, and (4, rows, cols) the index for each cell.
 
     Read-only: a map never changes, and all robots on it with the same laser share one table. See `facing_levels`.
     """
@@ -101,8 +100,8 @@ def _sum_over_points(
 ) -> FloatArray:
     """Return (n,) sums of the field's values at (m, 2) points, as seen from each of (n, 3) poses.
 
-    This loop takes most of the filter's time. So it is in one piece, computes in cells, has no branch on the quadrant,
-    which no processor could predict, and no index that might be negative: that makes it four times faster.
+    This loop takes most of the filter's time. So it is one function that computes in cells. It has no branch for the
+    quadrant, which no processor could predict, and no index that might be negative. This makes it four times faster.
     """
     _, rows, cols = level.shape
     levels = level.reshape(-1)
@@ -143,7 +142,7 @@ def _end_points(
     count = 0
     for i in range(beams.size):
         distance = ranges[beams[i]]
-        # A comparison with NaN is false: lost beams fall through with the too short and the endless ones.
+        # Comparisons with NaN are false: lost beams are excluded like those that are too short or infinite.
         if range_min < distance < range_max:
             out[count, 0] = x + distance * directions[i, 0]
             out[count, 1] = y + distance * directions[i, 1]
@@ -153,14 +152,14 @@ def _end_points(
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Beams:
-    """The beams of a laser that are weighed, and where their ends lie.
+    """The beams of a laser that are weighed, and their end points.
 
     Attributes:
         mount: the laser.
-        indices: (m,) which beams, evenly spread over the scan, both outermost among them.
+        indices: (m,) indices of the beams, evenly spread over the scan, including both outermost ones.
         directions: (m, 2) unit vectors in the base frame.
-        range_min: meters; readings at or below it are left out.
-        range_max: meters; readings at or beyond it are left out.
+        range_min: readings up to this range are ignored, meters.
+        range_max: readings from this range on are ignored, meters.
     """
 
     mount: LaserMount
@@ -171,9 +170,9 @@ class Beams:
 
     @classmethod
     def of(cls, mount: LaserMount, max_beams: int, max_range: float, min_range: float = -1.0) -> "Beams":
-        """At most `max_beams` beams (at least two); a negative `max_range` or `min_range` leaves the laser its own.
+        """Select at most `max_beams` beams (at least two). A negative `max_range` or `min_range` keeps the laser's own.
 
-        Differs: takes exactly as many as asked, where amcl's whole-numbered step takes up to one more.
+        Difference: this selects exactly the requested number, while amcl's integer step selects up to one more.
         """
         count = max(2, min(max_beams, mount.beams))
         indices = np.arange(count) * (mount.beams - 1) // (count - 1)
@@ -184,15 +183,15 @@ class Beams:
         return cls(mount, indices, directions, range_min, range_max)
 
     def end_points(self, scan: Scan) -> FloatArray:
-        """Return (m, 2) points of the base frame where the readings that mean something ended; meters.
+        """Return (m, 2) end points of valid readings in the base frame; meters.
 
-        NaN, infinite, too short (at most `range_min`) and too long (`range_max` and more) readings are left out.
+        Readings that are NaN, infinite, too short (up to `range_min`) or too long (from `range_max`) are ignored.
         """
         laser = self.mount.laser_in_base
         return _end_points(scan.ranges, self.indices, self.directions, laser.x, laser.y, self.range_min, self.range_max)
 
     def ranges(self, scan: Scan) -> FloatArray:
-        """Return (m,) meters along every beam; `range_max` where it saw nothing, NaN where it is lost or too short."""
+        """Return (m,) meters along every beam; `range_max` if it saw nothing, NaN if it is lost or too short."""
         ranges = scan.ranges[self.indices].astype(np.float64)
         ranges[ranges <= self.range_min] = np.nan
         return np.minimum(ranges, self.range_max)
@@ -202,7 +201,7 @@ def _log_probability(
     distance: FloatArray | NDArray[np.float32], z_hit: float, rand_density: float, sigma_hit: float
 ) -> FloatArray:
     hit = z_hit * elementary_arrays.exp(-(distance * distance) / (2.0 * (sigma_hit * sigma_hit)))
-    # Without random readings a far cell's probability underflows; its logarithm must stay finite.
+    # Without random readings the probability of a distant cell underflows, but its logarithm must stay finite.
     logs: FloatArray = elementary_arrays.log(np.maximum(hit + rand_density, np.finfo(np.float64).tiny))
     return logs
 
@@ -213,11 +212,11 @@ class LikelihoodField:
 
     Attributes:
         values: (n,) log of
-            `z_hit * exp(-d^2 / (2 sigma_hit^2)) + z_rand / range_max`, d being the distance to the nearest surface
-            that faces the beam, capped at `max_dist`.
-        frame: place of the table in the map.
-        outside: value of the table beyond the map's edge.
-        laser: place of the laser in the base frame, meters.
+            `z_hit * exp(-d^2 / (2 sigma_hit^2)) + z_rand / range_max`; d is the distance to the nearest surface that
+            faces the beam, capped at `max_dist`.
+        frame: frame of the table in the map.
+        outside: value for points outside the map.
+        laser: position of the laser in the base frame, meters.
         noise: z_hit, z_rand / range_max and sigma_hit.
     """
 
@@ -232,18 +231,18 @@ class LikelihoodField:
     def of(
         cls, grid: OccupancyGrid, beams: Beams, z_hit: float, z_rand: float, sigma_hit: float, max_dist: float
     ) -> "LikelihoodField":
-        """Return the field of a map under a mixture of good and random readings.
+        """Return the field of a map for a mixture of good and random readings.
 
         Args:
             grid: the map.
             beams: the beams that will be weighed.
-            z_hit: weight of readings that end on what the map shows.
-            z_rand: weight of readings that end anywhere up to the beams' greatest range.
-            sigma_hit: standard deviation of the good readings, meters.
-            max_dist: distances are capped here, meters; also the distance of everything outside the map.
+            z_hit: weight of readings that end on something that the map shows.
+            z_rand: weight of readings that end anywhere up to the beams' maximum range.
+            sigma_hit: standard deviation of good readings, meters.
+            max_dist: cap of the distances, and distance of everything outside the map, meters.
 
         Source: Probabilistic Robotics, table 6.3, without its constant factor (as amcl).
-        Differs: measures to surfaces that face the beam, where table and amcl measure to occupied cells.
+        Difference: distances are to surfaces that face the beam; in the table and in amcl they are to occupied cells.
         """
         noise = z_hit, z_rand / beams.range_max, sigma_hit
         values, level = _table(grid, max_dist, *noise)
@@ -252,32 +251,30 @@ class LikelihoodField:
         return cls(values, level, grid.frame, outside, laser, noise)
 
     def log_likelihood(self, particles: FloatArray, points: FloatArray) -> FloatArray:
-        """Return the log likelihood of a scan from each of several places.
+        """Return the log likelihood of a scan from each of several poses.
 
         Args:
             particles: (n, 3) base poses in the map.
             points: (m, 2) end points of the beams in the base frame, see `Beams.end_points`.
 
         Returns:
-            (n,) sums over the beams; 0 without any points.
+            (n,) sums over the beams; 0 without points.
 
-        Source: Probabilistic Robotics, table 6.3. Differs: ROS 1 amcl adds cubes, `1 + sum(p^3)`.
+        Source: Probabilistic Robotics, table 6.3. Difference: ROS 1 amcl adds cubes, `1 + sum(p^3)`.
         """
         return _sum_over_points(self.values, self.level, self.frame, self.outside, self.laser, particles, points)
 
     def explained(
         self, particles: FloatArray, points: FloatArray, distance: float, threshold: float, error_threshold: float
     ) -> FloatArray:
-        """Return the points of a scan that enough particles can explain: amcl's beam skipping.
+        """Return the points of a scan that enough particles explain: amcl's beam skipping.
 
         Args:
-            particles: (n, 3) base poses in the map that agree on where the robot is.
+            particles: (n, 3) base poses in the map that agree on the robot's place.
             points: (m, 2) end points of the beams in the base frame.
-            distance: a point this near a wall is explained, meters.
+            distance: a point within this distance of a wall is explained, meters.
             threshold: share of the particles that must explain it.
-            error_threshold: share of unexplained points from which on the particles are to blame: all points stay.
-
-        Returns:
+            error_threshold: share of unexplained points above which the particles are the cause, and all points stay.
             (k, 2), k <= m.
         """
         limit = _log_probability(np.array([distance]), *self.noise)[0]

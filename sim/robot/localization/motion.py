@@ -1,4 +1,4 @@
-"""Motion of particles by the odometry: amcl's models of differential and of omnidirectional drives."""
+"""Motion of particles by odometry: amcl's models of differential and omnidirectional drives."""
 
 import math
 from dataclasses import dataclass
@@ -13,25 +13,25 @@ from sim.numerics.float_array import FloatArray
 from sim.numerics.kernels import njit
 
 _STANDING = 0.01
-"""Meters: two places nearer than this give no trustworthy bearing (amcl)."""
+"""Distance between two positions below which their bearing is not reliable, meters (amcl)."""
 
 
 _SYSTEMATIC = 0.1
-"""Share of every movement by which wheels may steadily be wrong.
+"""Share of every motion by which wheels may be wrong permanently.
 
-Amcl's models diff and omni take the alphas' sums for standard deviations: 8 mm over a step of 20 cm. Wheels that
-report 5 % too much then carry the cloud 1 cm a step ahead of the truth, faster than scans can draw it back.
+amcl's models diff and omni use the sums of alphas as standard deviations: 8 mm for a step of 20 cm. Wheels that report
+5 % too much then move the cloud ahead of the truth by 1 cm per step, faster than scans can pull it back.
 """
 
 
 _MOST_OF_ONE_SCAN = 6.0
-"""Greatest ratio of squared errors that one scan teaches, see `MotionModel.learned`."""
+"""Maximum ratio of squared errors that is learned from one scan, see `MotionModel.learned`."""
 MAX_NOISE_SCALE = 10.0
-"""Greatest factor on the errors of odometry."""
+"""Maximum factor of the odometry noise."""
 
 
 class DiffIncrement(NamedTuple):
-    """A movement measured by odometry: turn, drive straight, turn again. Radians, meters, radians."""
+    """A motion measured by odometry: turn, drive straight, turn again. Radians, meters, radians."""
 
     rot1: float
     trans: float
@@ -47,9 +47,9 @@ class DiffSpread(NamedTuple):
 
 
 class Alphas(NamedTuple):
-    """Believed odometry noise, as in table 5.6: turn per turn, turn per meter, meter per meter, meter per turn.
+    """Assumed odometry noise, as in table 5.6: turn per turn, turn per meter, meter per meter, meter per turn.
 
-    The fifth is sideways meter per meter.
+    The fifth value is sideways meter per meter.
     """
 
     alpha1: float
@@ -60,7 +60,7 @@ class Alphas(NamedTuple):
 
 
 class NoiseScales(NamedTuple):
-    """Factors by which the errors of distances and turns have turned out to be greater than the alphas say."""
+    """Factors by which the noise of distances and turns is larger than the alphas say."""
 
     drive: float
     turn: float
@@ -70,7 +70,7 @@ AS_BELIEVED = NoiseScales(1.0, 1.0)
 
 
 class OmniIncrement(NamedTuple):
-    """A movement of a base that can go sideways: a distance in a direction off its heading, and a turn."""
+    """A motion of a base that can move sideways: a distance in a direction relative to its heading, and a turn."""
 
     bearing: float
     trans: float
@@ -78,7 +78,7 @@ class OmniIncrement(NamedTuple):
 
 
 class OmniSpread(NamedTuple):
-    """Standard deviations along and across a slide, and of its turn. Meters, meters, radians."""
+    """Standard deviations along and across a sliding motion, and of its turn. Meters, meters, radians."""
 
     trans: float
     strafe: float
@@ -86,7 +86,7 @@ class OmniSpread(NamedTuple):
 
 
 def diff_increment(before: Pose2, after: Pose2) -> DiffIncrement:
-    """Return the movement between two odometry poses, both in the odom frame.
+    """Return the motion between two odometry poses, both in the odom frame.
 
     Source: Probabilistic Robotics, table 5.6, lines 2 to 4; amcl_odom.cpp for the bearing of a robot that hardly moved.
     """
@@ -97,19 +97,19 @@ def diff_increment(before: Pose2, after: Pose2) -> DiffIncrement:
 
 
 def _turning(angle: float) -> float:
-    """Return the radians that the wheels turned the robot by: driving backwards seems half a turn, which they never made."""
+    """Return the angle that the wheels turned, radians. Driving backwards looks like half a turn, but is none."""
     return min(abs(angle), abs(wrap_angle(angle - math.pi)))
 
 
 def diff_spread(moved: DiffIncrement, alphas: Alphas, corrected: bool) -> DiffSpread:
-    """Return the standard deviations of the true movement from the measured one.
+    """Return the standard deviations of the true motion from the measured one.
 
     Args:
-        moved: the measured movement.
-        alphas: the believed noise.
-        corrected: table 5.6, where sums of squares are variances (amcl: diff-corrected). Otherwise the same sums are
-            taken for standard deviations, as amcl's default model diff has always done: a narrower spread over the
-            short steps of a tracking filter, which its customary alphas of 0.2 count on.
+        moved: the measured motion.
+        alphas: the assumed noise.
+        corrected: True for table 5.6, where sums of squares are variances (amcl: diff-corrected). False for amcl's
+            default model diff, which uses the same sums as standard deviations. Its spread is narrower for the short
+            steps of a tracking filter, and its usual alphas of 0.2 are meant for this.
 
     Source: Probabilistic Robotics, table 5.6, lines 5 to 7; amcl_odom.cpp.
     """
@@ -125,12 +125,12 @@ def diff_spread(moved: DiffIncrement, alphas: Alphas, corrected: bool) -> DiffSp
 
 @njit(cache=True)
 def diff_move(particles: FloatArray, moved: DiffIncrement, spread: DiffSpread, noise: FloatArray) -> FloatArray:
-    """Return the particles after a movement, each with an error of its own.
+    """Move the particles, each with its own random error.
 
     Args:
         particles: (n, 3) poses in the map.
-        moved: the movement by odometry.
-        spread: its standard deviations.
+        moved: the motion by odometry.
+        spread: standard deviations of the motion.
         noise: (3 n,) standard normals.
 
     Returns:
@@ -152,20 +152,20 @@ def diff_move(particles: FloatArray, moved: DiffIncrement, spread: DiffSpread, n
 
 
 def omni_increment(before: Pose2, after: Pose2) -> OmniIncrement:
-    """Return the movement between two odometry poses, both in the odom frame, of a base that keeps its heading or not."""
+    """Return the motion between two odometry poses in the odom frame, of a base that may keep its heading."""
     dx, dy = after.x - before.x, after.y - before.y
     bearing = wrap_angle(elementary.atan2(dy, dx) - before.theta)
     return OmniIncrement(bearing, elementary.hypot(dx, dy), wrap_angle(after.theta - before.theta))
 
 
 def omni_spread(moved: OmniIncrement, alphas: Alphas, corrected: bool) -> OmniSpread:
-    """Return the standard deviations of the true slide from the measured one.
+    """Return the standard deviations of the true sliding motion from the measured one.
 
     Args:
-        moved: the measured movement.
-        alphas: the believed noise.
-        corrected: the sums are variances, and the alphas mean what they do for a differential drive. Otherwise they are
-            standard deviations and alpha1 and alpha4 change places, as in amcl's model omni.
+        moved: the measured motion.
+        alphas: the assumed noise.
+        corrected: True if the sums are variances and the alphas have the same meaning as for a differential drive.
+            False if they are standard deviations with alpha1 and alpha4 exchanged, as in amcl's model omni.
 
     Source: amcl_odom.cpp.
     """
@@ -199,7 +199,7 @@ def _slide(particles: FloatArray, moved: OmniIncrement, spread: OmniSpread, nois
 
 @njit(cache=True)
 def _square_ratios(noise: FloatArray, before: FloatArray, after: FloatArray) -> FloatArray:
-    """Return (3,) weighted mean squares of (3 n,) normals by the weights after a scan, over those by the weights before."""
+    """Return (3,) mean squares of (3 n,) normals by the weights after a scan, divided by those before it."""
     squares = np.zeros((2, 3))
     for i in range(before.size):
         for k in range(3):
@@ -216,7 +216,7 @@ class MotionModel:
 
     Attributes:
         name: amcl's `odom_model_type`: diff, diff-corrected, omni or omni-corrected.
-        alphas: the believed noise.
+        alphas: the assumed noise.
     """
 
     name: str
@@ -225,12 +225,12 @@ class MotionModel:
     def move(
         self, particles: FloatArray, before: Pose2, after: Pose2, noise: FloatArray, scales: NoiseScales = AS_BELIEVED
     ) -> FloatArray:
-        """Return (n, 3) particles after the robot went from one odometry pose to another; `noise` is (3 n,) normals.
+        """Return (n, 3) particles after a motion from one odometry pose to another; `noise` is (3 n,) normals.
 
-        Differs: distances and turns are never believed to better than a tenth, see `_SYSTEMATIC`.
+        Difference: the assumed error of distances and turns is at least a tenth, see `_SYSTEMATIC`.
         """
         corrected = self.name.endswith("-corrected")
-        # Alphas of zero ask for perfect wheels.
+        # Alphas of zero mean perfect wheels.
         straight = _SYSTEMATIC if self.alphas.alpha3 > 0.0 else 0.0
         turning = _SYSTEMATIC if self.alphas.alpha1 > 0.0 else 0.0
         if self.name.startswith("diff"):
@@ -254,24 +254,26 @@ class MotionModel:
     def learned(
         self, scales: NoiseScales, rate: float, noise: FloatArray, before: FloatArray, after: FloatArray
     ) -> NoiseScales:
-        """Return the factors on the errors of odometry after one more scan.
+        """Return the factors of the odometry noise after one more scan.
 
-        If odometry errs as much as particles do, those that a scan confirms have errors as large as all have. If it
-        errs more, those with the greatest errors survive: their mean square, as a ratio to that of all, says by how
-        much. The factors never fall below 1, the alphas' own word.
+        If the odometry noise equals that of the particles, the particles that a scan confirms have errors of the same
+        size as all particles. If it is larger, particles with the largest errors survive. The ratio of their mean
+        square error to that of all particles shows how much larger it is. The factors are never below 1, so the alphas
+        are the minimum.
 
         Args:
-            scales: the factors before; the particles were moved with them.
-            rate: at which the logarithm of a squared factor follows the ratio.
+            scales: previous factors; the particles were moved with them.
+            rate: rate at which the logarithm of a squared factor follows the ratio.
             noise: (3 n,) normals that moved the particles.
             before: (n,) weights before the scan.
-            after: (n,) weights after it.
+            after: (n,) weights after the scan.
 
         Source: Dempster, Laird and Rubin, Maximum likelihood from incomplete data via the EM algorithm (1977), for the
-            expected square of an error that is not seen; here as a running mean of its logarithm, as in `ekf`.
+            expected square of a hidden error; here as a running mean of its logarithm, as in `ekf`.
         """
         first, second, third = np.minimum(_square_ratios(noise, before, after), _MOST_OF_ONE_SCAN).tolist()
-        # Those of a differential drive move by turn, distance, turn; the others along, across, turn.
+        # The errors of a differential drive are turn, distance, turn; those of an omnidirectional one along, across,
+        # turn.
         turns = (first + third) / 2.0 if self.name.startswith("diff") else third
         drives = second if self.name.startswith("diff") else (first + second) / 2.0
         drive, turn = (

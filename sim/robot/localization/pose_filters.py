@@ -1,9 +1,9 @@
 """Extended and unscented Kalman filter over (x, y, theta), on filterpy, with the same bits on every machine.
 
-filterpy multiplies matrices by numpy's `dot`. For arrays of floats, `dot` calls BLAS, whose last bits depend on the
-processor. If one factor is an array of Python objects, `dot` multiplies and adds Python's own floats in a fixed order,
-and the product is again an array of objects. So Jacobians and inverses are given to filterpy as arrays of objects: one
-of them is in each of its products. All else in filterpy's filters is element by element.
+filterpy multiplies matrices with numpy's `dot`. For arrays of floats, `dot` calls BLAS, and its last bits depend on the
+processor. If one factor is an array of Python objects, `dot` multiplies and adds Python floats in a fixed order, and
+the product is again an array of objects. So Jacobians and inverses are passed to filterpy as arrays of objects: each of
+its products contains one of them. All other operations in filterpy's filters are elementwise.
 
 Source: Thrun, Burgard, Fox, Probabilistic Robotics (2005), tables 3.3 and 3.4; van der Merwe, Sigma-point Kalman
 filters for probabilistic inference (2004), for the scaled sigma points.
@@ -32,7 +32,7 @@ class MeasuredMotion:
     """Motion of a robot between two predictions, by its wheels and gyroscope.
 
     Attributes:
-        step: pose at the end, seen from the pose at the beginning.
+        step: pose at the end, relative to the pose at the beginning.
         drive_variance: variance of the distance, m^2.
         turn_variance: variance of the turn, rad^2.
     """
@@ -42,9 +42,9 @@ class MeasuredMotion:
     turn_variance: float
 
     def noise(self, here: Pose2) -> FloatArray:
-        """Return (3, 3) covariance that the motion adds if it starts here.
+        """Return the (3, 3) covariance that the motion adds if it starts at `here`.
 
-        An error of the distance is along the chord. The chord of an arc points half of the turn aside, and so does an
+        An error of the distance is along the chord. The chord of an arc deviates by half of the turn, and so does an
         error of the turn.
         """
         there = here.compose(self.step)
@@ -55,7 +55,7 @@ class MeasuredMotion:
 
 
 def residual(one: FloatArray, other: FloatArray) -> FloatArray:
-    """Return (3,) difference of two poses, its heading in [-pi, pi)."""
+    """Return the (3,) difference of two poses, with a heading in [-pi, pi)."""
     difference: FloatArray = one - other
     difference[2] = wrap_angle(difference[2])
     return difference
@@ -66,7 +66,7 @@ def _inverse(matrix: FloatArray | ObjectArray) -> ObjectArray:
 
 
 class PoseFilter:
-    """A Gaussian over poses in one of filterpy's filters; at first at the map's origin."""
+    """A Gaussian over poses in one of filterpy's filters; initially at the map's origin."""
 
     def __init__(self, on: KalmanFilter | UnscentedKalmanFilter) -> None:
         self._filter = on
@@ -98,7 +98,7 @@ class PoseFilter:
         raise NotImplementedError
 
     def _settle(self) -> None:
-        """Bring the heading to [-pi, pi), and filterpy's results to symmetric arrays of floats."""
+        """Wrap the heading to [-pi, pi), and convert filterpy's results to symmetric arrays of floats."""
         x, y, theta = map(float, self._filter.x)
         self.reset(Pose2(x, y, wrap_angle(theta)), self._filter.P)
 
@@ -107,7 +107,8 @@ class ExtendedPoseFilter(PoseFilter):
     """Extended Kalman filter: linear about the mean."""
 
     def __init__(self) -> None:
-        # Not filterpy's ExtendedKalmanFilter, which inverts by LAPACK. The difference is only that we move the mean.
+        # Not filterpy's ExtendedKalmanFilter, which inverts with LAPACK. The only difference is that this class moves
+        # the mean.
         super().__init__(KalmanFilter(dim_x=3, dim_z=3))
         self._filter.H = np.eye(3).astype(object)
 
@@ -121,16 +122,16 @@ class ExtendedPoseFilter(PoseFilter):
 
     def update(self, measured: Pose2, noise: FloatArray) -> None:
         """Correct the Gaussian by a measured pose with a (3, 3) covariance."""
-        # With a heading within half a turn of the mean's.
+        # Choose the heading within half a turn of the mean's.
         self._filter.update(self._filter.x + residual(measured.array(), self._filter.x), R=noise)
         self._settle()
 
 
 class UnscentedPoseFilter(PoseFilter):
-    """Unscented Kalman filter: poses about the mean are moved one by one, so that the mean of an arc is within it."""
+    """Unscented Kalman filter: moves poses around the mean one by one, so that the mean of an arc is inside of it."""
 
     def __init__(self, parameters: UkfParameters) -> None:
-        # filterpy squares alpha by libm's pow, which is exact for 1. These values give the same points and weights.
+        # filterpy squares alpha with libm's pow, which is exact for 1. These values give the same points and weights.
         squared = parameters.alpha * parameters.alpha
         self._points = MerweScaledSigmaPoints(
             3,
@@ -143,7 +144,7 @@ class UnscentedPoseFilter(PoseFilter):
             UnscentedKalmanFilter(
                 dim_x=3,
                 dim_z=3,
-                dt=0.0,  # motions are given as such
+                dt=0.0,  # motions are given directly
                 hx=lambda pose: pose,
                 fx=_moved,
                 points=self._points,
@@ -162,7 +163,7 @@ class UnscentedPoseFilter(PoseFilter):
 
     def update(self, measured: Pose2, noise: FloatArray) -> None:
         """Correct the Gaussian by a measured pose with a (3, 3) covariance."""
-        # The Gaussian may have been reset since the prediction.
+        # The Gaussian may have been reset since the prediction, so compute its points again.
         self._filter.sigmas_f = self._points.sigma_points(self._filter.x, self._filter.P)
         self._filter.update(measured.array(), R=noise)
         self._settle()
@@ -173,7 +174,7 @@ def _moved(pose: FloatArray, _: float, step: Pose2) -> FloatArray:
 
 
 def _mean(poses: FloatArray, weights: FloatArray) -> FloatArray:
-    """Return (3,) weighted mean of (n, 3) poses, by their differences from the first."""
+    """Return the (3,) weighted mean of (n, 3) poses, by their differences from the first."""
     first = poses[0]
     differences = np.array([residual(pose, first) for pose in poses])
     mean: FloatArray = first + np.array([math.fsum(each) for each in (weights * differences.T).tolist()])

@@ -1,9 +1,9 @@
 """Resampling: tempered weights, systematic draws in proportion to them, and the cloud's size by KLD sampling.
 
-Resampling replaces a weighted cloud by one of equal weights, in which a particle has as many heirs as its weight asks
-for. Three things make that robust. Weights are tempered first, so that one scan cannot leave a single particle alive.
-The draw is systematic: its number of heirs differs from the ideal one by less than 1. And the number drawn follows the
-spread of the cloud, so that a robot that knows where it is costs little.
+Resampling replaces a weighted cloud by one with equal weights, where a particle has copies in proportion to its weight.
+Three measures make this robust. Weights are tempered first, so that one scan cannot leave only a single particle. The
+draw is systematic: the number of copies differs from the ideal number by less than 1. And the number of particles
+follows the spread of the cloud, so that a well localized robot needs little time.
 """
 
 import math
@@ -16,12 +16,12 @@ from sim.numerics.float_array import FloatArray
 from sim.numerics.kernels import njit
 
 _HALVINGS = 8
-"""Steps in which the tempering exponent is found, to 1/256."""
+"""Number of bisections for the tempering exponent, to 1/256."""
 
 
 @njit(cache=True)
 def _effective(logs: FloatArray, exponent: float) -> float:
-    """Return the effective number, (sum w)^2 / sum w^2, of particles of weights w = exp(exponent * logs); no log is above 0."""
+    """Return the effective number (sum w)^2 / sum w^2 of particles with weights w = exp(exponent * logs), logs <= 0."""
     total, squares = 0.0, 0.0
     for log in logs:
         weight = elementary.exp(exponent * log)
@@ -32,26 +32,28 @@ def _effective(logs: FloatArray, exponent: float) -> float:
 
 @njit(cache=True)
 def tempered(logs: FloatArray, share: float) -> FloatArray:
-    """Return the likelihoods, to a power so low that they leave a share of equal particles effective.
+    """Return the likelihoods, raised to a power so low that a share of equal particles stays effective.
 
-    Beams end on the same walls and share the map's errors: multiplied as though they were independent, those of one
-    scan often leave one particle of a hundred. Such a filter is surer than it is right, and forgets the other places
-    where it might be.
+    Beams end on the same walls and share the map's errors. Multiplied as if they were independent, the likelihoods of
+    one scan often leave one particle of a hundred. Such a filter is more certain than it should be, and forgets other
+    possible poses.
 
     Args:
         logs: (n,) log likelihoods, n > 0.
-        share: least effective number, as a share of n.
+        share: minimum effective number, as a share of n.
 
     Returns:
-        (n,) likelihoods, the greatest 1, to the greatest power up to 1 that does.
+        (n,) likelihoods with a maximum of 1, raised to the greatest such power up to 1.
 
-    Source: Probabilistic Robotics, section 6.3.4, on exponents below 1; Liu (1996) for the effective number. Differs:
-        the exponent is as low as the cloud needs, not fixed.
+    Source: Probabilistic Robotics, section 6.3.4, on exponents below 1; Liu (1996) for the effective number.
+        Difference: the exponent is as low as the cloud needs, not fixed.
     """
     logs = logs - logs.max()
+    # The maximum becomes 0, so that no exponential overflows and at least one is not 0.
     exponent = 1.0
     if _effective(logs, 1.0) < share * logs.size:
-        # The effective number falls as the exponent grows, from all of them at 0: bisect. `low` always keeps the share.
+        # The effective number falls as the exponent grows from 0, where it is n. So bisect; `low` always keeps the
+        # share.
         low = 0.0
         for _ in range(_HALVINGS):
             middle = 0.5 * (low + exponent)
@@ -68,21 +70,21 @@ def tempered(logs: FloatArray, share: float) -> FloatArray:
 
 @njit(cache=True)
 def sample_limit(bins: int, error: float, quantile: float, least: int, most: int) -> int:
-    """Number of particles that a cloud over this number of bins needs.
+    """Return the number of particles that a cloud over this number of bins needs.
 
-    With this many the Kullback-Leibler distance between the cloud and the true distribution stays below `error`, with
-    the probability whose normal quantile is `quantile`.
+    With this many particles, the Kullback-Leibler distance between the cloud and the true distribution stays below
+    `error`, with the probability that corresponds to the normal quantile `quantile`.
 
     Args:
-        bins: occupied bins, k.
-        error: the greatest distance allowed, epsilon.
+        bins: number of occupied bins, k.
+        error: maximum distance, epsilon.
         quantile: upper 1 - delta quantile of the standard normal, z.
-        least: the answer is never below.
-        most: nor above; the answer where `error` is 0.
+        least: lower bound of the result.
+        most: upper bound of the result; also the result if `error` is 0.
 
     Source: Fox, Adapting the sample size in particle filters through KLD-sampling (2003), with the Wilson-Hilferty
-        approximation of the chi-square quantile; bounds from pf.c. Differs: one bin needs `least` particles; amcl
-        takes `most`, though the tightest cloud needs fewest.
+        approximation of the chi-square quantile; bounds from pf.c. Difference: a single bin needs `least` particles;
+        amcl uses `most`, although the narrowest cloud needs fewest.
     """
     if bins <= 1:
         return least
@@ -95,24 +97,24 @@ def sample_limit(bins: int, error: float, quantile: float, least: int, most: int
 
 @njit(cache=True)
 def systematic(weights: FloatArray, count: int, offset: float) -> NDArray[np.int64]:
-    """Draw `count` of n particles in proportion to their weights, by one random number.
+    """Draw `count` of n particles in proportion to their weights, with one random number.
 
     Args:
-        weights: (n,) not negative, not all 0; of any sum.
+        weights: (n,) not negative, not all 0; with any sum.
         count: number to draw.
         offset: uniform in [0, 1).
 
     Returns:
-        (count,) indices, ascending: particle i comes floor or ceil of `count * weights[i] / sum` times.
+        (count,) indices, ascending. Particle i occurs floor or ceil of `count * weights[i] / sum` times.
 
     Source: Probabilistic Robotics, table 4.4 (low variance sampler).
     """
-    # A comb of `count` teeth, `step` apart and shifted by the offset, is laid over the weights put end to end: each
-    # tooth draws the particle that it falls on.
+    # Imagine the weights laid end to end, and a comb over them with `count` teeth, `step` apart and shifted by the
+    # offset. Each tooth draws the particle under it.
     step = weights.sum() / count
     out = np.empty(count, dtype=np.int64)
     last = weights.size - 1
-    # Rounding may leave the running sum short of the last tooth: that one belongs to the last particle with a weight.
+    # By rounding, the running sum may end before the last tooth. This tooth draws the last particle with a weight.
     while last > 0 and weights[last] == 0.0:
         last -= 1
     index = 0
@@ -138,12 +140,12 @@ def adaptive(
 ) -> NDArray[np.int64]:
     """Draw as many particles as the drawn cloud itself needs.
 
-    A systematic draw must know its size beforehand, but KLD sampling knows it only afterwards. So the draw is repeated,
-    larger each time, until it holds as many particles as the bins that it fills ask for, or `most`.
+    A systematic draw needs its size beforehand, but KLD sampling gives it only afterwards. So the draw is repeated with
+    growing size, until it has as many particles as its bins require, or `most`.
 
     Args:
         weights: (n,) as for `systematic`.
-        of_particle: (n,) the bin of each particle, from 0.
+        of_particle: (n,) bin of each particle, from 0.
         offset: uniform in [0, 1).
         error: see `sample_limit`.
         quantile: see `sample_limit`.
@@ -153,7 +155,7 @@ def adaptive(
     Returns:
         (m,) indices, ascending, least <= m <= most.
 
-    Differs: amcl draws one by one until there are enough, which cannot be had together with low variance.
+    Difference: amcl draws one by one until there are enough, which excludes a draw with low variance.
     """
     count = least
     while True:

@@ -3,43 +3,43 @@
 from dataclasses import dataclass, replace
 
 MIN_AGREEMENT = 0.7
-"""Least share of the last two or three scans that the map explains where the robot is, even among seven other robots;
-at four of five wrong places it explains less."""
+"""Minimum share of the last two or three scans that the map explains at the true pose, even among seven other robots.
+At four of five wrong places it explains less."""
 
 DOUBT_RATIO = 0.9
-"""Least share of what is usual that the map explains in the long run. Places that look alike differ in a door or two,
-and so fall below it."""
+"""Minimum ratio to the usual agreement in the long run. Places that look alike differ in a doorway or two, and so fall
+below it."""
 
 FOUND_RATIO = 0.93
-"""Least share of what is usual that the map must explain at a place for a lost robot to be found there."""
+"""Minimum ratio to the usual agreement at a pose for a lost robot to be found there."""
 
 MOST_OF_ONE_SCAN = 0.25
-"""A scan counts no more than this against the place, however badly it is explained: it may be the scan's fault."""
+"""Maximum effect of one scan against the pose, because the scan itself may be misleading."""
 MISFIT_OF_A_LOST_ROBOT = 1.0
-"""Sum of what scans lacked to the least agreement, at which the robot cannot be where the filter believes: four scans
-that fit nothing, ten of which the map explains three fifths. Those that fit take from it what they have more.
+"""Sum of the shares that scans lacked to the minimum agreement, at which the pose cannot be right: four scans that do
+not fit at all, or ten scans of which the map explains three fifths. Scans that fit reduce the sum by their surplus.
 
 Source: Page, Continuous inspection schemes (1954).
 """
 
 DRIFT_AGREEMENT = 0.4
-"""Least share of a scan that the map explains from a place some decimeters off the right one."""
+"""Minimum share of a scan that the map explains from a pose some decimeters off the right one."""
 
 _MEMORY = 0.5
-"""Decay of the average over the last scans."""
+"""Decay rate of the average over the last scans."""
 
 
 @dataclass(frozen=True, slots=True)
 class ScanAgreement:
-    """Averages of the share of scans that the map explains: of late, and in the long run.
+    """Averages of the share of scans that the map explains, over short and long times.
 
     Attributes:
-        slow: long-term average of the agreement, 0..1: what is usual (amcl: w_slow).
+        slow: long-term average of the agreement, 0 to 1: the usual value (amcl: w_slow).
         fast: short-term average (amcl: w_fast).
-        recent: average over the last scans only, whatever the parameters say.
-        count: scans averaged so far.
+        recent: average over the last scans only, independent of the parameters.
+        count: number of scans in the averages.
         misfit: see `MISFIT_OF_A_LOST_ROBOT`.
-        last: of the last scan alone.
+        last: agreement of the last scan.
     """
 
     slow: float = 0.0
@@ -50,20 +50,20 @@ class ScanAgreement:
     last: float = 1.0
 
     def after(self, agreement: float, alpha_slow: float, alpha_fast: float) -> "ScanAgreement":
-        """Return the averages with one more scan in them.
+        """Return the averages with one more scan.
 
-        They begin as plain means, over as many scans as the fast one remembers: the first scan, weighed from a vague
-        start, must not stay in the slow one for a thousand more.
+        They start as plain means, over as many scans as the fast one remembers. Otherwise the first scan, weighed from
+        an uncertain start, would stay in the slow average for a thousand scans.
 
         Args:
-            agreement: share of the scan that the map explains from where the filter believes to be, 0..1.
-            alpha_slow: decay of the long-term average.
-            alpha_fast: decay of the short-term average; with 0 for both only the last scans count.
+            agreement: share of the scan that the map explains from the estimated pose, 0 to 1.
+            alpha_slow: decay rate of the long-term average.
+            alpha_fast: decay rate of the short-term average. If both are 0, only the last scans count.
 
-        Source: Probabilistic Robotics, table 8.3, lines 10 and 11. Differs: amcl averages the mean unnormalised
-            weight, which falls with the number of particles and of scans since the last resampling and so says little
-            about being lost. Agreement at the reported pose has neither fault. A scan that is explained as badly as
-            elsewhere does not become usual.
+        Source: Probabilistic Robotics, table 8.3, lines 10 and 11. Difference: amcl averages the mean unnormalized
+            weight. It decreases with the number of particles and of scans since the last resampling, so it says little
+            about being lost. Agreement at the reported pose does not have this problem. A scan that is explained as
+            badly as elsewhere does not become usual.
         """
         recent = self.recent + _MEMORY * (agreement - self.recent)
         lacking = max(-MOST_OF_ONE_SCAN, min(MIN_AGREEMENT - agreement, MOST_OF_ONE_SCAN))
@@ -78,38 +78,39 @@ class ScanAgreement:
         return ScanAgreement(slow, fast, recent, self.count + 1, misfit, agreement)
 
     def searching(self, agreement: float) -> "ScanAgreement":
-        """Return the averages with one more scan of a place that is looked for, of which nothing is usual yet."""
+        """Return the averages with one more scan during a search, in which nothing is usual yet."""
         recent = self.recent + _MEMORY * (agreement - self.recent)
         return replace(self, recent=recent, fast=recent, last=agreement)
 
     @property
     def lost(self) -> bool:
-        """True when the robot cannot be where the filter believes."""
+        """True if the robot cannot be at the estimated pose."""
         return self.misfit >= MISFIT_OF_A_LOST_ROBOT
 
     @property
     def suspicious(self) -> bool:
-        """True when there is reason to look whether the robot is elsewhere: more than one bad scan, or worse ones."""
+        """True if there is a reason to search elsewhere: more than one bad scan, or worse ones."""
         return self.recent < MIN_AGREEMENT or self.misfit > MOST_OF_ONE_SCAN or self.fast < DOUBT_RATIO * self.slow
 
     @property
     def doubtful(self) -> bool:
-        """True when the last scans are explained worse than usual."""
+        """True if the last scans are explained worse than usual."""
         return self.recent < max(MIN_AGREEMENT, DOUBT_RATIO * self.slow)
 
     @property
     def drifting(self) -> bool:
-        """True when scans are explained worse than usual, and yet so well that the place can hardly be far off.
+        """True if scans are explained worse than usual, but so well that the pose can hardly be far off.
 
-        A scan of which the map explains next to nothing is no guide: it shows something unmapped, or another place.
+        If the map explains almost nothing of a scan, the scan gives no guidance: it shows unmapped things or another
+        place.
         """
         return self.doubtful and self.last >= DRIFT_AGREEMENT
 
     @property
     def explained(self) -> bool:
-        """True when the map has explained the last scans as well as it does at the robot's true place."""
+        """True if the map has explained the last scans as well as it does at the robot's true pose."""
         return self.is_usual(self.recent)
 
     def is_usual(self, agreement: float) -> bool:
-        """Return True for an agreement as good as at the robot's true place."""
+        """Return True if an agreement is as good as at the robot's true pose."""
         return agreement >= FOUND_RATIO * max(self.slow, DOUBT_RATIO)

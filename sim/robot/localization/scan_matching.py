@@ -19,23 +19,23 @@ from sim.robot.localization.bilinear import REACH, interpolate
 from sim.robot.localization.surface_matching import refined
 
 _FINEST, _COARSEST = 0.15, 0.6
-"""Meters: points this far from a surface begin to count as something that the map does not show."""
+"""Distances from a surface above which points begin to count as unmapped things, finest and coarsest, meters."""
 _SEARCHED = 0.3
-"""Meters: the same when places all over the map are compared, of which none is quite right."""
+"""The same distance when poses all over the map are compared, none of which is exact, meters."""
 SPACING, _HEADINGS = 0.4, 16
-"""Meters between the places, and how many headings at each, that a search begins with."""
+"""Distance between the first positions of a search, meters, and number of headings at each."""
 _REFINED = 40
-"""Number of them, the best, that are looked at closely."""
+"""Number of the best poses that are refined."""
 _FEWEST = 20
-"""Points that a search must have; it compares places by as many."""
+"""Minimum number of points for a search, and approximate number for comparing poses."""
 GOOD, _MARGIN = 0.8, 0.1
-"""Share of the points on walls that a pose must reach to be found, and by how much it must be better than others."""
+"""Share of the points on walls that a pose needs to be found, and its minimum lead over other poses."""
 NEAR = 1.5
-"""Meters from its last pose within which a lost robot is looked for first."""
+"""Distance from its last pose within which a lost robot is searched first, meters."""
 _STEPS = 4
 """Gauss-Newton steps at each width, from coarse to fine."""
 _DAMPING = 1e-3
-"""Part of the information's mean that is added to its diagonal, so that a corridor's free direction is left alone."""
+"""Part of the information's mean that is added to its diagonal, so that a corridor's free direction does not move."""
 
 
 class ScanMatch(NamedTuple):
@@ -43,11 +43,11 @@ class ScanMatch(NamedTuple):
 
     Attributes:
         base_in_map: the pose.
-        information: (3, 3) inverse covariance of it if the map is right; singular along a direction the scan does not
-            fix.
-        by_walls: (3, 3) covariance of it if the map's walls are one meter off (one standard deviation).
-        walls_off: sum of squares that walls are off, and its expectation if they are one meter off.
-        share: share of the points that lie on the map's surfaces there; 0 to 1.
+        information: (3, 3) inverse covariance of the pose if the map is right; singular along directions that the scan
+            does not determine.
+        by_walls: (3, 3) covariance of the pose if the map's walls are one meter off (one standard deviation).
+        walls_off: sum of squares by which walls are off, and its expectation if they are one meter off.
+        share: share of the points on the map's surfaces, 0 to 1.
     """
 
     base_in_map: Pose2
@@ -58,9 +58,9 @@ class ScanMatch(NamedTuple):
 
 
 def signed_distance(grid: OccupancyGrid, max_distance: float) -> FloatArray:
-    """Meters from each cell's center to the nearest surface of a wall, negative inside walls.
+    """Return the distance from each cell's center to the nearest surface of a wall, negative inside walls, meters.
 
-    A laser sees surfaces: a field that is 0 throughout the walls would let beams sink into them for free.
+    A laser sees surfaces. In a field that is 0 inside walls, beams could sink into them without a penalty.
 
     Returns:
         (rows, cols) float64 in [-max_distance, max_distance].
@@ -77,7 +77,7 @@ def signed_distance(grid: OccupancyGrid, max_distance: float) -> FloatArray:
 def _normal_equations(
     field: FloatArray, frame: GridFrame, x: float, y: float, theta: float, points: FloatArray, width: float
 ) -> tuple[FloatArray, FloatArray, float]:
-    """Gauss-Newton's matrix and right side, and the points' mean weight."""
+    """Return Gauss-Newton's matrix and right side, and the mean weight of the points."""
     matrix = np.zeros((3, 3))
     right = np.zeros((3, 1))
     weights = 0.0
@@ -93,7 +93,7 @@ def _normal_equations(
         slopes[0] = (frame.cos * by_col - frame.sin * by_row) / frame.resolution
         slopes[1] = (frame.sin * by_col + frame.cos * by_row) / frame.resolution
         slopes[2] = slopes[1] * px - slopes[0] * py
-        # Geman and McClure's weight: what is far from every wall is another robot, and must not pull.
+        # Geman and McClure's weight: a point far from every wall is another robot, and must not pull.
         weight = 1.0 / (1.0 + (distance / width) ** 2) ** 2
         weights += weight
         for a in range(3):
@@ -107,7 +107,8 @@ def _normal_equations(
 def _match(
     field: FloatArray, frame: GridFrame, x: float, y: float, theta: float, points: FloatArray, width: float
 ) -> tuple[float, float, float, float]:
-    """Return the pose at which the points lie on surfaces, and the mean weight of the points there."""
+    """Return the pose at which the points are on surfaces, and their mean weight there."""
+    # From coarse to fine: a wide kernel lets distant points pull, a narrow one ignores outliers.
     while True:
         for _ in range(_STEPS):
             matrix, right, _ = _normal_equations(field, frame, x, y, theta, points, width)
@@ -124,7 +125,7 @@ def _match(
 
 @njit(cache=True)
 def _shares(field: FloatArray, frame: GridFrame, poses: FloatArray, points: FloatArray) -> FloatArray:
-    """Return (n,) mean weights of the points, at the coarsest width, seen from each pose."""
+    """Return (n,) mean weights of the points at the width of a search, as seen from each pose."""
     shares = np.empty(poses.shape[0])
     for i in range(poses.shape[0]):
         c, s = elementary.cos_sin(poses[i, 2])
@@ -146,10 +147,10 @@ class ScanMatcher:
 
     Attributes:
         field: (rows, cols) meters to the nearest surface, negative inside walls; see `signed_distance`.
-        frame: its place in the map.
+        frame: frame of the field in the map.
         squares: the map's strides for beams.
-        laser: its x and y in the base frame, meters.
-        free: (n, 3) poses in free cells, so dense that a match from one of them finds any pose of a robot.
+        laser: x and y of the laser in the base frame, meters.
+        free: (n, 3) poses in free cells, dense enough that a match from one of them finds any pose of a robot.
     """
 
     field: FloatArray
@@ -160,7 +161,7 @@ class ScanMatcher:
 
     @classmethod
     def of(cls, grid: OccupancyGrid, laser_in_base: Pose2) -> "ScanMatcher":
-        """Prepare a map for matching the scans of a laser."""
+        """Prepare a map for matching scans of a laser."""
         step = max(1, round(SPACING / grid.resolution))
         cells = np.argwhere(grid.cells[::step, ::step] == FREE) * step
         headings = np.arange(_HEADINGS) * (2.0 * math.pi / _HEADINGS) - math.pi
@@ -170,11 +171,11 @@ class ScanMatcher:
         return cls(signed_distance(grid, REACH), grid.frame, free_squares_of(grid), laser, free)
 
     def search(self, points: FloatArray, near: Pose2 | None = None) -> ScanMatch | None:
-        """Return the one pose from which the points lie on the map's walls, anywhere, or first within `NEAR` of a pose.
+        """Return the only pose with the points on the map's walls, searching first within `NEAR` of a pose.
 
         Returns:
-            None where no pose fits, or where another one fits nearly as well: a map that looks the same from two
-            places does not tell them apart.
+            None if no pose fits, or if another one fits nearly as well: places that look the same cannot be
+            distinguished.
         """
         if near is not None:
             there = elementary_arrays.hypot(self.free[:, 0] - near.x, self.free[:, 1] - near.y) < NEAR
@@ -197,26 +198,26 @@ class ScanMatcher:
         return self.match(here, points, _FINEST) if best >= GOOD else None
 
     def _drawn(self, guess: Pose2, points: FloatArray, width: float) -> tuple[Pose2, float]:
-        """Return the pose near a guess from which the points lie on the map's walls, and the share of them that do."""
+        """Return the pose near a guess with the points on the map's walls, and the share of points that are."""
         x, y, theta, share = _match(self.field, self.frame, guess.x, guess.y, guess.theta, points, width)
         return Pose2(x, y, theta), share
 
     def match(self, guess: Pose2, points: FloatArray, error: float) -> ScanMatch | None:
-        """Return the pose near `guess` from which the points lie on the map's walls.
+        """Return the pose near `guess` from which the points are on the map's walls.
 
         Args:
             guess: base in map, within some decimeters of the truth.
             points: (m, 2) end points of the beams in the base frame.
-            error: meters by which the guess may put a point wrong; the larger, the more the points of other robots
-                pull as well.
+            error: maximum displacement of a point by the guess, meters. With a larger error, points of other robots
+                pull more, too.
 
         Returns:
-            The match; its information takes the noise from the distances that remain. None with less than three
-            points, which cannot fix a pose.
+            The match; the noise in its information comes from the remaining distances. None with less than three
+            points, which do not determine a pose.
 
         Source: Kohlbrecher et al., A flexible and scalable SLAM system (2011), section IV: Gauss-Newton on an
-            interpolated grid. Differs: least squares of distances to surfaces, weighed against outliers, and a last
-            step to the surfaces that beams meet, see `surface_matching`.
+            interpolated grid. Differences: least squares of distances to surfaces, weighted against outliers, and a
+            last step to the surfaces that beams meet, see `surface_matching`.
         """
         if len(points) < 3:
             return None

@@ -1,8 +1,9 @@
-"""Refinement of a matched pose by the surfaces that its beams meet, and how sure it is.
+"""Refinement of a matched pose by the surfaces that its beams meet, and its uncertainty.
 
-A field of distances to the nearest surface draws points that lie deep within a thin wall out at its far side, and so
-errs the more, the noisier the laser is. Here each beam is cast through the map, and its point is compared with the very
-surface that it meets: point-to-line matching (Censi 2008). That converges from near by only, so it comes last.
+A field of distances to the nearest surface pulls points deep inside a thin wall to its far side. So its error grows
+with the noise of the laser. Here each beam is cast through the map, and its point is compared with the surface that the
+beam
+meets: point-to-line matching (Censi 2008). It converges only from nearby, so it comes last.
 """
 
 import math
@@ -19,24 +20,24 @@ from sim.numerics.matrices import damped_solution, solution
 from sim.robot.localization.bilinear import interpolate
 
 _STEPS = 3
-"""Gauss-Newton steps; each casts the beams anew."""
+"""Number of Gauss-Newton steps. Each step casts the beams again."""
 _BEFORE = 0.01
-"""Meters before a surface at which its normal is taken: the field has a crease on it."""
+"""Distance in front of a surface where its normal is measured, meters: the field has a crease on the surface."""
 _FLATTEST = 0.3
-"""Least slope of the field, meters a meter, at which it says where a surface faces; at an inner corner it does not."""
+"""Minimum slope of the field that shows the direction of a surface, meters per meter; an inner corner has less."""
 _LEAST_DEVIATION = 0.002
-"""Meters that points are held to scatter by at least."""
+"""Minimum standard deviation of points, meters."""
 _MOST_LEVERAGE = 0.9
-"""A point that decides the pose nearly alone has no residual to judge it by."""
+"""Maximum leverage of a point. A point that determines the pose almost alone has no residual that shows its error."""
 _NEAR_A_SURFACE = 0.25
-"""Weight from which on a point counts as one on a surface of the map."""
+"""Weight above which a point counts as one on a surface of the map."""
 _SAME_WALL = (0.95, 0.1)
-"""Least cosine between the normals of neighboring points of one wall, and meters between their planes at most."""
+"""Minimum cosine between the normals of neighboring points of one wall, and maximum meters between their planes."""
 
 
 @njit(cache=True)
 def _weight(distance: float, width: float) -> float:
-    """Geman and McClure's weight."""
+    """Return Geman and McClure's weight."""
     u = (distance / width) ** 2
     return 1.0 / (1.0 + u) ** 2
 
@@ -50,10 +51,10 @@ def _surfaces(
     pose: tuple[float, float, float],
     points: FloatArray,
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return (m, 3) slopes of each point's distance to the surface that its beam meets, (m,) distances, and (m,) offsets.
+    """Return for each point and the surface of its beam: (m, 3) slopes of the distance, (m,) distances, (m,) offsets.
 
-    Distances are negative behind the surface; an offset is that of the surface's plane from the base, along its normal.
-    All are 0 for a beam that meets no surface.
+    Distances are negative behind the surface. An offset is the distance of the surface's plane from the base, along its
+    normal. All are 0 for a beam that meets no surface.
     """
     m = points.shape[0]
     slopes, distances, offsets = np.zeros((m, 3)), np.zeros(m), np.zeros(m)
@@ -71,7 +72,7 @@ def _surfaces(
             continue
         along_x = c * directions[j, 0] - s * directions[j, 1]
         along_y = s * directions[j, 0] + c * directions[j, 1]
-        # The surface's place as seen from the base, then in cells of the grid.
+        # Position of the surface relative to the base, then in cells of the grid.
         px = sensor[0, 0] + ranges[0, j] * along_x - pose[0]
         py = sensor[0, 1] + ranges[0, j] * along_y - pose[1]
         dx = pose[0] + px - _BEFORE * along_x - frame.x
@@ -103,25 +104,25 @@ def refined(
     width: float,
     damping: float,
 ) -> tuple[float, float, float, FloatArray, FloatArray, float, float]:
-    """Return the pose at which points lie on the surfaces that their beams meet.
+    """Return the pose at which points are on the surfaces that their beams meet.
 
     Args:
         field: (rows, cols) signed meters to the nearest surface, see `scan_matching.signed_distance`.
-        frame: its place in the map.
+        frame: frame of the field in the map.
         squares: the map's strides, see `raycast.free_squares_of`.
         laser: x and y in the base frame, meters.
         pose: x, y, theta of the base in the map, a few centimeters from the truth.
         points: (m, 2) end points of the beams in the base frame.
-        width: meters from a surface at which points begin to count as something that the map does not show.
+        width: distance from a surface above which points begin to count as unmapped things, meters.
         damping: part of the information's mean that is added to its diagonal.
 
     Returns:
-        x, y, theta; (3, 3) information about them, the inverse of their covariance if the map is right; and what
-        `_walls` returns, which says by how much it is wrong.
+        x, y, theta; their (3, 3) information, which is the inverse of their covariance if the map is right; and the
+        result of `_walls`, which shows by how much the map is wrong.
 
     Source: Huber, The behavior of maximum likelihood estimates under nonstandard conditions (1967), for a covariance
-        that takes the points' noise from their residuals, whatever law it follows; MacKinnon and White (1985), HC3,
-        for few points.
+        with the points' noise from their residuals, for any distribution; MacKinnon and White (1985), HC3, for few
+        points.
     """
     x, y, theta = pose
     for _ in range(_STEPS):
@@ -145,12 +146,12 @@ def refined(
 
 @njit(cache=True)
 def _information(slopes: FloatArray, distances: FloatArray, width: float) -> FloatArray:
-    """Return (3, 3) information of a pose; see `refined`."""
+    """Return the (3, 3) information of a pose; see `refined`."""
     m = distances.shape[0]
     hessian, scatter = np.zeros((3, 3)), np.zeros((3, 3))
     curvatures = np.empty(m)
     for j in range(m):
-        # Second derivative of Geman and McClure's loss: points that are far off bend the other way.
+        # Second derivative of Geman and McClure's loss: it is negative for distant points.
         u = (distances[j] / width) ** 2
         curvatures[j] = (1.0 - 3.0 * u) / (1.0 + u) ** 3
         for a in range(3):
@@ -186,18 +187,18 @@ def _information(slopes: FloatArray, distances: FloatArray, width: float) -> Flo
 def _walls(
     slopes: FloatArray, distances: FloatArray, offsets: FloatArray, width: float
 ) -> tuple[FloatArray, float, float]:
-    """Tell from one scan how far walls are from where the map has them, and what that does to the pose.
+    """Estimate from one scan how far walls are from where the map has them, and the effect on the pose.
 
-    Points next to each other on one wall share its error. A pose follows such errors, so that they show in what is left
-    of them only: in how far each wall's points lie off it on the mean, more than by their own noise.
+    Neighboring points of a wall share its error. A pose follows such errors, so only the remaining distances show them:
+    the mean distance of each wall's points, beyond their own noise.
 
     Returns:
-        (3, 3) covariance of the pose for walls that are one meter off (one standard deviation); the sum of squares that
-        walls are off, in m^2; and its expectation for walls that are one meter off. The ratio of the latter two, over
-        many scans, is the variance of the walls' places.
+        (3, 3) covariance of the pose for walls that are one meter off (one standard deviation); the sum of squares by
+        which walls are off, in m^2; and its expectation for walls that are one meter off. The ratio of the latter two,
+        over many scans, is the variance of the walls' positions.
 
     Source: Henderson, Estimation of variance and covariance components (1953), method 3, for the variance of a random
-        effect, here the walls', by the sums of squares that a fit leaves.
+        effect, here that of the walls, from the sums of squares that remain after a fit.
     """
     m = distances.shape[0]
     matrix, pulls, means = np.zeros((3, 3)), np.zeros((3, 3)), np.zeros((3, 3))

@@ -1,7 +1,8 @@
-"""Probability that a localizer's pose is wrong: a logistic model of what the filter knows of itself.
+"""Probability that a localizer's pose is wrong: a logistic model of what the filter knows about itself.
 
-The coefficients (`wrong_pose_coefficients`) are fitted to simulated runs by `scripts/fit_wrong_pose.py`, which also
-checks them on other runs: among all updates that report p, a share of about p is wrong.
+`scripts/fit_wrong_pose.py` fits the coefficients (`wrong_pose_coefficients`) to simulated runs, and checks them on
+other
+runs: among all updates that report p, a share of about p is wrong.
 """
 
 import math
@@ -14,42 +15,42 @@ from sim.numerics.float_array import FloatArray
 from sim.robot.localization.hypothesis import Hypothesis
 
 WRONG_DISTANCE = 1.0
-"""Meters from the true place beyond which a pose is wrong."""
+"""Distance from the true position above which a pose is wrong, meters."""
 WRONG_TURN = 0.5
-"""Radians from the true heading beyond which a pose is wrong."""
+"""Angle to the true heading above which a pose is wrong, radians."""
 
 _LEAST_EXPLAINED = 0.9
-"""Share of a scan that the map explains from most right places; only what is missing to it counts against a pose."""
+"""Share of a scan that the map explains from most right poses. Only the part missing to it counts against a pose."""
 _MANY_UPDATES = 100
-"""Updates after which more of them say nothing more."""
+"""Number of updates above which more updates make no difference."""
 _SETTLED = 5
-"""Settled scans after which more of them say nothing more."""
+"""Number of settled scans above which more scans make no difference."""
 _USUAL_DEVIATIONS = (0.1, 0.05)
-"""Meters and radians: usual standard deviations of a pose."""
+"""Usual standard deviations of a pose; meters and radians."""
 _WIDEST = 4.0
-"""Greatest logarithm of a deviation's ratio to the usual one."""
+"""Maximum logarithm of the ratio of a deviation to the usual one."""
 
 
 class ParticleEvidence(NamedTuple):
-    """Features of a particle filter that distinguish right poses from wrong ones; also the coefficients of each.
+    """Features of a particle filter that distinguish right poses from wrong ones; also the coefficient of each.
 
     Attributes:
         always: 1.
-        lost: 1 where the filter reports that the robot is lost.
-        anywhere: 1 while the place is looked for all over the map.
-        unproven: 1 where the place was found by searching, not long ago.
-        unproven_updates: logarithm of the number of updates since an unproven place was found, from 0.
-        updates: the same of any place.
+        lost: 1 if the filter reports that the robot is lost.
+        anywhere: 1 while the pose is searched all over the map.
+        unproven: 1 if the pose was found by a search not long ago.
+        unproven_updates: logarithm of the number of updates since an unproven pose was found, from 0.
+        updates: logarithm of the number of updates of any pose.
         unexplained: share of the last scan that the map does not explain.
-        lately_unexplained: share of the last scans that the map lacks to what it explains from most right places.
+        lately_unexplained: share of the last scans missing to what the map explains from most right poses.
         below_usual: share by which the map explains less than usual.
         misfit: see `ScanAgreement`.
         lead: see `ParticleBelief`.
         rival: 1 while there is a rival.
-        unsettled: 1 to 0, as the last scans were settled.
+        unsettled: from 1 to 0, as more of the last scans were settled.
         outside: share of the weight outside the heaviest cluster.
-        deviation: logarithm of the place's standard deviation, by the usual one.
-        turn_deviation: the same of the heading.
+        deviation: logarithm of the ratio of the position's standard deviation to the usual one.
+        turn_deviation: the same for the heading.
     """
 
     always: float
@@ -97,20 +98,20 @@ class ParticleEvidence(NamedTuple):
 
 
 class GaussianEvidence(NamedTuple):
-    """Features of a Kalman filter that distinguish right poses from wrong ones; also the coefficients of each.
+    """Features of a Kalman filter that distinguish right poses from wrong ones; also the coefficient of each.
 
     Attributes:
         always: 1.
-        forgotten: 1 while it has no pose at all.
-        lost: 1 where the filter reports that the robot is lost.
-        refused: scans that could not be believed since the last one that was, as a share of those that make it lost.
-        poor: scans in a row that fitted badly, likewise.
-        unmatched: share of the points of the last scan that do not lie on walls.
+        forgotten: 1 while it has no pose.
+        lost: 1 if the filter reports that the robot is lost.
+        refused: rejected scans since the last accepted one, as a share of the number that makes the robot lost.
+        poor: consecutive scans that fit badly, as a share of the same number.
+        unmatched: share of the points of the last scan that are not on walls.
         matches: logarithm of the number of matches since the pose was set or found, from 0.
         deviation: see `ParticleEvidence`.
-        turn_deviation: likewise.
-        drive_noise: logarithm of the factor by which the odometry's distances are worse than the parameters say.
-        turn_noise: the same of its turns.
+        turn_deviation: see `ParticleEvidence`.
+        drive_noise: logarithm of the factor by which odometry's distances are noisier than the parameters say.
+        turn_noise: the same for its turns.
     """
 
     always: float
@@ -138,7 +139,7 @@ class GaussianEvidence(NamedTuple):
         unmatched: float,
         matches: int,
     ) -> "GaussianEvidence":
-        """Collect the evidence after a scan; `covariance` is (3, 3) of the pose."""
+        """Collect the evidence after a scan; `covariance` is the (3, 3) covariance of the pose."""
         return cls(
             always=1.0,
             forgotten=float(forgotten),
@@ -155,12 +156,12 @@ class GaussianEvidence(NamedTuple):
 
 
 def log_deviation(variance: float, usual: float) -> float:
-    """Return the logarithm of a standard deviation's ratio to the usual one, bounded on both sides."""
+    """Return the logarithm of the ratio of a standard deviation to the usual one, bounded on both sides."""
     if variance <= 0.0:
         return -_WIDEST
     return max(-_WIDEST, min(0.5 * elementary.log(variance / (usual * usual)), _WIDEST))
 
 
 def probability(coefficients: Sequence[float], evidence: Sequence[float]) -> float:
-    """Return the probability, 0..1, by a logistic model with one coefficient for each piece of evidence."""
+    """Return the probability, 0 to 1, of a logistic model with one coefficient for each piece of evidence."""
     return 1.0 / (1.0 + elementary.exp(-math.fsum(map(mul, coefficients, evidence))))
