@@ -32,7 +32,7 @@ class CostmapLayer(Protocol):
         """Return the windows in which its costs have changed since the last call."""
 
     def extents(self) -> tuple[Window, ...]:
-        """Return windows outside of which its costs are those of a new layer."""
+        """Return windows that contain all its costs that differ from those of a new layer."""
 
     def write(self, costs: Costs, origin: tuple[int, int], window: Window) -> None:
         """Write its costs into a window. Writing twice has the same result as writing once.

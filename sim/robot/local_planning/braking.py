@@ -2,7 +2,7 @@
 
 A robot obeys a command until the next one, and then brakes as hard as it can. The command is safe if meanwhile the
 robot never comes too close to a wall, or to a place where a neighbor can be while it brakes. Walls must stay
-WALL_MARGIN away. A robot may use half of the gap to a neighbor, minus NEIGHBOUR_MARGIN, because the other robot may
+WALL_MARGIN away. A robot may use half of the gap to a neighbor, minus `NEIGHBOUR_MARGIN`, because the other robot may
 just decide to use the other half. If less than the margin is left (an estimate jumped, a robot was put there), the gap
 must not shrink. So braking is safe whenever the last command was safe. Robots that obey only safe commands do not
 collide, as long as the margins cover the errors of their estimates. Turning in place moves the corners of a robot very

@@ -104,7 +104,7 @@ def _toward(path: FloatArray, x: float, y: float, lookahead: float) -> tuple[flo
 
 
 class LocalPlanner(ABC):
-    """Chooses commands for one robot, each of which leaves room to stop.
+    """Chooses commands for one robot. Each command leaves room to stop.
 
     Commands are sampled and rolled out. Subclasses define the samples and the scores.
 

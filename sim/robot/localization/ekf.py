@@ -92,7 +92,7 @@ class TrackingState:
 
     @property
     def lost(self) -> bool:
-        """True if scans have not fitted for so long that the pose is not reliable."""
+        """True if the pose is not reliable because scans have not fitted for a long time."""
         return self.refused >= _LOST_AFTER
 
 

@@ -69,6 +69,8 @@ EFFECTIVE_SHARE = 0.1
 JITTER = (0.01, 0.01, 0.01)
 """Standard deviations of copies of a particle; meters, meters, radians. The odometry of a robot that turns on the
 spot does not spread their places: without this, all particles would become one.
+
+Source: Musso, Oudjane and Le Gland, Improving regularised particle filters (2001).
 """
 
 SURE_SHARE = 0.8
@@ -323,7 +325,7 @@ class CloudFilter:
         parameters = self._parameters
         heirs_offset, newcomers_offset = noise.resampling.uniforms(view.tick, 2)
         if searching and len(view.points):
-            # Newcomers are in so many bins that KLD sampling would require the maximum number of particles anyway.
+            # Newcomers fill many bins, so KLD sampling would require the maximum number of particles anyway.
             size = min(len(now.particles), parameters.max_particles)
             count = int(searching * size + newcomers_offset)
             heirs = systematic(now.weights, size - count, heirs_offset)

@@ -21,6 +21,7 @@ def facing_distance(grid: OccupancyGrid, max_distance: float) -> NDArray[np.floa
     A laser sees the near side of walls. In a field of distances to the nearest wall, as in amcl, it makes no difference
     whether a beam ends in front of a wall or behind it. With thin walls, a robot that sees nothing behind itself may
     then believe to be farther ahead by their thickness. In this field the far side of a wall does not exist.
+
     Returns:
         (4, rows, cols) for beams of quadrant 0 (to lower columns and rows), 1 (higher columns and lower rows), 2 (lower
         columns and higher rows), 3 (higher columns and rows).
@@ -275,6 +276,8 @@ class LikelihoodField:
             distance: a point within this distance of a wall is explained, meters.
             threshold: share of the particles that must explain it.
             error_threshold: share of unexplained points above which the particles are the cause, and all points stay.
+
+        Returns:
             (k, 2), k <= m.
         """
         limit = _log_probability(np.array([distance]), *self.noise)[0]

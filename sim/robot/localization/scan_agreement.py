@@ -16,8 +16,9 @@ FOUND_RATIO = 0.93
 MOST_OF_ONE_SCAN = 0.25
 """Maximum effect of one scan against the pose, because the scan itself may be misleading."""
 MISFIT_OF_A_LOST_ROBOT = 1.0
-"""Sum of the shares that scans lacked to the minimum agreement, at which the pose cannot be right: four scans that do
-not fit at all, or ten scans of which the map explains three fifths. Scans that fit reduce the sum by their surplus.
+"""Sum of the shares that scans lacked to the minimum agreement, above which the pose cannot be right. Four scans that do
+not fit at all reach it, or ten scans with three fifths explained by the map. Scans that fit reduce the sum by their
+surplus.
 
 Source: Page, Continuous inspection schemes (1954).
 """

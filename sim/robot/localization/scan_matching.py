@@ -21,7 +21,7 @@ from sim.robot.localization.surface_matching import refined
 _FINEST, _COARSEST = 0.15, 0.6
 """Distances from a surface above which points begin to count as unmapped things, finest and coarsest, meters."""
 _SEARCHED = 0.3
-"""The same distance when poses all over the map are compared, none of which is exact, meters."""
+"""The same distance for comparing poses all over the map, which are not exact, meters."""
 SPACING, _HEADINGS = 0.4, 16
 """Distance between the first positions of a search, meters, and number of headings at each."""
 _REFINED = 40

@@ -1,1 +1,1 @@
-"""move_base: from a goal to commands."""
+"""move_base: from a goal to velocity commands."""

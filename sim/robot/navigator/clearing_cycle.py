@@ -1,4 +1,4 @@
-"""Clearing of move_base: recovery behaviors, begun one after the other, and their commands."""
+"""Clearing of move_base: recovery behaviors, run one after the other, and their commands."""
 
 import math
 from collections.abc import Callable, Mapping, Sequence
@@ -21,11 +21,11 @@ class ClearingCycle:
     """Clearing of one robot's move_base.
 
     Args:
-        execution: of its goal.
-        controller: of the robot.
-        costmaps: of the robot.
+        execution: execution of its goal.
+        controller: controller of the robot.
+        costmaps: costmaps of the robot.
         rotated: the map.
-        recoveries: recovery behaviors of others, by name.
+        recoveries: installed recovery behaviors, by name.
         seed: random seed of recovery behaviors.
     """
 
@@ -46,7 +46,7 @@ class ClearingCycle:
         self._seed = seed
 
     def recover(self, tick: int, pose: Pose2, why: Callable[[Goal], NoPath]) -> None:
-        """Try the next recovery behavior; when there is none left, the goal is given up."""
+        """Try the next recovery behavior. If none is left, give the goal up."""
         self._execution.oscillation.restart(tick)
         self._execution.progress.restart_stay()
         self._execution.progress.restart_patience(tick)
@@ -65,7 +65,7 @@ class ClearingCycle:
             self._costmaps.clear_outside(pose.x, pose.y, self._execution.recovery.reset_side(behaviour))
 
     def _begin(self, name: str, tick: int) -> None:
-        """Begin a recovery behavior of others."""
+        """Begin an installed recovery behavior."""
         try:
             behavior = self._recoveries[name](int(noise.key(self._seed, "recovery", name, str(tick))))
         except PartFailed as failed:
@@ -81,7 +81,7 @@ class ClearingCycle:
             self._behave(state, state.behavior, tick, pose, twist, bodies)
 
     def _turn(self, state: Clearing, pose: Pose2, twist: Twist, bodies: Sequence[Neighbour]) -> None:
-        """Choose a command of one full turn in place, as far as that is safe."""
+        """Choose a command for one full turn in place, as far as that is safe."""
         drive = self._controller.rotate_recovery(pose, twist, bodies)
         left = state.turn_left - abs(drive.command.angular) * self._controller.control_ticks * TICK
         if left > 0.0 and not drive.stuck:
@@ -99,7 +99,7 @@ class ClearingCycle:
         twist: Twist,
         bodies: Sequence[Neighbour],
     ) -> None:
-        """Choose the command of a recovery behavior of others, as far as that is safe."""
+        """Choose the command of an installed recovery behavior, as far as that is safe."""
         controller, seconds = self._controller, (tick - state.began) * TICK
         scan = None if controller.pending is None else controller.pending.scan
         controller.update_costmap(pose, bodies)

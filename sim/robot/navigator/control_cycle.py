@@ -15,8 +15,8 @@ class ControlCycle:
     """Controlling of one robot's move_base.
 
     Args:
-        execution: of its goal.
-        controller: of the robot.
+        execution: execution of its goal.
+        controller: controller of the robot.
     """
 
     def __init__(self, execution: GoalExecution, controller: Controller) -> None:

@@ -1,6 +1,6 @@
 """The controller of move_base: the local planner with its costmap.
 
-It also makes the turns that follow no path: the recovery rotation, and the search of a robot that is lost.
+It also makes turns that follow no path: the recovery rotation, and the search of a lost robot.
 """
 
 import math
@@ -21,31 +21,32 @@ from sim.robot.navigator.costmaps import Costmaps
 from sim.robot.navigator.scan_obstacles import may_turn, room_ahead, seen_around
 
 LOOK_AHEAD = 1.75
-"""Meters of path given to the local planner at most."""
+"""Maximum length of path given to the local planner, meters."""
 RIM_MARGIN = 0.25
-"""Meters from it to the local costmap's rim, toward which the robot drives until the next update."""
+"""Distance between the end of this path and the local costmap's border, meters. The robot drives toward that end until
+the next update."""
 
 SEARCH_TURN = 0.5
-"""Radians by which the heading that a lost robot turns to is ahead of its own: its rate of turn in rad/s."""
+"""Angle between a lost robot's heading and the heading that it turns to, radians; its angular velocity in rad/s."""
 SEARCH_SPEED = 0.1
-"""Meters a second at which it drives on where it cannot turn."""
+"""Velocity at which it drives on if it cannot turn, m/s."""
 
 
 class Controller:
     """The local planner of one robot, with its costmap.
 
     Args:
-        parameters: this robot's software's.
+        parameters: parameters of this robot's software.
         static: the map.
-        costmaps: the robot's; the navigator keeps the global one, for the obstacles seen, up to date.
-        robot: its index in the team.
+        costmaps: costmaps of the robot; the navigator updates the global one for obstacles seen by the laser.
+        robot: index of the robot in the team.
 
     Attributes:
-        costmap: the local one.
+        costmap: the local costmap.
         planner: the local planner.
-        reach: meters of path that it may be given.
-        control_ticks: from one command to the next.
-        pending: the last scan, until the costmap has taken it in.
+        reach: maximum length of path for the planner, meters.
+        control_ticks: ticks between two commands.
+        pending: the last scan, until the costmap has processed it.
     """
 
     def __init__(self, parameters: RobotParameters, static: OccupancyGrid, costmaps: Costmaps, robot: int) -> None:
@@ -69,9 +70,10 @@ class Controller:
         return local_planner(self._parameters, costmap.footprint, costmap.costs.shape, self.control_ticks * TICK)
 
     def configure(self, parameters: RobotParameters) -> None:
-        """Go on with these parameters; the costmaps have been configured already.
+        """Continue with these parameters; the costmaps are already configured.
 
-        A planner that they change begins as with a new itinerary: it forgets, say, that it was turning.
+        If the parameters change the planner, it starts as with a new itinerary; it forgets, for example, that it was
+        turning.
         """
         before = self._parameters
         self._use(parameters)
@@ -87,15 +89,15 @@ class Controller:
         return next_turn(tick, self._robot, self.control_ticks)
 
     def update_due(self, tick: int) -> bool:
-        """Return True if the costmap is to be updated before the command of this tick."""
+        """Return True if the costmap must be updated before the command of this tick."""
         return (tick - self._robot) % _ticks(self._parameters.local_costmap.update_frequency) < self.control_ticks
 
     def keep_scan(self, seen: CostmapObservation) -> None:
-        """Keep a scan for the costmap's next update; as in ROS, the last one before it counts."""
+        """Keep a scan for the costmap's next update. As in ROS, the last one before the update counts."""
         self.pending = seen
 
     def update_costmap(self, pose: Pose2, neighbours: Sequence[Neighbour]) -> None:
-        """Bring the costmap up to date with the last scan and the other robots."""
+        """Update the costmap with the last scan and the other robots."""
         if self.pending is not None:
             self.costmap.observe(self.pending)
             self.pending = None
@@ -110,7 +112,7 @@ class Controller:
         self.costmap.update(pose.x, pose.y)
 
     def surroundings(self, pose: Pose2, neighbours: Sequence[Neighbour]) -> Surroundings:
-        """Return the walls, obstacles seen and neighbors that the robot may hit."""
+        """Return walls, obstacles seen by the laser, and neighbors that the robot may hit."""
         clearance, frame = self._clearance, self._frame
         seen = self._whole.obstacles
         if seen.any_marks:
@@ -125,36 +127,37 @@ class Controller:
         return self.planner.turn(pose, twist, pose.theta + 0.5 * math.pi, self.surroundings(pose, neighbours))
 
     def look_around(self, twist: Twist, scan: Scan) -> Twist:
-        """Turn slowly to see more; without room for that drive on slowly; without room for that stand.
+        """Turn slowly to see more. Without room to turn, drive on slowly; without room for that, stand.
 
-        A robot that does not know where it is may trust its laser, but no map.
+        A lost robot may trust its laser, but no map.
 
         Args:
-            twist: its velocity.
-            scan: the latest.
+            twist: velocity of the robot.
+            scan: the latest scan.
         """
         around = seen_around(scan, len(self.costmap.footprint))
         if may_turn(scan, self.costmap.circumscribed_radius):
             drive = self.planner.turn(IDENTITY, twist, SEARCH_TURN, around)
             if not drive.stuck:
                 return drive.command
-        # All scans are taken from the same place as far as the planner knows: what barred a turn in this one must not
-        # bar it for good.
+        # For the planner, all scans come from the same place. An obstacle that blocked a turn in this scan must not
+        # block it
+        # forever.
         self.planner.reset()
         ahead = Twist(SEARCH_SPEED, 0.0)
-        # What `safe` grants a robot that is near a wall adds up to a collision, as noise lets the wall seem farther off
-        # in some of the scans. So here the whole margin is to be free ahead.
+        # The tolerance of `safe` for a robot near a wall adds up to a collision here, because noise makes the wall seem
+        # farther away in some scans. So the whole margin must be free ahead.
         free = room_ahead(scan, self.costmap.footprint) > WALL_MARGIN
         return ahead if free and self.planner.safe(IDENTITY, twist, ahead, around) else STANDSTILL
 
 
 def _ticks(frequency: float) -> int:
-    """Return the ticks from one time to the next of what is done so often, Hz."""
+    """Return the number of ticks between events of this frequency, Hz."""
     return max(1, round(TICKS_PER_SECOND / frequency))
 
 
 def _made_from(parameters: RobotParameters) -> tuple[object, ...]:
-    """Return all parameters that a local planner depends on."""
+    """Return all parameters on which a local planner depends."""
     return (
         parameters.move_base.base_local_planner,
         parameters.move_base.controller_frequency,

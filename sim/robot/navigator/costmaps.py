@@ -16,14 +16,14 @@ from sim.robot.navigator.stale_neighbours import StaleNeighbours
 
 
 class CostmapPublisher:
-    """Publishes one costmap of one robot; the costmap itself never changes by it.
+    """Publishes one costmap of one robot, without changing the costmap.
 
     Args:
-        costmap: the one to publish.
+        costmap: the costmap.
         publish_frequency: Hz; 0: never.
         turned: its map, in the grid's frame.
-        robot: its index in the team: robots take turns.
-        at_once: True if it is also published when first asked, however seldom it is due.
+        robot: index of the robot in the team, because robots take turns.
+        at_once: True to publish it at the first opportunity as well, even with a low frequency.
     """
 
     def __init__(
@@ -36,7 +36,7 @@ class CostmapPublisher:
         self.configure(publish_frequency)
 
     def configure(self, publish_frequency: float) -> None:
-        """Publish it as often as this from now on, Hz."""
+        """Publish it at this frequency from now on, Hz."""
         self._period = max(1, round(TICKS_PER_SECOND / publish_frequency)) if publish_frequency > 0.0 else 0
 
     def due(self, tick: int) -> bool:
@@ -44,19 +44,19 @@ class CostmapPublisher:
         return self._period > 0 and (self._first or (tick - self._robot) % self._period == 0)
 
     def next_due(self, tick: int) -> int | None:
-        """Return the first tick after this one in which the costmap is to be published; None: never."""
+        """Return the next tick in which the costmap is to be published. If None, it is never published."""
         return next_turn(tick, self._robot, self._period) if self._period > 0 else None
 
     def show(
         self, tick: int, pose: Pose2, neighbours: Sequence[Neighbour], pending: CostmapObservation | None
     ) -> CostmapView:
-        """Return the costmap as an update in this tick would leave it.
+        """Return the costmap as an update in this tick would make it.
 
         Args:
-            tick: the present one.
-            pose: believed pose of the robot.
+            tick: the present tick.
+            pose: pose where the robot believes it is.
             neighbors: the other robots.
-            pending: a scan that the costmap has yet to take in.
+            pending: a scan that the costmap has not processed yet.
         """
         self._first = False
         costs, frame = self._costmap.as_updated(pose.x, pose.y, neighbours, pending)
@@ -69,28 +69,28 @@ class Costmaps:
     """The two costmaps of one robot, with the operations that concern both.
 
     Args:
-        parameters: this robot's software's.
+        parameters: parameters of this robot's software.
         footprint: (n, 2) corners of its body, base frame, meters.
         turned: the map, and its change of frames.
-        robot: its index in the team.
+        robot: index of the robot in the team.
 
     Attributes:
-        global_costmap: over the whole map, for plans.
-        local_costmap: around the robot, for commands.
+        global_costmap: costmap of the whole map, for plans.
+        local_costmap: costmap around the robot, for commands.
     """
 
     def __init__(self, parameters: RobotParameters, footprint: FloatArray, turned: RotatedMap, robot: int) -> None:
         whole, around = parameters.global_costmap, parameters.local_costmap
         self.global_costmap = Costmap2D(whole, footprint, turned.grid)
         self.local_costmap = Costmap2D(around, footprint, turned.grid)
-        # The global costmap is published seldom; a viewer need not wait for the first one.
+        # The global costmap is published seldom, so publish it once at the beginning for viewers.
         self._whole_display = CostmapPublisher(
             self.global_costmap, whole.publish_frequency, turned, robot, at_once=True
         )
         self._around_display = CostmapPublisher(self.local_costmap, around.publish_frequency, turned, robot)
 
     def configure(self, parameters: RobotParameters) -> None:
-        """Go on with these parameters, having seen what was seen."""
+        """Continue with these parameters and the present marks."""
         self.global_costmap.configure(parameters.global_costmap)
         self.local_costmap.configure(parameters.local_costmap)
         self._whole_display.configure(parameters.global_costmap.publish_frequency)
@@ -98,7 +98,7 @@ class Costmaps:
 
     @property
     def explained_range(self) -> float:
-        """Meters from the laser beyond which no robot's body explains a reading that would mark."""
+        """Distance from the laser beyond which no robot's body is needed to explain a reading, meters."""
         return max(self.global_costmap.obstacles.explained_range, self.local_costmap.obstacles.explained_range)
 
     def clear(self) -> None:
@@ -112,20 +112,20 @@ class Costmaps:
         self.local_costmap.obstacles.clear_outside(x, y, side)
 
     def next_due(self, tick: int) -> int | None:
-        """Return the first tick after this one in which either is to be published; None: never."""
+        """Return the next tick in which either is to be published. If None, neither is ever published."""
         dues = (self._whole_display.next_due(tick), self._around_display.next_due(tick))
         return min((due for due in dues if due is not None), default=None)
 
     def shown(
         self, tick: int, pose: Pose2, stale: StaleNeighbours, pending: CostmapObservation | None
     ) -> tuple[CostmapView | None, CostmapView | None]:
-        """Return the global costmap and the local one, each where it is due.
+        """Return the global and the local costmap; None for one that is not due.
 
         Args:
-            tick: the present one.
-            pose: believed pose of the robot.
-            stale: knows the other robots, those that broadcast and those remembered.
-            pending: a scan that the local costmap has yet to take in.
+            tick: the present tick.
+            pose: pose where the robot believes it is.
+            stale: the other robots, those that broadcast and those that are remembered.
+            pending: a scan that the local costmap has not processed yet.
         """
         whole, around = self._whole_display, self._around_display
         return (

@@ -1,6 +1,6 @@
-"""Following an itinerary: from where the robot is to the next command.
+"""Following an itinerary: from the robot's position to the next command.
 
-The path ahead goes to the local planner as far as the right of way and the obstacles seen allow.
+The local planner gets the path ahead as far as the right of way and obstacles seen by the laser allow.
 """
 
 import math
@@ -33,15 +33,15 @@ from sim.robot.navigator.controller import Controller
 from sim.robot.navigator.transitions import check_transition
 
 HALT_DISTANCE = 0.12
-"""Meters before a point that may not be passed at which a robot waits."""
+"""Distance at which a robot waits before a point that must not be passed, meters."""
 TURN_BACK_DISTANCE = 0.06
-"""Meters that a path comes nearer again before it counts as turning back."""
+"""Distance by which a path must approach again before it counts as turning back, meters."""
 YIELD_TIME = 0.5
-"""Seconds from such a point, at least, from which a robot slows down."""
+"""Minimum time before such a point at which a robot slows down, seconds."""
 STUCK_TIMEOUT = 2.0
-"""Seconds that a robot may be held up, other than by right of way, before it plans anew."""
+"""Seconds for which a robot may be held up, except by right of way, before it plans again."""
 QUEUE_TIMEOUT = 20.0
-"""Seconds that it may be held up by right of way before it plans anew."""
+"""Seconds for which it may be held up by right of way before it plans again."""
 
 NO_POSES: FloatArray = np.empty((0, 3))
 NO_TIMES: FloatArray = np.empty(0)
@@ -54,16 +54,16 @@ class Following:
 
 @dataclass(frozen=True, slots=True)
 class AtEnd:
-    """The robot is at the last point: it stops, and turns to the heading there."""
+    """The robot is at the last point. It stops, and turns to the heading there."""
 
 
 @dataclass(frozen=True, slots=True)
 class Escaping:
-    """The robot backs up, since no command leads on.
+    """The robot backs up, because no command leads on.
 
     Attributes:
-        begun: pose where it began to.
-        then: the state to go on in.
+        begun: pose where it began.
+        then: state in which it continues.
     """
 
     begun: Pose2
@@ -77,7 +77,7 @@ TRANSITIONS: set[tuple[type[FollowerState], FollowerEvent, type[FollowerState]]]
     (Following, "end reached", AtEnd),  # Stop, then turn to the heading there.
     (AtEnd, "end left", Following),  # Drive back, unless latch_xy_goal_tolerance is set.
     (Following, "no command", Escaping),  # Back up.
-    (Escaping, "end reached", Escaping),  # Back up all the same, to turn then.
+    (Escaping, "end reached", Escaping),  # Continue to back up, and then turn.
     (Escaping, "end left", Escaping),
     (Escaping, "escaped", Following),  # Turn to the path, and drive on.
     (Escaping, "escaped", AtEnd),
@@ -90,13 +90,13 @@ class FollowerOutput:
     """A command along an itinerary.
 
     Attributes:
-        command: the velocity asked for.
-        local_plan: (k, 3) map poses it leads through.
+        command: the velocity command.
+        local_plan: (k, 3) map poses along its trajectory.
         arrived: True if the robot stands at the end of the itinerary.
         waiting: True while it waits for its right of way.
-        waits_for: the robot before whose itinerary or body it stands.
-        blocked_by_others: True while others keep it from going farther.
-        valid: True for a command that leads on, or a good reason to wait.
+        waits_for: robot that it waits for, because of its itinerary or body.
+        blocked_by_others: True while others keep it from driving farther.
+        valid: True for a command that leads on, or if there is a good reason to wait.
     """
 
     command: Twist
@@ -115,14 +115,14 @@ class Follower:
     """Follows one itinerary.
 
     Args:
-        controller: chooses the commands.
-        itinerary_planner: the one that made the itinerary.
-        tick: the present one.
-        itinerary: its first point is where the robot is.
-        heading: that of the pose at its last point.
-        turns_at_end: True if the robot has to turn to it there.
-        before: the follower of the itinerary that this one replaces while the robot drives on. What it and the local
-            planner have begun goes on: a robot with ten plans a second would else begin to back up ten times.
+        controller: controller that chooses the commands.
+        itinerary_planner: planner that made the itinerary.
+        tick: the present tick.
+        itinerary: its first point is at the robot.
+        heading: heading of the pose at its last point.
+        turns_at_end: True if the robot must turn to this heading.
+        before: follower of the itinerary that this one replaces while the robot drives on. Its maneuvers, and those of
+            the local planner, continue. Otherwise a robot with ten plans per second would begin to back up ten times.
 
     Attributes:
         ahead: (m, 3) poses still to be passed, their (m,) times, and their length in meters.
@@ -155,48 +155,48 @@ class Follower:
             self._state = replace(before._state, then=Following())
 
     def _pass(self, index: int) -> None:
-        """Take note that this point of the itinerary is reached."""
+        """Record that this point of the itinerary is reached."""
         self._index = index
         self.ahead = (self._poses[index:], self._itinerary.times[index:], float(self._left[index]))
 
     def _came_on(self, tick: int) -> None:
-        """Take note that the robot is not held up: if at all, only from now on."""
+        """Record that the robot is not held up at present."""
         self._held_up_since = tick
-        # True when something other than right of way has held it up since.
+        # True if something other than right of way has held it up since then.
         self._stuck = False
 
     @property
     def time(self) -> float:
-        """Time of the point of the itinerary that has been reached."""
+        """Time of the reached point of the itinerary."""
         return float(self._itinerary.times[self._index])
 
     @property
     def hindered(self) -> bool:
-        """True before the point of the itinerary from which it leads on as it would without other robots."""
+        """True before the point of the itinerary from which it continues as it would without other robots."""
         return self.time < self._itinerary.unhindered_from
 
     @property
     def remaining(self) -> float:
-        """Meters of the itinerary that are left."""
+        """Remaining length of the itinerary, meters."""
         return self.ahead[2]
 
     def held_up(self, tick: int) -> bool:
-        """Return True if the robot has not come on along the itinerary for too long."""
+        """Return True if the robot has not advanced along the itinerary for too long."""
         timeout = STUCK_TIMEOUT if self._stuck else QUEUE_TIMEOUT
         return tick - self._held_up_since > timeout * TICKS_PER_SECOND
 
     def obstructed(self) -> bool:
-        """Return True if an obstacle that was seen lies on the itinerary ahead."""
+        """Return True if an obstacle seen by the laser is on the itinerary ahead."""
         return self._itinerary_planner.obstructed(self.ahead[0][:, :2])
 
     def step(self, tick: int, pose: Pose2, twist: Twist, neighbours: Sequence[Neighbour]) -> FollowerOutput:
         """Return the command that leads on.
 
         Args:
-            tick: the present one; a command is due.
-            pose: believed pose of the robot.
+            tick: the present tick, with a command due.
+            pose: pose where the robot believes it is.
             twist: its velocity.
-            neighbors: the last states of the others.
+            neighbors: last states of the other robots.
         """
         if self._controller.update_due(tick) or self._held_up_since == tick:
             self._controller.update_costmap(pose, neighbours)
@@ -224,7 +224,7 @@ class Follower:
         return FollowerOutput(drive.command, drive.local_plan, blocked_by_others=blocked, valid=not drive.stuck)
 
     def _look_for_end(self, pose: Pose2) -> None:
-        """Take note of whether the robot is at the end of the itinerary."""
+        """Record whether the robot is at the end of the itinerary."""
         limits, state = self._controller.planner.limits, self._state
         x, y, _ = self._poses[-1].tolist()
         off = elementary.hypot(x - pose.x, y - pose.y)
@@ -264,12 +264,12 @@ class Follower:
             self._enter("no command", escaping := Escaping(pose, Following()))
             return self._escape(escaping, pose, twist, around)
         if drive.command.linear == 0.0 and drive.command.angular != 0.0:
-            # Turning toward the path is progress, although no further point is reached by it.
+            # Turning toward the path is progress, although it reaches no further point.
             self._came_on(tick)
         return self._output(drive)
 
     def _escape(self, state: Escaping, pose: Pose2, twist: Twist, around: Surroundings) -> FollowerOutput:
-        """Get a little off the place where no command led on, then turn toward the path."""
+        """Move away from the place where no command led on, then turn toward the path."""
         planner, begun = self._controller.planner, state.begun
         drive = planner.escape(pose, twist, around)
         limits = planner.limits
@@ -280,7 +280,7 @@ class Follower:
         return self._output(drive)
 
     def _finish(self, tick: int, pose: Pose2, twist: Twist, around: Surroundings) -> FollowerOutput:
-        """Stop at the end of the itinerary, turn to its heading if need be, and arrive."""
+        """Stop at the end of the itinerary, turn to its heading if necessary, and arrive."""
         planner = self._controller.planner
         limits = planner.limits
         heading = float(self._poses[-1, 2])
@@ -291,9 +291,9 @@ class Follower:
         return self._output(planner.turn(pose, twist, heading, around))
 
     def _drivable_stretch(self, pose: Pose2, allowed: int, yields: bool) -> tuple[FloatArray | None, float, bool]:
-        """Return the part of the path to drive along now, None where the robot has to wait.
+        """Return the part of the path to drive along now, or None if the robot has to wait.
 
-        Also return how early to slow down, in seconds, and whether an obstacle ends that part.
+        Also return the time before its end at which to slow down, in seconds, and whether an obstacle ends it.
         """
         points, costmap = self._itinerary.points[self._index : allowed + 1], self._controller.costmap
         count, stopped, turns = _drivable(points, costmap.costs, costmap.frame, pose.x, pose.y)
@@ -310,7 +310,7 @@ class Follower:
 
 @njit(cache=True)
 def _as_far_as(left: FloatArray, index: int, reach: float) -> int:
-    """Return the last point of a path within `reach` meters along it from point `index`; (m,) meters are left at each."""
+    """Return the last path point within `reach` meters along it from point `index`; `left` has remaining lengths."""
     last = index
     while last + 1 < left.shape[0] and left[index] - left[last + 1] <= reach:
         last += 1
@@ -319,14 +319,14 @@ def _as_far_as(left: FloatArray, index: int, reach: float) -> int:
 
 @njit(cache=True)
 def _drivable(points: FloatArray, costs: Costs, frame: CostFrame, x: float, y: float) -> tuple[int, bool, bool]:
-    """Count those of (m, 2) points that the local planner may be given at once for a robot at (x, y).
+    """Count those of (m, 2) points that the local planner may get at once for a robot at (x, y).
 
-    Where the path turns back, to a place to wait and on again, they end at the turning point, since the local planner
-    makes for the last point. They also end before the first point, HALT_DISTANCE away or more, that lies within an
-    obstacle's inscribed radius or off the costmap.
+    Where the path turns back, to a waiting place and on again, they end at the turning point, because the local planner
+    aims at the last point. They also end before the first point, at least HALT_DISTANCE away, that is within an
+    obstacle's inscribed radius or outside the costmap.
 
     Returns:
-        Their number; whether an obstacle ends them; whether a turning point does.
+        Their number; whether an obstacle ends them; whether a turning point ends them.
     """
     farthest = 0.0
     end, turns = points.shape[0], False

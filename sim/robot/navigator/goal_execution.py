@@ -1,4 +1,4 @@
-"""Execution of goals: the state of move_base, the goal and its clocks, and how they change."""
+"""Execution of goals: the state of move_base, the goal and its clocks, and their changes."""
 
 from collections import deque
 from dataclasses import replace
@@ -29,20 +29,20 @@ class GoalExecution:
 
     Args:
         move_base: parameters.
-        circumscribed: radius of the robot, meters.
-        planner: of itineraries, whose search is given up when the robot stops.
+        circumscribed: circumscribed radius of the robot, meters.
+        planner: planner of itineraries; its search stops when the robot stops.
 
     Attributes:
         move_base: parameters.
-        state: the present one.
-        goal: the present one; None without a goal.
-        results: of goals that have ended and are not reported yet.
-        command: the present one.
+        state: the present state.
+        goal: the present goal, or None.
+        results: results of ended goals that are not reported yet.
+        command: the present command.
         next_plan: first tick in which a plan may be made.
         progress: clocks of the goal.
-        recovery: recovery behaviors that are left.
+        recovery: remaining recovery behaviors.
         oscillation: detector of oscillations.
-        fault: failure of a planner or recovery behavior of others that is not reported yet; empty without one.
+        fault: failure of an installed planner or recovery behavior that is not reported yet; empty without one.
     """
 
     def __init__(self, move_base: MoveBaseParameters, circumscribed: float, planner: ItineraryPlanner) -> None:
@@ -58,14 +58,14 @@ class GoalExecution:
         self.restart(0)
 
     def configure(self, move_base: MoveBaseParameters, circumscribed: float) -> None:
-        """Go on with these parameters."""
+        """Continue with these parameters."""
         self.move_base = move_base
         self.recovery.configure(move_base, circumscribed)
         self.oscillation.configure(move_base.oscillation_timeout, move_base.oscillation_distance)
 
     def restart(self, tick: int) -> None:
-        """Start all clocks, those of a new goal or of a robot that comes back to life."""
-        # In its first tick a robot has received no broadcasts yet, and would plan out of turn.
+        """Start all clocks, for a new goal or for a robot that is revived."""
+        # In its first tick a robot has received no broadcasts yet. It would plan out of turn.
         self.next_plan = tick + 1
         self.progress = GoalProgress(tick)
         self.recovery.restart()
@@ -74,7 +74,7 @@ class GoalExecution:
             self.enter("recovery ended", self.state.then)
 
     def go(self, goal: Goal, tick: int) -> None:
-        """Take up a goal after a tick; the present one ends Cancelled."""
+        """Accept a goal after a tick. The present goal ends as Cancelled."""
         self.cancel()
         self.goal = goal
         self.restart(tick + 1)
@@ -82,19 +82,19 @@ class GoalExecution:
             self.enter("goal received", Planning(self.state.wanted))
 
     def cancel(self) -> None:
-        """Give up the present goal, if any: it ends Cancelled, and the robot stops."""
+        """Cancel the present goal, if any. It ends as Cancelled, and the robot stops."""
         if self.goal is not None:
             self.end(Cancelled(self.goal))
 
     def replan(self, tick: int) -> None:
-        """Plan again to the present goal, after a tick: the robot was told that it is somewhere else."""
-        self.stop("told to replan")
+        """Plan again to the present goal after a tick, because the robot's pose was set."""
+        self.stop("replan requested")
         now = max(tick, self.progress.began)
         self.next_plan = now + 1
         self.progress.restart_distance(now)
 
     def enter(self, event: Event, state: State) -> None:
-        """Change the state as TRANSITIONS says; in a recovery rotation, the state that follows it."""
+        """Change the state according to TRANSITIONS; in a recovery rotation, change the state that follows it."""
         now = self.state
         if isinstance(now, Clearing) and event != "recovery ended" and isinstance(state, Idle | Planning | Controlling):
             state = replace(now, then=state)
@@ -106,7 +106,7 @@ class GoalExecution:
         return Idle(wanted) if self.goal is None else Planning(wanted, waits_for)
 
     def stop(self, event: Event, state: State | None = None) -> None:
-        """Stand, and follow the present itinerary no longer; give up the search for another."""
+        """Stand, leave the present itinerary, and stop the search for another one."""
         self.command = STANDSTILL
         self._planner.give_up()
         if not isinstance(self.state, Lost):
@@ -131,11 +131,11 @@ class GoalExecution:
 
     @property
     def going_on(self) -> State:
-        """The present state; in a recovery behavior, the one that follows."""
+        """The present state; during a recovery behavior, the state that follows it."""
         return self.state.then if isinstance(self.state, Clearing) else self.state
 
     def makes_way_for(self, tick: int) -> int | None:
-        """Return the robot that has the right of way over what this one does in this very tick."""
+        """Return the robot with the right of way for which this one makes way in this tick."""
         match self.going_on:
             case Controlling(output=FollowerOutput(waiting=True, waits_for=first)):
                 return first

@@ -1,4 +1,4 @@
-"""Goals of a navigator, and the results they end with."""
+"""Goals of a navigator, and their results."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -9,8 +9,8 @@ from sim.robot.global_planning.path import PlanRefusalCode
 NoPathReason = (
     PlanRefusalCode | Literal["blocked_by_obstacle", "stuck", "lost"] | Literal["gave_up", "called_off", "unanswered"]
 )
-"""Cause for which a goal was given up. The last three are of real robots' navigators: one gave up for reasons of its
-own, somebody else withdrew the goal, one did not answer."""
+"""Cause for giving a goal up. The last three concern navigators of real robots: one gave up for its own reasons,
+another client withdrew the goal, or the navigator did not answer."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -18,9 +18,9 @@ class Goal:
     """A pose to drive to.
 
     Attributes:
-        id: the owner's number; comes back with the result.
-        base_in_map: pose that the base shall end at.
-        owner: who has set it; goals of two owners differ even if their numbers do not.
+        id: number chosen by the owner; the result contains it.
+        base_in_map: wanted pose of the base.
+        owner: client that set the goal. Goals of two owners differ even if their numbers are equal.
     """
 
     id: int
@@ -51,7 +51,7 @@ class NoPath:
 
 @dataclass(frozen=True, slots=True)
 class Cancelled:
-    """The goal was withdrawn, or another took its place."""
+    """The goal was withdrawn, or replaced by another one."""
 
     goal: Goal
 

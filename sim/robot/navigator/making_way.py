@@ -1,13 +1,13 @@
-"""Making way: a robot that waits for one with the right of way, or drives aside or round it."""
+"""Making way: a robot waits for one with the right of way, drives aside for it, or drives around it."""
 
 from sim.common.observations import TICKS_PER_SECOND
 
 PAUSE = 1.0
-"""Seconds without a reason to make way that do not yet end it: a robot in a queue comes on by little steps."""
+"""Seconds without a reason to make way that do not yet end it, because a robot in a queue advances in small steps."""
 
 
 class MakingWay:
-    """The robot that another one makes way for, without the short pauses between."""
+    """The robot for which another one makes way, without short pauses."""
 
     def __init__(self) -> None:
         self._robot: int | None = None
@@ -16,21 +16,21 @@ class MakingWay:
 
     @property
     def pauses(self) -> bool:
-        """True when there was no reason to make way in the last tick, and it may soon be over."""
+        """True if there was no reason to make way in the last tick, so that it may soon end."""
         return self._robot is not None and self._reason is None
 
     def go_on(self, tick: int) -> None:
-        """Make way in one more tick for the same reason as in the last, if there was one."""
+        """Make way in one more tick for the same reason as in the last one, if there was any."""
         if self._reason is not None:
             self._tick = tick
 
     def now(self, tick: int, robot: int | None, *, has_goal: bool) -> int | None:
-        """Return the robot that way is made for.
+        """Return the robot for which this one makes way.
 
         Args:
-            tick: the present one.
-            robot: that in this very tick; None: none.
-            has_goal: True for a robot with a goal, which may have to make way again at once.
+            tick: the present tick.
+            robot: the robot for which it makes way in this tick, or None.
+            has_goal: True for a robot with a goal, which may have to make way again immediately.
         """
         self._reason = robot
         if robot is not None:

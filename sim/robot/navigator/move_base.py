@@ -1,18 +1,18 @@
-"""The navigator: from a goal to commands (move_base).
+"""The navigator: from a goal to velocity commands (move_base).
 
-A goal is planned for (`planning.itinerary_planner`), followed as far as the right of way reaches
-(`navigator.follower`), and ends GoalReached, NoPath or Cancelled. Where robots that stand leave no path, the robot
-broadcasts the path it wants; those of them that rest, or whose goals are younger, move aside. An obstacle seen on the
-path is planned around at once; where that leaves no path, the robot waits, then tries the recovery behaviors. Whatever
-the cause, a goal whose remaining path has not become shorter for PROGRESS_TIMEOUT seconds is given up: every goal ends
-in bounded time. `navigator.states` has the states, and the table of all transitions between them.
+The navigator plans to a goal (`global_planning.itinerary_planner`) and follows the plan as far as the right of way
+reaches (`navigator.follower`). The goal ends as GoalReached, NoPath or Cancelled. If standing robots leave no path, the
+robot broadcasts the path that it wants. Those of them that rest, or have younger goals, drive aside. The robot plans
+immediately around an obstacle that it sees on its path. If no path is left, it waits and then tries the recovery
+behaviors. In any case, a goal is given up if its remaining path has not become shorter for PROGRESS_TIMEOUT seconds. So
+every goal ends in bounded time. `navigator.states` has the states, and the table of all transitions.
 
 Source: ros-planning/navigation, move_base/src/move_base.cpp.
-Differs: plans and commands are made in the tick that is due, without threads, but the search for a path on a large map
-takes several ticks, a portion of the map in each; robots take turns in planning. A goal that the map alone makes
-impossible is given up without recovery. A robot that waits for its right of way neither
-oscillates nor is out of valid commands. One that drives in one place for STAY_TIMEOUT seconds tries a recovery behavior
-even with `oscillation_timeout: 0`.
+Differences: plans and commands are made in the tick when they are due, without threads. But the search for a path on a
+large map takes several ticks, with a part of the map in each. Robots take turns in planning. A goal that is impossible
+on the map alone is given up without recovery. While a robot waits for its right of way, it does not count as
+oscillating, and controller_patience does not run. A robot that drives in one place for STAY_TIMEOUT seconds tries a
+recovery behavior even with `oscillation_timeout: 0`.
 """
 
 from collections.abc import Mapping, Sequence
@@ -65,14 +65,15 @@ class Navigator:
     """The navigator of one robot.
 
     Args:
-        parameters: this robot's software's.
+        parameters: parameters of this robot's software.
         footprint: (n, 2) corners of its body, base frame, meters.
         static: the map.
-        robot: its index in the team.
-        space: room to plan in, which it may share with others: nothing is kept there between plans. None: of its own.
+        robot: index of the robot in the team.
+        space: workspace for plans, which may be shared, because it keeps nothing between plans. If None, it makes its
+            own.
         seed: random seed of recovery behaviors.
-        recoveries: recovery behaviors of others, by name.
-        planners: global planners of others, by name.
+        recoveries: installed recovery behaviors, by name.
+        planners: installed global planners, by name.
     """
 
     def __init__(
@@ -115,15 +116,15 @@ class Navigator:
         self._making_way = MakingWay()
 
     def go(self, goal: Goal) -> None:
-        """Take up a goal; the present one ends Cancelled."""
+        """Accept a goal. The present goal ends as Cancelled."""
         self._execution.go(goal, self._tick)
 
     def cancel(self) -> None:
-        """Give up the present goal, if any: it ends Cancelled, and the robot stops."""
+        """Cancel the present goal, if any. It ends as Cancelled, and the robot stops."""
         self._execution.cancel()
 
     def replan(self) -> None:
-        """Plan again to the present goal: the robot was told that it is somewhere else."""
+        """Plan again to the present goal, because the robot's pose was set."""
         self._execution.replan(self._tick)
 
     def clear_costmaps(self) -> None:
@@ -131,7 +132,7 @@ class Navigator:
         self._costmaps.clear()
 
     def configure(self, parameters: RobotParameters) -> None:
-        """Go on with these parameters (ROS: dynamic_reconfigure): with the same goal, plan and obstacles seen."""
+        """Continue with these parameters (ROS: dynamic_reconfigure). Goal, plan and obstacles seen stay."""
         before = self._parameters
         if parameters == before:
             return
@@ -145,22 +146,22 @@ class Navigator:
         self._execution.configure(parameters.move_base, self._costmaps.global_costmap.circumscribed_radius)
 
     def make_plan(self, base_in_map: Pose2, start: Pose2, goal: Pose2, tolerance: float) -> FloatArray | PlanRefusal:
-        """Make a plan on request (ROS: move_base/make_plan); it changes nothing for the robot.
+        """Make a plan on request (ROS: move_base/make_plan), without any effect on the robot.
 
         Args:
-            base_in_map: believed pose of the robot.
+            base_in_map: pose where the robot believes it is.
             start: pose at the beginning.
             goal: pose at the end.
-            tolerance: meters by which it may miss the goal, along x and along y, where that cannot be reached.
+            tolerance: meters by which the end may miss an unreachable goal, along x and along y.
 
         Returns:
-            (m, 3) poses in the map, or why there are none.
+            (m, 3) poses in the map, or the reason why no plan exists.
         """
         turned = self._rotated
         place = turned.pose_in_grid(base_in_map)
         costs, frame = self._costmaps.global_costmap.as_updated(place.x, place.y, self._stale.known(self._tick))
         adds = self._parameters.move_base.make_plan_add_unreachable_goal
-        # In room of its own: a search may be under way in the other.
+        # In its own workspace, because a search may be running in the other one.
         start, goal = turned.pose_in_grid(start), turned.pose_in_grid(goal)
         try:
             poses = make_plan(self._planner(self._parameters), costs, frame, start, goal, tolerance, adds)
@@ -169,7 +170,7 @@ class Navigator:
         return poses if isinstance(poses, PlanRefusal) else turned.poses_in_map(poses)
 
     def _planner(self, parameters: RobotParameters, space: Workspace | None = None) -> RobotPathPlanner:
-        """Return the global planner that these parameters name; `space` as for `Navigator`."""
+        """Return the global planner for these parameters; `space` as for `Navigator`."""
         if (factory := self._planners.get(parameters.move_base.base_global_planner)) is not None:
             return factory(parameters, int(noise.key(self._seed, "global planner")))
         return global_planner(*_plans_by(parameters), space)
@@ -183,15 +184,15 @@ class Navigator:
         neighbours: Sequence[Neighbour],
         lost: bool = False,
     ) -> Navigation:
-        """Return one tick.
+        """Run one tick.
 
         Args:
-            tick: the present one.
-            base_in_map: believed pose of the robot.
+            tick: the present tick.
+            base_in_map: pose where the robot believes it is.
             twist: its velocity, by odometry.
-            scan: the laser's, where it was due.
+            scan: scan of the laser, if it was due.
             neighbors: broadcasts of the other robots in the last tick.
-            lost: True if that pose cannot be relied on: with a goal the robot looks around until it can.
+            lost: True if the pose is not reliable. Then a robot with a goal looks around until it is.
         """
         execution = self._execution
         if tick != self._tick + 1:
@@ -203,7 +204,7 @@ class Navigator:
             self._look_around(tick, twist, scan)
             return self._report(tick, pose)
         if isinstance(execution.state, Lost):
-            execution.command = STANDSTILL  # It looks around no longer, whenever the next command is due.
+            execution.command = STANDSTILL  # Stop looking around now, not only when the next command is due.
             execution.enter("located", execution.standing())
         if scan is not None:
             laser = pose.compose(scan.mount.laser_in_base)
@@ -223,12 +224,13 @@ class Navigator:
         return self._report(tick, pose)
 
     def next_due(self, tick: int, neighbours: Sequence[Neighbour]) -> int:
-        """Return the first tick after a step's in which another would do more than repeat its output, without a scan.
+        """Return the first tick in which another step would do more than repeat the output, without a scan.
 
-        Where that cannot be told it is the very next one. A request, and another team, make one due at once.
+        If this cannot be determined, it is the next tick. Requests, and changes of the team, make a step due
+        immediately.
 
         Args:
-            tick: that of the last step.
+            tick: tick of the last step.
             neighbors: broadcasts of the other robots in that tick.
         """
         execution = self._execution
@@ -250,22 +252,22 @@ class Navigator:
         return min((one for one in due if one is not None), default=tick + TICKS_PER_SECOND)
 
     def skip(self, tick: int) -> None:
-        """Take note of a tick in which no step was due."""
+        """Record a tick in which no step was due."""
         self._tick = tick
         self._making_way.go_on(tick)
 
     def rejoin(self, neighbours: Sequence[Neighbour]) -> None:
-        """Take in broadcasts of the last tick, in which no step was due: some of them are the last of their robots."""
+        """Process broadcasts of the last tick, in which no step was due: some may be the last ones of their robots."""
         self._stale.update(self._tick, self._rotated.neighbours_in_grid(neighbours))
 
     @property
     def recovery(self) -> RecoveryProgress:
-        """The recovery behaviors, and how many of them have been tried."""
+        """The recovery behaviors, and the number of those that were tried."""
         return self._execution.recovery.progress
 
     @property
     def _team(self) -> int:
-        """Ticks between two turns to plan, the same for all that broadcast: so no two robots have theirs at once."""
+        """Ticks between two turns to plan; the same for all robots that broadcast, so no two plan at the same time."""
         return 1 + max(self._robot, self._stale.highest_robot)
 
     def _report(self, tick: int, pose: Pose2) -> Navigation:
@@ -300,10 +302,10 @@ class Navigator:
         )
 
     def _look_around(self, tick: int, twist: Twist, scan: Scan | None) -> None:
-        """Look around; a goal waits for the robot to know its place again, but not for ever."""
+        """Look around. The goal waits until the robot is localized again, but not forever."""
         execution = self._execution
         if not isinstance(execution.state, Lost):
-            # Obstacles that were seen from a wrong pose were marked at wrong places.
+            # Obstacles seen from a wrong pose were marked in wrong places.
             self._costmaps.clear_outside(0.0, 0.0, 0.0)
             execution.stop("lost", Lost())
         execution.next_plan = tick + 2
@@ -325,11 +327,11 @@ class Navigator:
 
 
 def _plans_by(parameters: RobotParameters) -> tuple[str, NavfnParameters, GlobalPlannerParameters]:
-    """Return all parameters that a global planner is made from."""
+    """Return all parameters on which a global planner depends."""
     return parameters.move_base.base_global_planner, parameters.NavfnROS, parameters.GlobalPlanner
 
 
 def _discs(neighbours: Sequence[Neighbour], laser: Pose2, reach: float) -> FloatArray:
-    """Return (k, 3) x, y and circumscribed radius of those neighbors that come within `reach` meters of the laser."""
+    """Return (k, 3) x, y and circumscribed radius of the neighbors within `reach` meters of the laser."""
     near = neighbours_reaching(neighbours, laser.x - reach, laser.y - reach, laser.x + reach, laser.y + reach)
     return np.array([(other.base_in_map.x, other.base_in_map.y, radius) for other, radius in near]).reshape(-1, 3)

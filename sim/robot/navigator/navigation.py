@@ -16,21 +16,22 @@ class Navigation:
     """Command, goal, plan and results of one robot in one tick.
 
     Attributes:
-        command: the velocity it asks for.
-        goal: the one it is driving to.
-        state: move_base's: "planning" waits for a plan, "controlling" follows it, "clearing" tries to get free.
-        plan: (m, 3) map poses still to be driven, the robot's own place first; empty without a goal. Broadcast to the
+        command: the velocity command.
+        goal: the present goal.
+        state: state of move_base: "planning" waits for a plan, "controlling" follows it, "clearing" runs a recovery
+            behavior.
+        plan: (m, 3) map poses still to be driven, starting with the robot's; empty without a goal. Broadcast to the
             team.
-        times: (m,) times of these poses, broadcast with them; empty with a plan that is only wanted.
-        local_plan: (k, 3) map poses the command would lead through.
-        result: that of a goal that ended in this very tick.
-        remaining: meters of the plan left.
-        claim: with a plan that is only wanted: the priority of the robot that wants it.
-        global_costmap: the costs that plans are made with, in the ticks when they are published.
-        local_costmap: the same for commands.
-        waits_for: the robot that this one lets go first, if it stands because of one.
-        makes_way_for: the robot that has the right of way while this one waits for it, or drives aside or round it.
-        fault: failure of a planner or recovery behavior of others in this very tick; empty without one.
+        times: (m,) times of these poses, also broadcast; empty with a plan that is only wanted.
+        local_plan: (k, 3) map poses along the trajectory of the command.
+        result: result of a goal that ended in this tick.
+        remaining: remaining length of the plan, meters.
+        claim: priority of the robot that wants the plan, if it is only wanted.
+        global_costmap: costs for plans, in ticks when they are published.
+        local_costmap: costs for commands, in ticks when they are published.
+        waits_for: robot that this one lets go first, if it stands because of one.
+        makes_way_for: robot with the right of way, while this one waits for it, drives aside or drives around it.
+        fault: failure of an installed planner or recovery behavior in this tick; empty without one.
     """
 
     command: Twist

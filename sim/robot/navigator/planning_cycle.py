@@ -1,4 +1,4 @@
-"""Planning of move_base: when a plan is due, what follows from it, and who goes first."""
+"""Planning of move_base: when a plan is due, its consequences, and which robot goes first."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -27,23 +27,23 @@ from sim.robot.navigator.rotated_map import RotatedMap
 from sim.robot.navigator.states import Clearing, Controlling, Event, Idle, Planning, WantedPath
 
 PLAN_RETRY = 0.5
-"""Seconds between attempts to plan."""
+"""Seconds between planning attempts."""
 HELD_UP_RETRY = 2.0
-"""The same for a robot that is held up."""
+"""Seconds between planning attempts of a robot that is held up."""
 CLEARING_TIMEOUT = 60.0
-"""Seconds that a robot waits for others to clear its path."""
+"""Seconds for which a robot waits for others to clear its path."""
 
 
 class PlanningCycle:
     """Planning of one robot's move_base.
 
     Args:
-        execution: of its goal.
-        planner: of itineraries.
-        controller: for the followers of itineraries.
+        execution: execution of its goal.
+        planner: planner of itineraries.
+        controller: controller for the followers of itineraries.
         clearing: recovery behaviors.
         rotated: the map.
-        robot: its index in the team.
+        robot: index of the robot in the team.
     """
 
     def __init__(
@@ -61,14 +61,14 @@ class PlanningCycle:
         self._clearing = clearing
         self._rotated = rotated
         self._robot = robot
-        # True when the robot follows its present itinerary should the plan under way find none.
+        # True if the robot continues with its present itinerary in case the present search finds none.
         self._keeps = False
 
     def run(self, tick: int, pose: Pose2, neighbours: Sequence[Neighbour]) -> None:
-        """Plan if there is something to plan for; it is this robot's turn."""
+        """Plan, in this robot's turn, if there is something to plan for."""
         if self._execution.goal is not None and self._execution.progress.timed_out(tick):
             self._execution.end(self._execution.given_up(self._execution.goal))
-        # A search that takes several ticks ends as what it was begun for.
+        # A search that takes several ticks keeps the purpose for which it began.
         keeps = self._planner.searching and self._keeps
         if isinstance(self._execution.state, Controlling) and not self._planner.searching:
             if self._execution.progress.stays:
@@ -134,14 +134,14 @@ class PlanningCycle:
                 self._refuse(tick, pose, goal, planned)
 
     def _defers_to(self, target: Pose2, neighbours: Sequence[Neighbour]) -> int | None:
-        """Return a robot with an older goal on whose wanted path this goal lies: that robot is to go first."""
+        """Return a robot with an older goal and a wanted path over this goal; it should go first."""
         own = Claim(self._execution.progress.began, self._robot)
         older = (other for other in neighbours if other.claim is not None and other.claim < own)
         place = target.array()[:2]
         return next((other.robot for other in older if self._planner.obstructs(place, other.path)), None)
 
     def _ask(self, tick: int, goal: Goal, path: FloatArray, heading: float, neighbours: Sequence[Neighbour]) -> None:
-        """Ask the robots that stand in a path to clear it; after CLEARING_TIMEOUT give up."""
+        """Ask the robots that stand in a path to clear it. After CLEARING_TIMEOUT, give up."""
         planner, progress = self._planner, self._execution.progress
         wanted = WantedPath(headings(path, heading), Claim(progress.began, self._robot))
         self._execution.stop("blocked by robots", Planning(wanted, planner.first_obstructing(neighbours, path)))
@@ -153,7 +153,7 @@ class PlanningCycle:
             self._execution.end(self._execution.given_up(goal))
 
     def _refuse(self, tick: int, pose: Pose2, goal: Goal, refused: PlanRefusal) -> None:
-        """Wait for a path to open, then recover, then give up."""
+        """Wait until a path is free, then try recovery, then give up."""
         move_base, retries = self._execution.move_base, self._execution.progress.count_retry()
         waited = self._execution.progress.patience_over(tick, move_base.planner_patience)
         waited = waited or 0 <= move_base.max_planning_retries < retries
@@ -163,7 +163,7 @@ class PlanningCycle:
             self._clearing.recover(tick, pose, lambda goal: NoPath(goal, refused.code, refused.sentence))
 
     def _asked_to_clear(self, pose: Pose2, neighbours: Sequence[Neighbour]) -> Neighbour | None:
-        """Return the robot of highest priority, above this one's, on whose wanted path this robot stands."""
+        """Return the robot with the highest priority, above this one's, that wants a path where this robot stands."""
         own = None if self._execution.goal is None else Claim(self._execution.progress.began, self._robot)
         strongest: Neighbour | None = None
         for other in neighbours:
@@ -184,7 +184,7 @@ class PlanningCycle:
             self._execution.progress.note_way_given(tick, asking.robot)
             self._follow("asked to clear", tick, away, pose.theta, asking.robot, gives_way=True)
             return
-        # Robots that rest around it are in its path: they are asked in their turn, with the same priority.
+        # Resting robots around it block its path. It asks them on behalf of the other robot, with the same priority.
         movers = itineraries_of_moving(neighbours)
         away = self._planner.refuge(pose, asking.path, self._time(tick, pose, movers), movers)
         if away is not None or self._execution.goal is None:
@@ -199,7 +199,7 @@ class PlanningCycle:
 
     @property
     def _driven_on(self) -> Controlling | None:
-        """The present state, if the robot drives on while its plan is replaced: where plans are made all the time."""
+        """The present state if the robot drives on while its plan is replaced, as with a planner_frequency above 0."""
         state = self._execution.state
         often = self._execution.move_base.planner_frequency > 0.0
         return state if often and isinstance(state, Controlling) and not state.gives_way else None

@@ -1,4 +1,4 @@
-"""Progress of a goal: how long it has been planned for, and how long the robot has not come nearer to it."""
+"""Progress of a goal: times without a plan, and times without approaching the goal."""
 
 import math
 
@@ -7,13 +7,13 @@ from sim.common.observations import TICKS_PER_SECOND
 from sim.robot.global_planning.itinerary import ITINERARY_SPEED
 
 PROGRESS_TIMEOUT = 120.0
-"""Seconds, beside those that its longest path takes, in which the remaining path must become shorter than ever before,
-or the goal is given up: so every goal ends."""
+"""Seconds, in addition to those for its longest path, within which the remaining path must become shorter than ever
+before. Otherwise the goal is given up, so every goal ends."""
 PROGRESS_DISTANCE = 0.5
 """Meters by which it must become shorter."""
 STAY_TIMEOUT = 20.0
 """Seconds of driving within STAY_DISTANCE of one place after which a recovery behavior is due, even if
-`oscillation_timeout` is 0: the slowest robots of other labs drive 0.1 m/s."""
+`oscillation_timeout` is 0. The slowest robots of other labs drive 0.1 m/s."""
 STAY_DISTANCE = 0.5
 """Metres."""
 GIVE_WAY_TIME = 5.0
@@ -24,12 +24,12 @@ class GoalProgress:
     """The clocks of one goal, in ticks.
 
     Args:
-        tick: at which it was taken up.
+        tick: tick at which the goal was accepted.
 
     Attributes:
         began: that tick.
-        planned: the last tick in which a plan was tried.
-        last_valid: the last tick with a valid command, or with a good reason to wait.
+        planned: last tick in which a plan was tried.
+        last_valid: last tick with a valid command, or with a good reason to wait.
     """
 
     def __init__(self, tick: int) -> None:
@@ -44,32 +44,32 @@ class GoalProgress:
         self.last_valid = tick
 
     def restart_patience(self, tick: int) -> None:
-        """Take note that there is a plan, or that a recovery behavior may make one possible."""
+        """Record that a plan exists, or that a recovery behavior may make one possible."""
         self._planning_since, self._retries = tick, 0
 
     def note_others_arriving(self, tick: int) -> None:
-        """Take note that robots are still to arrive on the path: they can be asked to clear it only then."""
+        """Record that robots will still arrive on the path. They can be asked to clear it only then."""
         self._planning_since = tick
 
     def count_retry(self) -> int:
-        """Count a plan that was refused; return how many were, one after the other."""
+        """Count a refused plan, and return the number of consecutive ones."""
         self._retries += 1
         return self._retries
 
     def patience_over(self, tick: int, seconds: float) -> bool:
-        """Return True if there has been no plan for more than so many seconds."""
+        """Return True if there has been no plan for more than `seconds`."""
         return tick - self._planning_since > seconds * TICKS_PER_SECOND
 
     def restart_distance(self, tick: int) -> None:
-        """Measure anew how near the robot comes."""
+        """Restart the measurement of the shortest remaining path."""
         self._shortest, self._shortest_tick = math.inf, tick
 
     def note_path(self, length: float) -> None:
-        """Take note of a path of so many meters."""
+        """Record a path of `length` meters."""
         self._longest = max(self._longest, length)
 
     def watch(self, tick: int, remaining: float) -> bool:
-        """Take note of the meters of path that are left; return True when the robot has come nearer than ever."""
+        """Record the remaining meters of path. Return True if the robot is nearer to the goal than ever."""
         if remaining >= self._shortest - PROGRESS_DISTANCE:
             return False
         self._shortest, self._shortest_tick = remaining, tick
@@ -84,7 +84,7 @@ class GoalProgress:
         self._stayed = 0
 
     def note_driving(self, ticks: int, pose: Pose2) -> None:
-        """Count a command by which the robot drives for this many ticks from a pose; waiting does not count."""
+        """Count a command with which the robot drives for `ticks` from a pose. Waiting does not count."""
         self._stayed += ticks
         if self._place is None or self._place.distance(pose) >= STAY_DISTANCE:
             self._place = pose
@@ -92,15 +92,15 @@ class GoalProgress:
 
     @property
     def stays(self) -> bool:
-        """True if the robot drives and drives, and remains where it is."""
+        """True if the robot has driven for long, but stayed in one place."""
         return self._stayed > STAY_TIMEOUT * TICKS_PER_SECOND
 
     def note_way_given(self, tick: int, robot: int) -> None:
-        """Take note that this robot begins to give way to another one."""
+        """Record that this robot begins to give way to another one."""
         self._gave_way = tick, robot
 
     def yields_to(self, tick: int) -> int | None:
-        """Return the robot that is to plan first, because this one has just given way to it."""
+        """Return the robot that should plan first, because this one has just given way to it."""
         if self._gave_way is None or tick - self._gave_way[0] >= GIVE_WAY_TIME * TICKS_PER_SECOND:
             return None
         return self._gave_way[1]

@@ -1,7 +1,7 @@
-"""Maps whose origin is turned: a robot plans on them in the grid's own frame.
+"""Maps with a rotated origin: a robot plans on them in the grid's own frame.
 
-Cells are squares along the axes of that frame, so all that a navigator consists of works in it; only here poses change
-frames, when they come in and go out. Where the origin is not turned, nothing is changed at all.
+Cells are squares along the axes of that frame, so all parts of a navigator work in it. Only here, poses change frames
+on their way in and out. If the origin is not rotated, nothing changes.
 """
 
 from collections.abc import Sequence
@@ -14,7 +14,7 @@ from sim.numerics.float_array import FloatArray
 
 
 class RotatedMap:
-    """Changes poses from the map's frame to one along whose axes its cells lie, and back.
+    """Converts poses from the map's frame to a frame along the axes of its cells, and back.
 
     Args:
         static: the map.

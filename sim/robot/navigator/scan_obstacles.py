@@ -1,4 +1,4 @@
-"""Obstacles around a lost robot, by its last scan alone: it may trust no map. All in the base frame."""
+"""Obstacles around a lost robot, from its last scan alone, because it may trust no map. All in the base frame."""
 
 import math
 
@@ -12,13 +12,13 @@ from sim.robot.costmap.costs import CostFrame
 from sim.robot.local_planning.braking import WALL_MARGIN, Surroundings
 
 _REACH = 1.2
-"""Meters from the base that are looked at: turning in place and a slow step forward need no more."""
+"""Distance from the base within which obstacles matter, meters: for turning in place and a slow step forward."""
 _RESOLUTION = 0.025
 _NO_BODIES = np.empty((0, 0, 2))
 
 
 def _end_points(scan: Scan) -> FloatArray:
-    """Return (beams, 2) where beams ended, base frame; those that met nothing end at the laser's greatest range."""
+    """Return (beams, 2) end points of beams, base frame; beams that met nothing end at the laser's maximum range."""
     mount, ranges = scan.mount, scan.ranges.astype(np.float64)
     ranges = np.where(ranges < mount.range_max, ranges, mount.range_max)
     angles = mount.angles()
@@ -28,11 +28,11 @@ def _end_points(scan: Scan) -> FloatArray:
 
 
 def seen_around(scan: Scan, corners: int) -> Surroundings:
-    """Make surroundings of the obstacles that a scan shows near the robot, its base at the origin.
+    """Return the obstacles that a scan shows near the robot as surroundings, with its base at the origin.
 
     Args:
-        scan: the latest.
-        corners: number of those of the robot's footprint.
+        scan: the latest scan.
+        corners: number of corners of the robot's footprint.
     """
     cells = math.ceil(_REACH / _RESOLUTION)
     at = np.floor(_end_points(scan) / _RESOLUTION).astype(np.int64) + cells
@@ -48,14 +48,14 @@ def seen_around(scan: Scan, corners: int) -> Surroundings:
 
 
 def may_turn(scan: Scan, radius: float) -> bool:
-    """Return True if the space behind the robot, which the laser does not see, leaves room to turn in.
+    """Return True if the space behind the robot, which the laser does not see, leaves room to turn.
 
-    A straight wall behind the robot reaches out to both sides, where the outermost beams end on it. So the worst case
-    is a wall along the line between the ends of these two beams.
+    A straight wall behind the robot extends to both sides, where the outermost beams end on it. So the worst case is a
+    wall along the line between the ends of these two beams.
 
     Args:
-        scan: the latest.
-        radius: that of the robot's circumscribed circle, meters.
+        scan: the latest scan.
+        radius: circumscribed radius of the robot, meters.
     """
     points = _end_points(scan)
     first, last = points[0], points[-1]
@@ -66,11 +66,11 @@ def may_turn(scan: Scan, radius: float) -> bool:
 
 
 def room_ahead(scan: Scan, footprint: FloatArray) -> float:
-    """Meters straight on from the robot to the first obstacle that a scan shows; inf where it shows none.
+    """Return the distance straight ahead to the first obstacle in a scan, meters; inf if it shows none.
 
     Args:
-        scan: the latest.
-        footprint: (n, 2) of the robot, padded.
+        scan: the latest scan.
+        footprint: (n, 2) padded corners of the robot.
     """
     points = _end_points(scan)
     right, left, front = footprint[:, 1].min(), footprint[:, 1].max(), footprint[:, 0].max()

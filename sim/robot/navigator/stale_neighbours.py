@@ -1,8 +1,8 @@
-"""Stale neighbors: team mates that broadcast no more, at the poses they told last.
+"""Stale neighbors: team mates that no longer broadcast, at their last reported poses.
 
-A robot that dies in a doorway stays there. The others keep it at its last known pose: for plans until STALE_TIMEOUT,
-then only if the laser sees it (it may have been carried away); for braking until the laser looks through the place
-where it stood.
+A robot that dies in a doorway stays there. The others remember its last known pose. Plans use it until STALE_TIMEOUT,
+and later only if the laser sees the robot, which may have been removed. Braking uses it until the laser looks through
+the place where it stood.
 """
 
 import math
@@ -21,9 +21,9 @@ from sim.numerics.float_array import FloatArray
 from sim.numerics.kernels import njit
 
 STALE_TIMEOUT = 20.0
-"""Seconds for which plans keep clear of a robot that broadcasts no more."""
+"""Seconds for which plans keep clear of a robot that no longer broadcasts."""
 CORE_RADIUS = 0.15
-"""Meters around a robot's center through which no laser looks while it stands there."""
+"""Distance around a robot's center that no laser looks through while the robot stands there, meters."""
 
 
 _ROBOT = attrgetter("robot")
@@ -31,7 +31,7 @@ _ROBOT = attrgetter("robot")
 
 @njit(cache=True)
 def _looks_through(angles: FloatArray, ranges: NDArray[np.float32], bearing: float, away: float) -> bool:
-    """Return True if any of (m,) beams, radians, reaches beyond the core of a body so many meters away."""
+    """Return True if any of (m,) beams, radians, reaches beyond the core of a body `away` meters away."""
     beyond = np.float32(away + CORE_RADIUS)
     for i in range(angles.shape[0]):
         off = abs((angles[i] - bearing + math.pi) % math.tau - math.pi)
@@ -41,12 +41,12 @@ def _looks_through(angles: FloatArray, ranges: NDArray[np.float32], bearing: flo
 
 
 class _StaleNeighbour(NamedTuple):
-    """A robot that broadcasts no more.
+    """A robot that no longer broadcasts.
 
     Attributes:
-        since: tick since which it does not.
+        since: first tick without a broadcast.
         moving: its last state, without its path.
-        standing: the same at standstill.
+        standing: the same state at standstill.
     """
 
     since: int
@@ -55,7 +55,7 @@ class _StaleNeighbour(NamedTuple):
 
 
 class StaleNeighbours:
-    """The team as this robot knows it: those that broadcast, and the last states of those that do no more."""
+    """The team as this robot knows it: robots that broadcast, and the last states of those that no longer do."""
 
     def __init__(self) -> None:
         self._current: Sequence[Neighbour] = ()
@@ -63,7 +63,7 @@ class StaleNeighbours:
         self._stale: dict[int, _StaleNeighbour] = {}
 
     def update(self, tick: int, neighbours: Sequence[Neighbour]) -> None:
-        """Take in the broadcasts of this tick; those that are missing since the last tick become stale."""
+        """Process the broadcasts of this tick. Robots that have been missing since the last tick become stale."""
         robots = list(map(_ROBOT, neighbours))
         if robots != self._robots:
             for neighbour in self._current:
@@ -81,7 +81,7 @@ class StaleNeighbours:
         return max(self._robots, default=0)
 
     def forget_seen_through(self, laser_in_map: Pose2, scan: Scan) -> None:
-        """Forget the stale ones through whose place the laser looks."""
+        """Forget the stale robots if the laser looks through their places."""
         if not self._stale:
             return
         angles = scan.mount.angles()
@@ -93,14 +93,14 @@ class StaleNeighbours:
                 del self._stale[robot]
 
     def known(self, tick: int) -> Sequence[Neighbour]:
-        """Return all that plans keep clear of: those that broadcast, and those remembered."""
+        """Return all robots that plans keep clear of: those that broadcast, and those that are remembered."""
         return [*self._current, *self.remembered(tick)] if self._stale else self._current
 
     def remembered(self, tick: int) -> list[Neighbour]:
-        """Return the stale ones that plans keep clear of, at standstill."""
+        """Return the stale robots that plans keep clear of, at standstill."""
         fresh = STALE_TIMEOUT * TICKS_PER_SECOND
         return [stale.standing for stale in self._stale.values() if tick - stale.since <= fresh]
 
     def bodies(self) -> list[Neighbour]:
-        """Return the stale ones that may still stand there, each with the speed it had."""
+        """Return the stale robots that may still be there, each with its last velocity."""
         return [stale.moving for stale in self._stale.values()]

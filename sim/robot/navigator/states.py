@@ -1,7 +1,7 @@
 """The states of move_base, and the transitions between them.
 
 Source: ros-planning/navigation, move_base/include/move_base/move_base.h (MoveBaseState).
-Differs: a robot without a goal is Idle; one that does not know where it is is Lost.
+Differences: a robot without a goal is Idle; a robot that is not localized is Lost.
 """
 
 from dataclasses import dataclass
@@ -20,7 +20,7 @@ class WantedPath:
 
     Attributes:
         poses: (m, 3) in the map.
-        claim: priority of the robot that it is for.
+        claim: priority of the robot that wants the path.
     """
 
     poses: FloatArray
@@ -32,7 +32,7 @@ class Idle:
     """The robot stands without a goal.
 
     Attributes:
-        wanted: the path it would make way by, for a robot that has asked it to.
+        wanted: path on which it would make way, for a robot that has asked for this.
     """
 
     wanted: WantedPath | None = None
@@ -43,8 +43,8 @@ class Planning:
     """The robot stands, and has no plan to its goal yet.
 
     Attributes:
-        wanted: the path to its goal, or the one it would make way by, if others stand in it.
-        waits_for: the robot that goes first.
+        wanted: path to its goal, or path on which it would make way, if other robots block it.
+        waits_for: robot that goes first.
     """
 
     wanted: WantedPath | None = None
@@ -56,10 +56,11 @@ class Controlling:
     """The robot follows an itinerary.
 
     Attributes:
-        follower: follows it.
-        gives_way: True if the itinerary leads out of another robot's path, with or without a goal of its own.
-        output: that of the follower's last step.
-        makes_way_for: the robot out of whose way the itinerary leads, or for which it waits or makes a detour.
+        follower: follower of the itinerary.
+        gives_way: True if the itinerary leads away from another robot's path, with or without a goal of its own.
+        output: output of the follower's last step.
+        makes_way_for: robot with the right of way, from whose path the itinerary leads away, or for which it waits or
+            makes a detour.
     """
 
     follower: Follower
@@ -70,13 +71,13 @@ class Controlling:
 
 @dataclass(frozen=True, slots=True)
 class Clearing:
-    """The robot turns once around, to see more (rotate_recovery), or does as another recovery behavior says.
+    """The robot turns once around to see more (rotate_recovery), or runs an installed recovery behavior.
 
     Attributes:
-        turn_left: radians.
-        then: the state to go on in.
-        behavior: the other behavior; None: the robot turns.
-        began: tick in which that began.
+        turn_left: remaining turn, radians.
+        then: state in which it continues.
+        behavior: the installed behavior. If None, the robot turns.
+        began: tick in which the behavior began.
     """
 
     turn_left: float
@@ -87,7 +88,7 @@ class Clearing:
 
 @dataclass(frozen=True, slots=True)
 class Lost:
-    """The robot does not know where it is; with a goal, it looks around."""
+    """The robot is not localized. With a goal, it looks around."""
 
 
 State = Idle | Planning | Controlling | Clearing | Lost
@@ -104,7 +105,7 @@ Event = Literal[
     "way given",
     "recovery",
     "recovery ended",
-    "told to replan",
+    "replan requested",
     "lost",
     "located",
 ]
@@ -113,22 +114,22 @@ TRANSITIONS: set[tuple[type[State], Event, type[State]]] = {
     # Idle: no goal; the robot stands.
     (Idle, "goal received", Planning),  # Plan as soon as it is this robot's turn.
     (Idle, "asked to clear", Controlling),  # Drive to a refuge off the other robot's path.
-    (Idle, "asked to clear", Idle),  # There is none: ask the robots around to clear the way to one.
-    (Idle, "no longer asked", Idle),  # Ask them no longer.
-    (Idle, "told to replan", Idle),  # Ask them no longer.
-    (Idle, "lost", Lost),  # Forget the obstacles seen.
-    # PLANNING: the robot stands, and a plan is made whenever it is its turn (`planning_cycle`).
+    (Idle, "asked to clear", Idle),  # If there is no refuge, ask the robots around to clear a path to one.
+    (Idle, "no longer asked", Idle),  # Stop asking them.
+    (Idle, "replan requested", Idle),  # Ask them no longer.
+    (Idle, "lost", Lost),  # Forget the obstacles seen by the laser.
+    # PLANNING: the robot stands, and plans whenever it is its turn (`planning_cycle`).
     (Planning, "plan made", Controlling),  # Follow it.
-    (Planning, "deferred", Planning),  # The goal lies on the path of a robot with an older one: let that one go first.
+    (Planning, "deferred", Planning),  # The goal is on the path of a robot with an older goal, which goes first.
     (Planning, "blocked by robots", Planning),  # Ask them to clear the path; give up after CLEARING_TIMEOUT.
     (Planning, "plan refused", Planning),  # Try again; after planner_patience try a recovery behavior, then give up.
     (Planning, "asked to clear", Controlling),
     (Planning, "asked to clear", Planning),
     (Planning, "recovery", Clearing),  # rotate_recovery: turn once around. Resets of costmaps change no state.
-    (Planning, "told to replan", Planning),
+    (Planning, "replan requested", Planning),
     (Planning, "goal ended", Idle),  # Given up or cancelled.
     (Planning, "lost", Lost),
-    # CONTROLLING: a command is due controller_frequency times a second (`control_cycle`).
+    # CONTROLLING: a command is due at controller_frequency (`control_cycle`).
     (Controlling, "command due", Controlling),  # Ask the follower for a command.
     (Controlling, "plan made", Controlling),  # An obstacle or a delay, or planner_frequency, made a new plan due.
     (Controlling, "blocked by robots", Planning),
@@ -136,21 +137,21 @@ TRANSITIONS: set[tuple[type[State], Event, type[State]]] = {
     (Controlling, "recovery", Clearing),  # Oscillation, or no valid command for controller_patience.
     (Controlling, "way given", Idle),  # Stand off the other robot's path.
     (Controlling, "way given", Planning),  # For GIVE_WAY_TIME, the other robot plans first.
-    (Controlling, "told to replan", Idle),
-    (Controlling, "told to replan", Planning),
+    (Controlling, "replan requested", Idle),
+    (Controlling, "replan requested", Planning),
     (Controlling, "goal ended", Idle),  # Reached, given up or cancelled.
     (Controlling, "lost", Lost),
     # CLEARING: a recovery behavior, or reset of costmaps (`clearing_cycle`).
-    (Clearing, "command due", Clearing),  # Turn on, or as the behavior says, as far as that is safe.
+    (Clearing, "command due", Clearing),  # Continue the turn or the behavior, as far as that is safe.
     (Clearing, "asked to clear", Clearing),  # Give way after the turn.
     (Clearing, "recovery ended", Idle),
     (Clearing, "recovery ended", Planning),
     (Clearing, "recovery ended", Controlling),
-    (Clearing, "told to replan", Clearing),
-    (Clearing, "goal ended", Clearing),  # Cancelled: end the turn all the same.
+    (Clearing, "replan requested", Clearing),
+    (Clearing, "goal ended", Clearing),  # Cancelled: the turn is still completed.
     (Clearing, "lost", Lost),
-    # Lost: the robot looks around until it knows its place.
+    # Lost: the robot looks around until it is localized.
     (Lost, "located", Idle),
     (Lost, "located", Planning),
 }
-"""All changes of the state, with what is done. A goal that comes while the robot gives way or is lost waits."""
+"""All changes of the state, with the actions. A goal that arrives while the robot gives way or is lost waits."""

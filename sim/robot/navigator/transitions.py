@@ -1,4 +1,4 @@
-"""The check that a state changes only as its transition table says."""
+"""Check of state changes against a transition table."""
 
 from collections.abc import Set
 
@@ -10,9 +10,9 @@ def check_transition(
 
     Args:
         table: all transitions: state, event, next state.
-        state: the present one.
+        state: the present state.
         event: cause of the change.
         following: the next state.
     """
     if (type(state), event, type(following)) not in table:
-        raise RuntimeError(f"the state {state} does not change to {following} by the event {event!r}")
+        raise RuntimeError(f"transition not allowed: from {state} to {following} by the event {event!r}")
