@@ -148,6 +148,7 @@ def _touches(
     if not is_clear_of_walls(x, y, radius + margin, clearance, frame):
         wall = near_wall(placed_at(footprint, x, y, theta), clearance, frame, margin)
     for j in range(poses.shape[0]):
+        # Circles first: most robots are too far away for the exact test.
         if j == robot or elementary.hypot(poses[j, 0] - x, poses[j, 1] - y) > 2.0 * radius + margin:
             continue
         body = placed_at(footprint, poses[j, 0], poses[j, 1], poses[j, 2])
@@ -205,11 +206,13 @@ def _step(
     contact = np.zeros(n, dtype=np.bool_)
     collisions = collisions_before.copy()
     draws = np.empty(3)
+    # One after the other: a robot meets the new poses of those before it and the old ones of those after it.
     for i in range(n):
         linear = _towards(twists_before[i, 0], commands[i, 0], body.max_vel_x, body.acc_lim_x * TICK)
         angular = _towards(twists_before[i, 1], commands[i, 1], body.max_vel_theta, body.acc_lim_theta * TICK)
         twists[i, 0] = linear
         twists[i, 1] = angular
+        # A robot at rest causes no contact, and its odometry stays as it is.
         if linear == 0.0 and angular == 0.0:
             continue
         x, y, theta = poses[i, 0], poses[i, 1], poses[i, 2]

@@ -46,6 +46,7 @@ def _sweep(
     laser[0, 2] = theta
     ranges = np.empty((1, fan.directions.shape[0]))
     cast_beams(squares, frame, laser, fan.directions, range_max, ranges)
+    # Bodies are placed in the laser's frame, so that the directions of its beams need not be rotated.
     farthest = range_max + 2.0 * radius
     body = np.empty_like(footprint)
     for j in range(poses.shape[0]):

@@ -67,6 +67,7 @@ def _would_run_into(
         distance = elementary.hypot(poses[j, 0] - here[0], poses[j, 1] - here[1])
         if distance > reach + radius + margin:
             continue
+        # A thing may move away from a robot, however near it is.
         if distance >= elementary.hypot(poses[j, 0] - before[0], poses[j, 1] - before[1]):
             continue
         if within_margin(body, placed_at(footprint, poses[j, 0], poses[j, 1], poses[j, 2]), margin):

@@ -85,6 +85,7 @@ def _apart(changes: NDArray[np.int64], reach: int, bounds: NDArray[np.int64]) ->
                 for later in range(k, count):
                     for side in range(4):
                         apart[later, side] = apart[later + 1, side]
+                # The larger window may now be worth merging with earlier ones, so start again.
                 window, k = union, 0
             else:
                 k += 1

@@ -32,6 +32,7 @@ def line(row: int, col: int, row_end: int, col_end: int, longest: int) -> NDArra
     along, across = max(dr, dc), min(dr, dc)
     steps = int(scale * along)
     cells = np.empty((steps + 1, 2), np.int64)
+    # The error counts steps across in units of 1 / along. It starts at one half, which rounds to the nearest cell.
     error = along // 2
     for i in range(steps):
         cells[i, 0], cells[i, 1] = row, col
@@ -59,6 +60,7 @@ def clear_line(
         changed: (4,) window, which grows by the cells that change.
     """
     width = costs.shape[1]
+    # One index instead of two makes this loop, which dominates the clearing of scans, faster.
     flat = costs.reshape(costs.size)
     dr, dc = abs(row_end - row), abs(col_end - col)
     step_r = width if row_end > row else -width

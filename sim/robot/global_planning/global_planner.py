@@ -101,6 +101,7 @@ def _astar_on(
             else:
                 value = np.float32(potential[cell] + np.float32(costs[neighbour]))
             potential[neighbour] = value
+            # Manhattan distance as in ROS, because steps lead to four neighbors only.
             away = abs(neighbour % cols - target % cols) + abs(neighbour // cols - target // cols) if target >= 0 else 0
             heapq.heappush(queue, (float(value) + away * neutral, neighbour))
     left = 0 if met else len(queue)

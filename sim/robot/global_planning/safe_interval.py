@@ -308,6 +308,7 @@ def _search(
                 before = now
         first[cell + 1] = first[cell] + count
     total = first[rows * cols]
+    # Counting before filling keeps all intervals in two flat arrays.
     opens, closes = np.empty(total), np.empty(total)
     for cell in range(rows * cols):
         if first[cell + 1] == first[cell]:
@@ -329,6 +330,7 @@ def _search(
     start_cell = start_row * cols + start_col
     if first[start_cell + 1] == first[start_cell] or opens[first[start_cell]] > 0.0:
         return np.empty((0, 4))
+    # A cheap flood fill, because a search without a solution visits every state.
     if not _reachable(free, first, closes, targets, start_row, start_col):
         return np.empty((0, 4))
     # arrival[k] is the earliest known arrival in state k, from state parent[k]. It is final once done[k] is True.

@@ -95,6 +95,7 @@ def gap(a: FloatArray, b: FloatArray) -> float:
         ax, ay, bx, by = a[i_last, 0], a[i_last, 1], a[i, 0], a[i, 1]
         for j in range(b.shape[0]):
             cx, cy, dx, dy = b[j_last, 0], b[j_last, 1], b[j, 0], b[j, 1]
+            # Two segments cross if the ends of each are on different sides of the other.
             apart_cd = side(ax, ay, bx, by, cx, cy) * side(ax, ay, bx, by, dx, dy) < 0.0
             if apart_cd and side(cx, cy, dx, dy, ax, ay) * side(cx, cy, dx, dy, bx, by) < 0.0:
                 return 0.0
@@ -127,6 +128,7 @@ def stopping_poses(
         w = _toward(w, 0.0 if braking else wanted_w, acc_lim_theta * dt)
         if braking and v == 0.0 and w == 0.0 and n > 0:
             break
+        # The chord of an arc has the heading at its middle.
         c, s = elementary.cos_sin(theta + 0.5 * w * dt)
         x += v * c * dt
         y += v * s * dt

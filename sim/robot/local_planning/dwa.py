@@ -120,9 +120,11 @@ def _best(
     cells = np.empty(2 * total, dtype=np.int32)
     n = 0
     for v in samples.v:
+        # The footprint's scale depends only on v, so compute it once for all w.
         growth = _growth(v, critics)
         free = surely_free(body, growth)
         for w in samples.w:
+            # As in ROS, one of the two velocities must reach its minimum.
             if abs(v) + EPSILON < samples.least_v and abs(w) + EPSILON < samples.least_w:
                 continue
             if v * samples.only_v < 0.0 or w * samples.only_w < 0.0:

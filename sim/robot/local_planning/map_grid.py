@@ -81,6 +81,7 @@ def survey(costs: Costs, frame: CostFrame, x: float, y: float, own_radius: float
         for c in range(cols):
             if costs[r, c] < INSCRIBED:
                 terrain[base + c] = OPEN
+    # Otherwise a robot close to an obstacle would stand in closed cells, and no path would begin there.
     own_row, own_col = (y - frame.y) / frame.resolution, (x - frame.x) / frame.resolution
     own = own_radius / frame.resolution
     for r in range(max(0, math.floor(own_row - own)), min(rows, math.ceil(own_row + own))):
@@ -106,6 +107,7 @@ def cells_along(costs: Costs, frame: CostFrame, path: FloatArray) -> Steps:
     for i in range(path.shape[0]):
         before = max(0, i - 1)
         dx, dy = path[i, 0] - path[before, 0], path[i, 1] - path[before, 1]
+        # Points may be more than a cell apart, so fill in between.
         pieces = max(1, math.ceil(elementary.hypot(dx, dy) / frame.resolution))
         for piece in range(1, pieces + 1):
             share = piece / pieces

@@ -258,6 +258,7 @@ def best_safe_command(
         at_once: True if a command's velocity is reached immediately.
     """
     second_best, second_score = -1, np.inf
+    # A robot that is too close already must still be able to leave.
     crowded = footprint_cost(costs, frame, body.roomy, now.x, now.y, now.theta) < 0.0
     for _ in range(n):
         # Selection of the minimum instead of sorting, because one of the first commands usually passes.

@@ -86,6 +86,7 @@ def _steps(v: float, w: float, samples: _Samples, by_time: bool) -> int:
 @njit(cache=True)
 def _in_sight(costs: Costs, frame: CostFrame, x: float, y: float, to_x: float, to_y: float) -> bool:
     """Return True if no obstacle is on the straight line between two map points."""
+    # Half a cell per step, so that the line skips at most corners of cells.
     pieces = max(1, math.ceil(elementary.hypot(to_x - x, to_y - y) / (0.5 * frame.resolution)))
     for piece in range(pieces + 1):
         share = piece / pieces
@@ -124,6 +125,7 @@ def _best(
         v = samples.lowest_v + (samples.highest_v - samples.lowest_v) * i / max(1, samples.vx_samples - 1)
         for j in range(-1, samples.vtheta_samples):
             share = j / max(1, samples.vtheta_samples - 1)
+            # j = -1 is straight ahead, which the samples of w may miss.
             w = 0.0 if j < 0 else samples.lowest_w + (samples.highest_w - samples.lowest_w) * share
             if abs(v) < STANDSTILL_SPEED and not (samples.standing and abs(w) >= samples.least_in_place):
                 continue
@@ -141,6 +143,7 @@ def _best(
                 out.doubtful[n] = tried.doubtful
                 n += 1
     last = path[path.shape[0] - 1]
+    # Scores are relative to standing still, so a negative one means progress toward the goal.
     standing = weights.goal * ((now.x - last[0]) ** 2 + (now.y - last[1]) ** 2)
     if not weights.straight and n > 0:
         cells[n] = index_of(costs, frame, now.x, now.y)

@@ -65,6 +65,7 @@ def _slot(slots: NDArray[np.int64], corners: NDArray[np.int64], col: int, row: i
     """
     mask = slots.size - 1
     packed = ((col + _HALF) * (2 * _HALF) + row + _HALF) * SECTORS + sector
+    # Multiplicative hashing spreads neighboring bins over the table.
     slot = (packed * 0x9E3779B97F4A7C1 >> 17) & mask
     while True:
         found = slots[slot]
@@ -77,6 +78,7 @@ def _slot(slots: NDArray[np.int64], corners: NDArray[np.int64], col: int, row: i
 def _bin(particles: FloatArray) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
     n = particles.shape[0]
     capacity = 16
+    # A power of two, so that a mask replaces the remainder; at least half empty, so that probes are short.
     while capacity < 2 * n:
         capacity *= 2
     slots = np.full(capacity, _EMPTY, dtype=np.int64)

@@ -117,6 +117,7 @@ def _learnt(scales: tuple[float, float], innovation: FloatArray, expected: Float
     """Return the factors of the variances of distances and turns after another innovation and its (3, 3) covariance."""
     drive = _surprise(innovation[:2], np.ascontiguousarray(expected[:2, :2])) / 2.0
     turn = innovation[2] * innovation[2] / expected[2, 2]
+    # The minimum limits the effect of one outlier; the exponential keeps factors positive.
     lessons = (elementary.exp(_LEARNING * (min(each, GATE / 3.0) - 1.0)) for each in (drive, turn))
     for_drive, for_turn = (
         min(max(scale * lesson, _MIN_NOISE_SCALE), _MAX_NOISE_SCALE)
@@ -294,6 +295,7 @@ class KalmanLocalizer:
         surprise = _surprise(innovation, expected)
         state = replace(state, motion_noise_scales=_learnt(state.motion_noise_scales, innovation, expected))
         if surprise > GATE:
+            # Either the estimate or the match is wrong. After several such matches the gate accepts the next one.
             self._filter.reset(self._filter.mean, _DOUBTING * self._filter.covariance)
             return replace(state, refused=state.refused + 1), False
         self._filter.update(match.base_in_map, noise)

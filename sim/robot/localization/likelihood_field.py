@@ -53,6 +53,7 @@ def facing_levels(
     for quadrant in range(4):
         col_step = 1 if quadrant & 1 else -1
         row_step = 1 if quadrant & 2 else -1
+        # A beam of this quadrant can enter a cell only if one of the two cells before it is free.
         met = occupied & ~(_shifted(occupied, 0, col_step) & _shifted(occupied, row_step, 0))
         if not met.any():
             continue

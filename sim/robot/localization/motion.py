@@ -140,6 +140,7 @@ def diff_move(particles: FloatArray, moved: DiffIncrement, spread: DiffSpread, n
     """
     out = np.empty_like(particles)
     for i in range(particles.shape[0]):
+        # Subtracted, as in table 5.6: the true motion is the measured one minus its error.
         rot1 = moved.rot1 - spread.rot1 * noise[3 * i]
         trans = moved.trans - spread.trans * noise[3 * i + 1]
         rot2 = moved.rot2 - spread.rot2 * noise[3 * i + 2]

@@ -92,6 +92,7 @@ def _normal_equations(
         distance, by_col, by_row = interpolate(field, along, across)
         slopes[0] = (frame.cos * by_col - frame.sin * by_row) / frame.resolution
         slopes[1] = (frame.sin * by_col + frame.cos * by_row) / frame.resolution
+        # Derivative by the heading: a point moves perpendicular to its lever (px, py).
         slopes[2] = slopes[1] * px - slopes[0] * py
         # Geman and McClure's weight: a point far from every wall is another robot, and must not pull.
         weight = 1.0 / (1.0 + (distance / width) ** 2) ** 2
@@ -188,6 +189,7 @@ class ScanMatcher:
         if len(points) < _FEWEST or len(poses) == 0:
             return None
         shares = _shares(self.field, self.frame, poses, points[:: max(1, len(points) // _FEWEST)])
+        # Stable, so that poses with equal shares have the same order on every machine.
         guesses = poses[np.argsort(-shares, kind="stable")[:_REFINED]]
         drawn = [self._drawn(Pose2(x, y, theta), points, _COARSEST) for x, y, theta in guesses.tolist()]
         (here, best), *others = sorted(drawn, key=lambda match: -match[1])

@@ -157,6 +157,7 @@ def _information(slopes: FloatArray, distances: FloatArray, width: float) -> Flo
         for a in range(3):
             for b in range(3):
                 hessian[a, b] += curvatures[j] * slopes[j, a] * slopes[j, b]
+    # A small diagonal keeps the solution finite in directions that the scan does not determine.
     regular = hessian.copy()
     for a in range(3):
         regular[a, a] += 1e-3
@@ -165,6 +166,7 @@ def _information(slopes: FloatArray, distances: FloatArray, width: float) -> Flo
         leverage = 0.0
         for a in range(3):
             leverage += curvatures[j] * slopes[j, a] * spread[a, j]
+        # HC3: a residual is divided by 1 - leverage, because a point pulls the pose toward itself.
         leverage = min(max(leverage, 0.0), _MOST_LEVERAGE)
         weight = _weight(distances[j], width)
         score = weight * distances[j] / (1.0 - leverage)
@@ -175,6 +177,7 @@ def _information(slopes: FloatArray, distances: FloatArray, width: float) -> Flo
     for a in range(3):
         scatter[a, a] += 1e-9
     information = np.zeros((3, 3))
+    # Sandwich formula: the information is hessian scatter^-1 hessian.
     half = solution(scatter, hessian)
     for a in range(3):
         for b in range(3):
@@ -239,6 +242,7 @@ def _walls(
         matrix[a, a] += 1e-3
     spread, absorbed = solution(matrix, pulls), solution(matrix, means)
     covariance = solution(matrix, np.ascontiguousarray(spread.T))
+    # Between-wall sum of squares minus the part expected from point noise, with the fit's degrees of freedom removed.
     noise = within / max(total - walls, 1.0)
     free = walls - (absorbed[0, 0] + absorbed[1, 1] + absorbed[2, 2])
     degrees = total - (spread[0, 0] + spread[1, 1] + spread[2, 2])
