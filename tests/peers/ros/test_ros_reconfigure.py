@@ -79,7 +79,7 @@ def test_the_client_of_ros_reads_and_turns_numbers_words_and_switches(beside: Ro
     assert said["first"]["laser_model_type"] == "likelihood_field"
     beams = said["described"]["laser_max_beams"]
     assert (beams["type"], beams["min"], beams["max"], beams["default"]) == ("int", 2, 4000, 30)
-    assert beams["description"] == "beams of a scan that are used"
+    assert beams["description"] == "number of beams of a scan that are used"
     assert said["changes"] == [
         {"laser_max_beams": 31},
         {"kld_err": 0.125, "do_beamskip": True},

@@ -99,7 +99,7 @@ def test_a_description_is_the_fields() -> None:
     described = unpacked(reconfigure.description(SECTIONS["amcl"]), types.CONFIG_DESCRIPTION)
     rows = {row.name: row for row in described.groups[0].parameters}
     assert rows["update_min_d"].type == "double"
-    assert rows["update_min_d"].description == "metres to drive before the filter is updated [m]"
+    assert rows["update_min_d"].description == "distance driven before the next filter update [m]"
     assert rows["update_min_d"].edit_method == ""
     models = eval(rows["odom_model_type"].edit_method)["enum"]
     assert [choice["name"] for choice in models] == ["diff", "diff-corrected", "omni", "omni-corrected"]

@@ -78,7 +78,7 @@ def test_all_are_described_in_the_same_order_and_begin_within_their_bounds(bench
 def test_what_a_parameter_means_is_what_the_study_says_of_it(bench: Bench) -> None:
     described = {each.name: each for each in bench.vehicle.descriptions()}
     assert described["AMCL_UPD_MIN_D"] == ParameterDescription(
-        "AMCL_UPD_MIN_D", "metres to drive before the filter is updated", "robot.amcl.update_min_d of the study",
+        "AMCL_UPD_MIN_D", "distance driven before the next filter update", "robot.amcl.update_min_d of the study",
         "robot", "amcl", "m", 0.2, 0.0, 5.0,
     )  # fmt: skip
     assert described["AMCL_LASER_MODEL"].words == ("likelihood_field", "likelihood_field_prob", "beam")
