@@ -69,7 +69,7 @@ class TestRoundTrip:
         assert read_study_text(STUDY, text) == STANDARD
         assert "  # energy of each robot at the start [0.01 to 1000000]\n  energy: 100.0\n" in text
         assert "    # maximum forward velocity [0 to 20 m/s]\n    max_vel_x: 1.0\n" in text
-        assert "that is installed [amcl, ekf, ukf, truth or fake_localization]" in text
+        assert "truth and fake_localization are the same [amcl, ekf, ukf, truth or fake_localization]" in text
 
     @given(
         # Paths that no file can have are refused.
