@@ -59,7 +59,7 @@ def test_a_hunt_over_the_network_is_encrypted_and_who_shows_no_key_stays_outside
             door = ("--watch", "10.9.0.2:6010", "--watch-key", "keys")
             running.append(Program(tmp_path, *simr, *door, by=lab.there))
             running.append(Program(tmp_path, "hider", *at, "--key", "keys/bob.key", by=lab.there))
-            until("the door for windows", lambda: "can watch at" in running[1].text, running)
+            until("the door for windows", lambda: "can connect to" in running[1].text, running)
             watch = [*lab.here, sys.executable, "-c", _WATCHER, "keys/dora.key"]
             watcher = subprocess.run(watch, cwd=tmp_path, capture_output=True, text=True, timeout=90, check=False)
             assert watcher.stdout == "watched\n", watcher.stderr

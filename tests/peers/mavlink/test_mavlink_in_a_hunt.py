@@ -20,7 +20,7 @@ def test_a_robot_is_taken_from_the_participant_and_given_back_and_the_hunt_comes
     with rovers(tmp_path, (port,), "--identity", "ardupilot", participant="nearest") as play:
         assert script.master.wait_heartbeat(timeout=60) is not None
         script.follows(1)
-        until("the first robot to be sent", lambda: "Robot 1 sets out" in play.text, [play])
+        until("the first robot to be sent", lambda: "Robot 1 leaves for" in play.text, [play])
         script.arms()  # on its way: the participant loses it there
         script.master.set_mode("GUIDED")
         script.is_in("GUIDED")
@@ -71,7 +71,7 @@ def test_the_manuals_example_brings_a_robot_into_a_room(
         done = run_peer(command, cwd=tmp_path, timeout=120)
         assert done.returncode == 0, done.stdout + done.stderr
         assert "Arrived." in done.stdout.splitlines()
-        until("the robot to be there", lambda: "is in room 2." in play.text, [play])
+        until("the robot to be there", lambda: "has reached room 2." in play.text, [play])
 
 
 def example_for(client: str, port: int) -> str:

@@ -82,7 +82,7 @@ def sight(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Sight]:
         played = ("play", "--headless", "--participant", "suggestion", "--no-report", "--port", "0")
         hunt = Program(folder, *played, "--robots", str(ROBOTS), "--ros", "--ros-master", uri, "--bag", "hunt.bag")
         opened.callback(hunt.close)
-        until("the hunt", lambda: "sets out" in hunt.text, [hunt])
+        until("the hunt", lambda: "leaves for" in hunt.text, [hunt])
 
         def start_rviz() -> subprocess.Popen[bytes]:
             command = ["rviz", "-d", configuration]
