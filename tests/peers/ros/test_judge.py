@@ -80,7 +80,7 @@ def test_durations_that_rosbag_gets_wrong(tmp_path: Path, form: dict[str, bool])
     told = re.search(r"duration: (-?[0-9.]+)", info(path))
     assert told is not None
     assert float(told[1]) < 0.0
-    assert f"says it lasts {float(told[1]):.1f} s" in found(judgement_of(path), "chunk-order").what
+    assert f"reports {float(told[1]):.1f} s" in found(judgement_of(path), "chunk-order").what
 
 
 def test_a_first_record_that_reindex_overruns(tmp_path: Path) -> None:

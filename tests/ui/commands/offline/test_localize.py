@@ -218,7 +218,7 @@ def test_the_time_offset_of_odometry_is_reported_and_corrected(tmp_path: Path) -
     assert told["time_offset"]["deviation"] < 0.02
     assert told["time_offset_applied"] == 0.0
     for done in corrected:
-        assert "Correct it by" not in done.stderr
+        assert "Correct it with" not in done.stderr
         told = json.loads(done.stdout)
         assert told["time_offset"]["seconds"] == pytest.approx(0.15, abs=0.02)
         assert told["time_offset_applied"] == pytest.approx(0.15, abs=0.02)
