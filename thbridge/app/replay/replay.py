@@ -89,6 +89,7 @@ class Replayed:
         cut_off: True when the recording ends in the middle of a tick, and its messages of that tick are equal.
         finished: True when the recording's end or a difference was reached, False when the replay was stopped.
         wall_seconds: real time of the replay.
+        reworded: number of messages found equal only in today's words; see `rewordings`.
     """
 
     ticks: int
@@ -97,6 +98,7 @@ class Replayed:
     cut_off: bool
     finished: bool
     wall_seconds: float
+    reworded: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -254,7 +256,15 @@ class RecordingReplay:
     def result(self, wall_seconds: float) -> Replayed:
         """Return the result so far; `wall_seconds` is the elapsed real time."""
         done = self._comparison
-        return Replayed(self._session.tick, done.messages, done.difference, done.cut_off, self._over, wall_seconds)
+        return Replayed(
+            self._session.tick,
+            done.messages,
+            done.difference,
+            done.cut_off,
+            self._over,
+            wall_seconds,
+            done.reworded,
+        )
 
     def __enter__(self) -> Self:
         return self
@@ -343,12 +353,13 @@ class Comparison:
 
     Attributes:
         messages: number of messages found equal.
+        reworded: number of messages found equal only in today's words.
         difference: the first one; None as long as all messages are equal.
     """
 
     def __init__(self, left_out: frozenset[str] = frozenset()) -> None:
         self._left_out = left_out
-        self.messages = 0
+        self.messages = self.reworded = 0
         self.difference: Difference | None = None
         self._of_topic: Counter[str] = Counter()
         self._missing: Difference | None = None
@@ -397,6 +408,7 @@ class Comparison:
         # Only here, since it decodes both messages: nearly all are equal as bytes.
         recorded = reworded(topic.msgtype, was.data, data)
         if data == recorded:
+            self.reworded += 1
             return None
         try:
             fields = differences(topic.msgtype, recorded, data)

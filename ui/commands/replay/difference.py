@@ -72,7 +72,8 @@ def show_replayed(done: Replayed, figures: Sequence[Compared]) -> None:
     """Print the result of a replay."""
     if done.difference is None:
         ending = " The recording ends in the middle of its last tick." if done.cut_off else ""
-        text = f"All {done.messages} messages of {done.ticks} ticks are the same, bit for bit.{ending}"
+        reworded = f" ({done.reworded} of them in today's words)" if done.reworded else ""
+        text = f"All {done.messages} messages of {done.ticks} ticks are the same, bit for bit{reworded}.{ending}"
         show(f"{text} ({done.wall_seconds:.1f} s)")
     else:
         _show_difference(done.difference)
