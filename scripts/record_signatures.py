@@ -41,7 +41,7 @@ class Compilations(event.Listener):
         self._switch()
         seconds = self._own.pop()
         kernel = ended.data["dispatcher"]
-        # Formulas have the name of a plain function.
+        # Formulas are compiled under the name of a plain function, and count for the kernel that calls them.
         if is_kernel(kernel):
             self.lines.append((seconds, as_line(kernel, ended.data["args"], moves=self.ticks > 0)))
         elif self._own:

@@ -36,7 +36,7 @@ def write_report(
         raise BadFile(page, "this is the bag itself", "choose another file with --to")
     grid = None
     if map_yaml is not None:
-        from ui.command_line.grids import grid_at  # noqa: PLC0415 - 20 MB
+        from ui.command_line.grids import grid_at  # noqa: PLC0415 - imports 20 MB
 
         grid = grid_at(map_yaml)
     html = build_report(bag, grid, tell, named or FOUND_BY_NAME)

@@ -72,7 +72,7 @@ def covariance(report: Report, style: FigureStyle) -> Figure | None:
         for axes, column, scale in zip(rows[0], (1, 2), (100.0, 180.0 / np.pi), strict=True):
             axes.step(admitted[:, 0], scale * admitted[:, column], where="post", color=robot_color(index))
     for axes in rows[0]:
-        # During global localization they are meters, during tracking centimeters.
+        # The values are meters during global localization, and centimeters during tracking.
         axes.set_yscale("log", nonpositive="mask")
         axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
         axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
