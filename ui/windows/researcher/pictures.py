@@ -87,7 +87,7 @@ class VideoWriter(QObject):
         self._done = 0
         self._process = QProcess(self)
         self._process.finished.connect(self._finish)
-        self._process.errorOccurred.connect(lambda _: self._fail("ffmpeg cannot be started"))
+        self._process.errorOccurred.connect(lambda _: self._fail("ffmpeg did not start, or stopped too early"))
         self._timer = QTimer(self)
         self._timer.timeout.connect(self._next)
         first = self._picture(0)
@@ -121,7 +121,8 @@ class VideoWriter(QObject):
 
     def _finish(self, code: int) -> None:
         if code != 0:
-            self._fail(bytes(self._process.readAllStandardError().data()).decode(errors="replace").strip())
+            printed = bytes(self._process.readAllStandardError().data()).decode(errors="replace").strip()
+            self._fail(printed or f"ffmpeg ended with exit code {code}")
             return
         try:
             self._part.replace(self._path)

@@ -54,7 +54,7 @@ def test_a_video_has_the_frames_of_its_section_and_the_time_stays(
     writer = window.save_video(tmp_path / "b.mp4", (8.0, 8.2), shutil.which("false") or "false")
     with qtbot.waitSignal(writer.ended) as ended:
         pass
-    assert "b.mp4 cannot be saved" in ended.args[0]
+    assert "Cannot save" in ended.args[0] and "b.mp4: ffmpeg" in ended.args[0]
     assert sorted(path.name for path in tmp_path.iterdir()) == ["a.mp4", "recorder"]
     assert FRAMES_PER_SECOND == 25
 
