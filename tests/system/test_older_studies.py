@@ -126,7 +126,7 @@ def test_a_changed_file_that_does_not_fit_its_log_is_told(study: Path, was: str,
         said = refused("study", *command)
         assert f"{file}: does not fit what is in the log: " in said
         assert told in said
-        assert "Bring back the files with which people took part" in said
+        assert "Restore the files with which people took part" in said
 
 
 def test_an_item_that_people_answered_and_that_is_gone_is_told(study: Path) -> None:

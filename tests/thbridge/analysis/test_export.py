@@ -238,7 +238,7 @@ def test_types_that_nobody_knows_and_parts_of_a_recording(tmp_path: Path) -> Non
 
 def test_a_folder_that_holds_something_is_left_alone(bag: Path, tmp_path: Path) -> None:
     (tmp_path / "mine.txt").write_text("mine")
-    with pytest.raises(BadFile, match="something in this folder"):
+    with pytest.raises(BadFile, match="this folder is not empty"):
         export_bag(bag, tmp_path, BOTH)
     assert [path.name for path in tmp_path.iterdir()] == ["mine.txt"]
 
