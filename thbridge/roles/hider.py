@@ -61,7 +61,7 @@ class Hider:
     ) -> None:
         self._kinds = tuple(kinds)
         self._properties = tuple(properties)
-        self._chance = noise.key(seed, "hider")
+        self._noise_key = noise.key(seed, "hider")
         self._rooms = rooms
         self._introduce = False
         self._has_keeper = False
@@ -106,7 +106,7 @@ class Hider:
 
     def hidden(self, game: int, rooms: int) -> tuple[TreasureKind, ...]:
         """Return the treasure of each room in a game, by its number from 1."""
-        return hide(self._kinds, noise.first_uniforms(self._chance, game, rooms))
+        return hide(self._kinds, noise.first_uniforms(self._noise_key, game, rooms))
 
     def _answer_without_keeper(self, tick: int) -> list[TextMessage]:
         if self._has_keeper:

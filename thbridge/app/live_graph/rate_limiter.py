@@ -15,17 +15,17 @@ class RateLimiter:
     """Counter of requests between two ticks."""
 
     def __init__(self) -> None:
-        self._asked: Counter[tuple[str, str]] = Counter()
+        self._counts: Counter[tuple[str, str]] = Counter()
         self._complaints = WarnOnce(_log)
 
     def tick(self) -> None:
         """Reset the counts, because the session has processed the requests so far."""
-        self._asked.clear()
+        self._counts.clear()
 
     def admits(self, topic: str, client: str) -> bool:
         """Count a request; return False above the limit, which is logged once."""
-        self._asked[topic, client] += 1
-        if self._asked[topic, client] <= REQUESTS_PER_TICK:
+        self._counts[topic, client] += 1
+        if self._counts[topic, client] <= REQUESTS_PER_TICK:
             return True
         self._complaints.warn(
             f"{topic}: {client} sends more than {REQUESTS_PER_TICK} requests in a tick; the rest are dropped"
@@ -34,5 +34,5 @@ class RateLimiter:
 
     def is_first(self, service: str) -> bool:
         """Count a call; return True for the first in a tick. For services that need to act only once per tick."""
-        self._asked[service, ""] += 1
-        return self._asked[service, ""] == 1
+        self._counts[service, ""] += 1
+        return self._counts[service, ""] == 1

@@ -79,7 +79,7 @@ class BagRecorder:
         for item in record.inputs:
             yield to_record(item)
             if isinstance(item, ClientRequest) and isinstance(item.request, GraphRequest):
-                yield from self._asked(record, item.request)
+                yield from self._client_requests(record, item.request)
         for forwarded in record.forwarded:
             yield from _lines(forwarded)
         for event in record.events:
@@ -114,7 +114,7 @@ class BagRecorder:
                 self._portraits[robot] = state
                 yield state
 
-    def _asked(self, record: TickRecord, request: GraphRequest) -> Iterator[Record]:
+    def _client_requests(self, record: TickRecord, request: GraphRequest) -> Iterator[Record]:
         """Yield the request of a ROS client, if its robot exists."""
         if record.snapshot is not None and request.robot < len(record.snapshot.robots):
             yield request

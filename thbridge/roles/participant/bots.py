@@ -252,8 +252,8 @@ class Bot:
         if not room.found:
             return SenseTreasure(room.room)
         name = self._name(room)
-        if room.picture is not None and name is not None and (told := self._told(view, room, name)) is not None:
-            return told
+        if room.picture is not None and name is not None and (entered := self._entered(view, room, name)) is not None:
+            return entered
         if name is not None and robot.energy >= view.identify_cost:
             return (
                 IdentifyTreasure(room.room, name)
@@ -307,7 +307,7 @@ class Bot:
         ]
         return MeasureProperty(room.room, min(telling, key=lambda each: each.cost).name) if telling else None
 
-    def _told(self, view: View, room: RoomView, name: str) -> TellProperty | None:
+    def _entered(self, view: View, room: RoomView, name: str) -> TellProperty | None:
         """Return the next property that a person recognizes on the picture of a treasure."""
         shown = next((kind for kind in self._knowledge.kinds if kind.name == name), None)
         untold = (each for each in view.properties if each.told_by is Teller.PERSON and each.name not in room.told)

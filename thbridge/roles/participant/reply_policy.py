@@ -68,24 +68,24 @@ class ReplyPolicy:
         found = [choice for choice, offered in enumerate(dialogue.acts) if offered == act]
         # A sceptic chooses randomly among equal acts, for example among reasons; the others choose the first.
         varies = self.attitude is Attitude.SCEPTICAL
-        return found[int(self._chance("reasons", dialogue) * len(found))] if varies else found[0]
+        return found[int(self._uniform("reasons", dialogue) * len(found))] if varies else found[0]
 
     def _sceptical(self, dialogue: DialogueView, is_own: bool) -> tuple[str, ...]:
         """Return the acts that a sceptic would choose, in order of preference."""
-        doubts = self._chance("rejections", dialogue) < REJECTION_PROBABILITY
+        doubts = self._uniform("rejections", dialogue) < REJECTION_PROBABILITY
         if "continue" in dialogue.acts:
-            stops = not is_own and self._chance("stops", dialogue) < STOP_PROBABILITY
+            stops = not is_own and self._uniform("stops", dialogue) < STOP_PROBABILITY
             return ("stop",) if stops else ("continue",)
         if dialogue.speakers.count("person") >= MOST_REPLIES:
             return ("override", "leave") if doubts and is_own else ("leave",) if doubts else ("accept", "leave")
-        if "open-questions" in dialogue.acts and self._chance("questions", dialogue) < QUESTION_PROBABILITY:
+        if "open-questions" in dialogue.acts and self._uniform("questions", dialogue) < QUESTION_PROBABILITY:
             return ("open-questions",)
         insists = ("override", "assert") if is_own else ()
         # Three assertions are the answers to a question of the robot: yes, no, and don't know.
         answers = ("assert",) if dialogue.acts.count("assert") == 3 else ()
         return ("enquire", "challenge", *insists, "reject" if doubts else "accept", "question", *answers, "leave")
 
-    def _chance(self, of: str, dialogue: DialogueView) -> float:
+    def _uniform(self, of: str, dialogue: DialogueView) -> float:
         return noise.uniform(noise.key(self.seed, "participant", of), dialogue.dialogue, dialogue.turn)
 
 
