@@ -67,7 +67,7 @@ def study_page() -> str:
     parts = [STUDY_HEAD, *_table(_row(field, field.key) for field in form.fields)]
     for section in form.groups:
         if section.key not in {"robot", "world"}:
-            parts.append(f"\n## {section.key}\n\n{section.help[:1].upper()}{section.help[1:]}.\n")
+            parts.append(f"\n## `{section.key}`\n\n{section.help[:1].upper()}{section.help[1:]}.\n")
             parts += _table(_own_rows(section, {}))
     return "\n".join(parts) + "\n"
 

@@ -199,11 +199,11 @@ class MoveBaseClient:
             if self._foreign_goal(now_ns) is not None:
                 self._finish(Cancelled(goal))
             elif now_ns - current.withdrawn_ns >= PREEMPTION_WINDOW_NS:
-                self._finish(NoPath(goal, "called_off", "somebody else took the goal back"))
+                self._finish(NoPath(goal, "called_off", "another client canceled the goal"))
         elif stale:
-            self._finish(NoPath(goal, "unanswered", "the robot says nothing any more"))
+            self._finish(NoPath(goal, "unanswered", "the robot has become silent"))
         elif now_ns - max(current.sent_ns, self._status_ns or 0) > self._stale_ns:
-            self._finish(NoPath(goal, "unanswered", "the action server says nothing any more"))
+            self._finish(NoPath(goal, "unanswered", "the action server has become silent"))
         elif current.cancelled_ns is not None and now_ns - current.cancelled_ns > CANCEL_TIMEOUT_NS:
             self._finish(Cancelled(goal))
         elif current.unlisted_ns is not None and now_ns - current.unlisted_ns > UNLISTED_TIMEOUT_NS:
