@@ -64,7 +64,8 @@ class TeamSnapshot:
             their truth is unknown.
         robots: one entry per robot, in the team's order.
         commands: (n, 2) m/s and rad/s given to the motors in this tick, by navigators or by hand.
-        dead: indices of dead robots, which perceive, broadcast and do nothing. Their entries are their last ones alive.
+        dead: indices of dead robots, which perceive, broadcast and do nothing. Their entries are from their last tick
+            alive.
     """
 
     tick: int
@@ -200,7 +201,7 @@ class Team:
             truth = parameters.fake_localization
             return FakeLocalization(truth, lambda: Pose2(*(float(value) for value in self._state.poses[index])))
         if parameters.localization in {"ekf", "ukf"}:
-            # filterpy takes long to import, and most teams do not need it.
+            # Imported here, because filterpy loads slowly and most teams do not need it.
             from sim.robot.localization.ekf import KalmanLocalizer  # noqa: PLC0415
 
             return KalmanLocalizer(parameters, grid, mount_of(world.laser))

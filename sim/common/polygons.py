@@ -21,7 +21,7 @@ class Polygons(NamedTuple):
 
     Attributes:
         corners: (v, 2) corners of all polygons, meters.
-        ends: (p + 1,) int64; the corners of polygon i are those from ends[i] up to ends[i + 1].
+        ends: (p + 1,) int64; the corners of polygon i are corners[ends[i] : ends[i + 1]].
         circles: (p, 3) x, y and radius of a circle around each.
     """
 

@@ -202,5 +202,5 @@ def _cross(one: tuple[Point, Point], other: tuple[Point, Point]) -> bool:
 
 
 def _turn(a: Point, b: Point, c: Point) -> float:
-    """Return a positive number if the path from a by b to c turns left."""
+    """Return a positive number if the path from a via b to c turns left."""
     return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])

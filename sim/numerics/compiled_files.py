@@ -1,4 +1,4 @@
-"""Files of compiled code. As they are executed, only their owner may change them, and damaged ones are never loaded."""
+"""Files of compiled code. They are executed, so only their owner may change them, and damaged ones are not loaded."""
 
 import hashlib
 import logging

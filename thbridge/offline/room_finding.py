@@ -80,7 +80,7 @@ def find_rooms(grid: OccupancyGrid, inscribed: float, circumscribed: float, want
         grid: the map; noise, furniture and unknown space are tolerated, but unknown space is not floor.
         inscribed: radius of the robot's inner circle, meters; the robot drives where this circle fits.
         circumscribed: radius of its outer circle, meters; a room has a place where the robot can turn.
-        wanted: maximum number of rooms; smaller rooms are then assigned to the corridor. If None, all rooms by the
+        wanted: maximum number of rooms; beyond it, the smallest are assigned to the corridor. If None, all rooms by the
             usual thresholds.
 
     Returns:

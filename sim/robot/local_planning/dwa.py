@@ -190,8 +190,8 @@ class _OscillationCritic:
     """Keeps a robot from reversing: it must not immediately return the way it came (oscillation_cost_function.cpp).
 
     Args:
-        reset_dist: distance after which it may, meters.
-        reset_angle: or turn after which it may, radians.
+        reset_dist: distance after which it may reverse, meters.
+        reset_angle: turn after which it may reverse, radians.
 
     Attributes:
         only: required signs of v and w; 0 allows both.

@@ -3,7 +3,7 @@
 The bins are those of amcl: 0.5 m by 0.5 m by 10 degrees. They measure the spread of the cloud (KLD sampling) and
 separate hypotheses: bins that touch, even if only at a corner, are one cluster.
 
-Source: pf_kdtree.c. Difference: the bins of -180 and +180 degrees touch; in amcl a cloud with heading west splits.
+Source: pf_kdtree.c. Difference: the bins of -180 and +180 degrees touch; in amcl a cloud that faces west splits.
 """
 
 import math

@@ -97,8 +97,8 @@ class Hypothesis:
         covariance: (3, 3) covariance of this pose; read-only.
         updates: number of scans weighed since it began.
         agreement: share of the scans that the map explains.
-        settled: number of scans with a narrow cloud, since nearly all particles agree on one pose that the map
-            explains.
+        settled: number of scans with a narrow cloud, counted while nearly all particles agree on one pose that the
+            map explains.
         noise_scales: factors by which odometry is noisier than the parameters say.
         share: share of the weight in the heaviest cluster at the last update.
     """

@@ -84,7 +84,7 @@ def sample_limit(bins: int, error: float, quantile: float, least: int, most: int
 
     Source: Fox, Adapting the sample size in particle filters through KLD-sampling (2003), with the Wilson-Hilferty
         approximation of the chi-square quantile; bounds from pf.c. Difference: a single bin needs `least` particles;
-        amcl uses `most`, although the narrowest cloud needs fewest.
+        amcl uses `most`, although the narrowest cloud needs the fewest.
     """
     if bins <= 1:
         return least

@@ -16,9 +16,9 @@ FOUND_RATIO = 0.93
 MOST_OF_ONE_SCAN = 0.25
 """Maximum effect of one scan against the pose, because the scan itself may be misleading."""
 MISFIT_OF_A_LOST_ROBOT = 1.0
-"""Sum of the shares that scans lacked to the minimum agreement, above which the pose cannot be right. Four scans that
-do not fit at all reach it, or ten scans with three fifths explained by the map. Scans that fit reduce the sum by their
-surplus.
+"""Limit of a sum above which the pose cannot be right. The sum adds by how much each scan is below the minimum
+agreement. Four scans that do not fit at all reach it, or ten scans with three fifths explained by the map. Scans above
+the minimum reduce the sum.
 
 Source: Page, Continuous inspection schemes (1954).
 """

@@ -214,7 +214,7 @@ class ScanMatcher:
                 pull more, too.
 
         Returns:
-            The match; the noise in its information comes from the remaining distances. None with less than three
+            The match; the noise in its information comes from the remaining distances. None with fewer than three
             points, which do not determine a pose.
 
         Source: Kohlbrecher et al., A flexible and scalable SLAM system (2011), section IV: Gauss-Newton on an

@@ -20,7 +20,7 @@ WRONG_TURN = 0.5
 """Angle to the true heading above which a pose is wrong, radians."""
 
 _LEAST_EXPLAINED = 0.9
-"""Share of a scan that the map explains from most right poses. Only the part missing to it counts against a pose."""
+"""Share of a scan that the map explains from most right poses. Only what is missing to it counts against a pose."""
 _MANY_UPDATES = 100
 """Number of updates above which more updates make no difference."""
 _SETTLED = 5

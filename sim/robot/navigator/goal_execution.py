@@ -106,7 +106,7 @@ class GoalExecution:
         return Idle(wanted) if self.goal is None else Planning(wanted, waits_for)
 
     def stop(self, event: Event, state: State | None = None) -> None:
-        """Stand, leave the present itinerary, and stop the search for another one."""
+        """Stop the robot, drop its itinerary, and stop the search for another one."""
         self.command = STANDSTILL
         self._planner.give_up()
         if not isinstance(self.state, Lost):
