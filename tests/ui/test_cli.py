@@ -357,7 +357,7 @@ def test_a_value_that_an_option_gives_is_not_told_as_one_of_the_file() -> None:
             "line 2, participant.consent: none.txt: there is no such file",
         ),
         ("participant:\n  consent: empty.txt\n", "empty.txt: the consent text is empty"),
-        ("participant:\n  consent: long.txt\n", "long.txt: larger than 8000 bytes"),
+        ("participant:\n  consent: long.txt\n", "long.txt: it is larger than 8000 bytes"),
         ("participant:\n  robots: [4, 1]\n", "line 2, participant.robots: 4 is above 1"),
         ("participant:\n  robots: [0, 4]\n", "line 2, participant.robots[0]: 0 is out of range"),
         ("participant:\n  robots: 3\n", "line 2, participant.robots: a list is needed"),
