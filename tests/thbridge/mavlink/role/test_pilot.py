@@ -168,7 +168,7 @@ def test_a_place_of_which_the_map_knows_nothing_is_denied_and_one_beside_it_is_n
     cells[setup.floor.grid.cell_of(x, y)] = UNKNOWN
     floor = replace(setup.floor, grid=replace(setup.floor.grid, cells=cells))
     pilot = Pilot(0, replace(setup, floor=floor), start, OF_OTHERS, Parameters(), taken.ask)
-    assert pilot.misplaced(x, y) == Denied("The map does not know what is where robot 1 should stand.")
+    assert pilot.misplaced(x, y) == Denied("The map does not show what is at the place where robot 1 should stand.")
     assert pilot.misplaced(x - 0.1, y) is None
 
 
