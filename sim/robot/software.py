@@ -21,7 +21,7 @@ class RobotOutput:
         observations: its sensors' messages.
         estimate: pose where the robot believes it is.
         navigation: command, goal and plan. Its command acts in the next tick.
-        neighbor: state that it broadcasts. The other robots receive it in the next tick.
+        neighbour: state that it broadcasts. The other robots receive it in the next tick.
     """
 
     observations: Observations
@@ -131,7 +131,7 @@ class Robot:
 
         Args:
             observations: observations of this tick.
-            neighbors: broadcasts of the other robots in the last tick.
+            neighbours: broadcasts of the other robots in the last tick.
         """
         tick, odometry = observations.tick, observations.odometry
         estimate = self.localizer.update(odometry, observations.imu, observations.scan)

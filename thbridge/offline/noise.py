@@ -47,7 +47,7 @@ class PathSpread:
     Attributes:
         driven: (k, 2) the path without noise, meters; from the origin along x.
         paths: (n, k, 2) the paths with noise.
-        center: (2,) mean of the paths' ends.
+        centre: (2,) mean of the paths' ends.
         ellipse: (m, 2) outline of the 95 % ellipse of the ends.
         along: longer half axis of that ellipse, meters.
         across: shorter half axis, meters.

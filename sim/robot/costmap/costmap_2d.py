@@ -149,7 +149,7 @@ class Costmap2D:
 
         Args:
             x: x of the robot in the map; also y.
-            neighbors: the other robots.
+            neighbours: the other robots.
             pending: a scan that the update would process.
 
         Returns:

@@ -57,7 +57,7 @@ class Roadmap:
     """The coarse grid.
 
     Attributes:
-        centers: (rows, cols, 2) map point of each cell: its middle, or the point with most clearance if that is too
+        centres: (rows, cols, 2) map point of each cell: its middle, or the point with most clearance if that is too
             tight.
         free: (rows, cols) True if a robot can stand and turn there without touching a wall.
         corner: (2,) map coordinates of the outer corner of cell (0, 0).

@@ -255,7 +255,7 @@ def surroundings(
         frame: frame of these cells in the map.
         footprint: (n, 2) padded corners of the robot.
         pose: pose of its base in the map.
-        neighbors: the other robots; distant ones are ignored.
+        neighbours: the other robots; distant ones are ignored.
         acc_lim_x: braking limit for all robots, m/s^2.
         hold: time between two commands, including latency, seconds.
     """

@@ -55,7 +55,7 @@ class CostmapPublisher:
         Args:
             tick: the present tick.
             pose: pose where the robot believes it is.
-            neighbors: the other robots.
+            neighbours: the other robots.
             pending: a scan that the costmap has not processed yet.
         """
         self._first = False

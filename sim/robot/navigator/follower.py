@@ -196,7 +196,7 @@ class Follower:
             tick: the present tick, with a command due.
             pose: pose where the robot believes it is.
             twist: its velocity.
-            neighbors: last states of the other robots.
+            neighbours: last states of the other robots.
         """
         if self._controller.update_due(tick) or self._held_up_since == tick:
             self._controller.update_costmap(pose, neighbours)

@@ -191,7 +191,7 @@ class Navigator:
             base_in_map: pose where the robot believes it is.
             twist: its velocity, by odometry.
             scan: scan of the laser, if it was due.
-            neighbors: broadcasts of the other robots in the last tick.
+            neighbours: broadcasts of the other robots in the last tick.
             lost: True if the pose is not reliable. Then a robot with a goal looks around until it is.
         """
         execution = self._execution
@@ -231,7 +231,7 @@ class Navigator:
 
         Args:
             tick: tick of the last step.
-            neighbors: broadcasts of the other robots in that tick.
+            neighbours: broadcasts of the other robots in that tick.
         """
         execution = self._execution
         state = execution.state
