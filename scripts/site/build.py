@@ -56,7 +56,7 @@ def _lay_source(source: Path) -> None:
     for page in (ROOT / "docs").rglob("*.md"):
         copy = source / page.relative_to(ROOT / "docs")
         text = _with_links_of(page.read_text(encoding="utf-8"), page.parent, page.parent)
-        copy.write_text(text + _toctree(page, text), encoding="utf-8")
+        copy.write_text(text + _toctree(page, text, copy), encoding="utf-8")
     commands = source / "reference" / "commands"
     commands.mkdir()
     for name, text in command_pages().items():
@@ -83,14 +83,32 @@ def _with_links_of(text: str, folder: Path, to: Path) -> str:
     return _LINK.sub(link, text)
 
 
-def _toctree(page: Path, text: str) -> str:
-    """Return the toctree of an index page: the pages of its folder that it links, and the indexes of subfolders."""
+def _toctree(page: Path, text: str, copy: Path) -> str:
+    """Return the toctree of an index page: its links to pages of its folder and to indexes of folders in it.
+
+    If the page has sections, each section becomes a page with the same links, so that the sidebar shows these groups.
+    """
     if page.name not in INDEXES:
         return ""
+    head, *sections = re.split(r"^## ", text, flags=re.MULTILINE)
+    entries = _entries(head)
+    for section in sections:
+        title, _, links = section.partition("\n")
+        name = f"group-{title.lower().replace(' ', '-').replace(',', '')}"
+        group = f"# {title}\n\n{links.strip()}\n{_listed(_entries(links))}"
+        (copy.parent / f"{name}.md").write_text(group, encoding="utf-8")
+        entries.append(name)
+    return _listed(entries)
+
+
+def _entries(text: str) -> list[str]:
     linked = dict.fromkeys(match[2] for match in _LINK.finditer(text) if match[2].endswith(".md"))
     inner = [path for path in linked if "/" not in path or (path.count("/") == 1 and path.endswith("/index.md"))]
-    inner = [path for path in inner if not path.startswith("../")]
-    return "\n```{toctree}\n:hidden:\n\n" + "\n".join(path.removesuffix(".md") for path in inner) + "\n```\n"
+    return [path.removesuffix(".md") for path in inner if not path.startswith("../")]
+
+
+def _listed(entries: list[str]) -> str:
+    return "\n```{toctree}\n:hidden:\n\n" + "\n".join(entries) + "\n```\n"
 
 
 def api_pages() -> dict[str, str]:

@@ -63,7 +63,7 @@ def read_image(path: Path) -> NDArray[np.uint8]:
 
 def _too_large(path: Path, width: int, height: int) -> BadFile:
     problem = f"{width} x {height} pixels are more than {MOST_PIXELS}"
-    return BadFile(path, problem, "Save the map with a coarser resolution")
+    return BadFile(path, problem, "Save the map at a coarser resolution")
 
 
 def _with_plain_header(path: Path, data: bytes) -> bytes:

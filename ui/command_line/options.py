@@ -88,7 +88,7 @@ class ColourScheme(StrEnum):
 
 LookOption = Annotated[
     ColourScheme,
-    typer.Option("--look", help="Light or dark windows. `system`: as set in the window, otherwise as the desktop."),
+    typer.Option("--look", help="Light or dark windows. `system`: as chosen in the window, or else like the desktop."),
 ]
 
 
@@ -178,8 +178,8 @@ class RosOptions:
         typer.Option(
             envvar="ROS_MASTER_URI",
             metavar="URI",
-            help=f"Address of the ROS master (default {ROS_MASTER_URI}). If none runs there on this machine, this "
-            "program starts one.",
+            help=f"Address of the ROS master (default {ROS_MASTER_URI}). If it is an address of this machine "
+            "where no master runs, this program starts one.",
         ),
     ] = None
     ros_host: Annotated[
@@ -256,7 +256,7 @@ class EngineOptions:
 
     engine: Annotated[
         EngineKind,
-        typer.Option(help="Where games run: processes of this machine, a Dask cluster, or Slurm jobs."),
+        typer.Option(help="Where games run: in processes on this machine, on a Dask cluster, or in Slurm jobs."),
     ] = EngineKind.PROCESSES
     processes: Annotated[
         int | None, typer.Option(help="Number of processes on this machine; default: one per core.", min=1, max=1024)

@@ -155,7 +155,7 @@ class GamePage(QWidget):
         self.setFocusProxy(window)
 
     def _follow_language(self) -> None:
-        """Open the game's window again if the server sent another language than that of the window."""
+        """Open the game's window again if the server sent a language that is not the window's."""
         if self._model.texts is self._texts:
             return
         before, self._texts = self._texts, self._model.texts

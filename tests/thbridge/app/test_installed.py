@@ -144,7 +144,7 @@ def test_people_are_told_while_a_game_waits_for_a_strategy(monkeypatch: pytest.M
     monkeypatch.setattr(sys.modules["lab_of_tests"], "MAY_GO_ON", release.told.wait)
     (exchange, *_) = jhri2015(read_rulebook())
     assert str(strategy.choose(exchange.start, 1)) == "persistence(2 5)"
-    assert release.told.is_set() and "the strategy stubborn has not chosen a move for 0 s" in release.text
+    assert release.told.is_set() and "the strategy stubborn needs more than 0 s to choose a move" in release.text
 
 
 def study_of(folder: Path, text: str) -> StudySetting:

@@ -48,7 +48,9 @@ class WatchedStrategy:
 
     def choose(self, conversation: Conversation, number: int) -> DialogueMove:
         """Return the strategy's move; see `GameStrategy`."""
-        warning = f"the strategy {self.name} has not chosen a move for {PATIENCE:g} s; the game waits for it"
+        warning = (
+            f"the strategy {self.name} needs more than {PATIENCE:g} s to choose a move; the game is waiting for it"
+        )
         with told_if_slow(PATIENCE, lambda: _log.warning(warning)), printing_aside():
             return self.factory(self.manner, self.seed).choose(conversation, number)
 
@@ -82,7 +84,7 @@ def installed_author(name: str) -> "WordingAuthor":
         BadFile: no author of this name is installed, or it cannot be imported or called.
     """
     author: WordingAuthor = WORDINGS.load(name)
-    warning = f"the author {name} has not worded a sentence for {PATIENCE:g} s; the game waits for it"
+    warning = f"the author {name} needs more than {PATIENCE:g} s for a sentence; the game is waiting for it"
 
     def watched(request: "WordingRequest", /) -> str | None:
         with told_if_slow(PATIENCE, lambda: _log.warning(warning)), printing_aside():

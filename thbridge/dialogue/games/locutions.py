@@ -183,9 +183,12 @@ CONDITIONS: Mapping[str, Precondition] = {
         "the speaker believes neither the content nor its opposite, or was just refused the opposite",
         _undecided,
     ),
-    "news": Precondition("the listener is not taken to hold the content, nor the conclusion of an argument", _news),
+    "news": Precondition(
+        "the speaker does not yet think that the listener believes the content or, of an argument, the conclusion",
+        _news,
+    ),
     "attributed": Precondition(
-        "the listener is taken to hold the content", lambda at, content: content in at.speaker.picture
+        "the speaker thinks that the listener believes the content", lambda at, content: content in at.speaker.picture
     ),
     "thought to be argued": Precondition(
         "the listener is taken to have an argument for the content", _thought_to_argue, _CLAIMS
@@ -205,7 +208,9 @@ CONDITIONS: Mapping[str, Precondition] = {
         _premises_held,
         _BELIEFS,
     ),
-    "consequence open": Precondition("neither side is taken to hold the conclusion of the rule", _consequence_open),
+    "consequence open": Precondition(
+        "neither side is thought to believe the conclusion of the rule", _consequence_open
+    ),
 }
 """Conditions by name. "Taken to" refers to the speaker's picture of the listener."""
 

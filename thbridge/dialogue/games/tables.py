@@ -15,7 +15,10 @@ class Slot(TableWord):
     TOPIC = "topic", "what the game is about"
     OPPOSITE = "not topic", "the opposite of the topic"
     CLAIM = "claim", "the last assertion or proposal, which is being defended"
-    SUPPORT = "support", "the next part of an argument for the claim that the listener is not taken to hold"
+    SUPPORT = (
+        "support",
+        "the next part of an argument for the claim; parts that the listener already believes are omitted",
+    )
     ARGUMENT = "argument", "the argument for the claim as a whole"
     UNKNOWN = "unknown", "not to know about the topic"
 

@@ -99,7 +99,7 @@ def _check_size(types: Typesdict, name: str) -> None:
                 measure(inner, (*above, name))
         depths[name] = 1 + max((depths.get(inner, 0) for inner in within), default=0)
         if depths[name] + len(above) > DEEPEST_TYPE:
-            raise ValueError(f"its definition has more than {DEEPEST_TYPE} types within types")
+            raise ValueError(f"its definition nests types more than {DEEPEST_TYPE} levels deep")
         fields[name] = sum(fields.get(_named(each) or "", 1) or 1 for each in described)  # of integers
         sizes[name] = sum(_size(each, sizes) for each in described)  # of integers
         if fields[name] > MOST_FIELDS:

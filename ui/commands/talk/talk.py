@@ -127,7 +127,7 @@ def talk_check(
     seed: Seed = 0,
     as_json: AsJson = False,
 ) -> None:
-    """Check games, wordings, strategies and authors; of games, also print who may say what, and how they end."""
+    """Check games, wordings, strategies and authors. For each game, also print who may say what and how it ends."""
     from ui.commands.talk.check import check_folder, rulebook_with, shipped_folder
 
     checked = [check_folder(folder) for folder in folders or ([] if strategy or author else [shipped_folder()])]

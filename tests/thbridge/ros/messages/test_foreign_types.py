@@ -15,7 +15,7 @@ def test_what_is_no_name_of_a_type_is_refused(name: str) -> None:
     ("text", "problem"),
     [
         (nested(24), f"more than {MOST_FIELDS} fields"),
-        (nested(40, "T{0} a\n"), "types within types"),
+        (nested(40, "T{0} a\n"), "nests types"),
         ("".join(f"int8 f{index}\n" for index in range(60_000)), "lines"),
         ("int8 a #" + "x" * (1 << 20), "characters"),
         ("uint8[4000000000] a\n", "larger than"),

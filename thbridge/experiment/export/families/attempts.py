@@ -247,7 +247,7 @@ def _between_columns(design: ExperimentDesign) -> tuple[ValuedColumn[OfRun], ...
 def _within_columns(design: ExperimentDesign) -> tuple[ValuedColumn[OfAttempt], ...]:
     def column(factor: str) -> ValuedColumn[OfAttempt]:
         levels = tuple(dict.fromkeys(condition.levels[factor] for condition in design.conditions))
-        meaning = "level of a factor within people; empty outside of conditions"
+        meaning = "level of a factor within people; empty for steps that belong to no condition"
         described = ColumnDescription(factor, "string", "", meaning, role=FactorRole.WITHIN, levels=levels)
 
         def level(row: OfAttempt) -> CellValue:
