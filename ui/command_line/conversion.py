@@ -99,7 +99,7 @@ class _Conversion:
             value = float(word)
         except ValueError:
             if _COMMA.fullmatch(word):
-                raise ValueError(f"{word!r} is not a number. Use a decimal point:  {word.replace(',', '.')}.") from None
+                raise ValueError(f"{word!r} is not a number. Use a decimal point: {word.replace(',', '.')}.") from None
         else:
             if kind is float or value.is_integer():
                 if least <= value <= most or (self.info.min, self.info.max) == (None, None):

@@ -47,7 +47,5 @@ def watch_keys(path: Path) -> KeyVerifier:
     key = key_of(path).secret
     if len(key) < SHORTEST_KEY:
         problem = f"{path}: this key is easy to guess, because it has only {len(key)} characters"
-        fail(
-            BAD_INPUT, f"{problem}. Use at least {SHORTEST_KEY} random ones, or create keys:  {command('keys', 'new')}"
-        )
+        fail(BAD_INPUT, f"{problem}. Use at least {SHORTEST_KEY} random ones, or create keys: {command('keys', 'new')}")
     return SingleKey(key)
