@@ -25,7 +25,7 @@ class Credentials:
 
     Attributes:
         key: name of its key; empty if it has none.
-        rights: of the connection.
+        rights: rights of the connection.
         extended: False if it may only use the protocol of 2016.
     """
 
@@ -40,7 +40,7 @@ class Credentials:
 
     @property
     def one_game(self) -> bool:
-        """True for a participant's key, which is for one game and cannot begin another."""
+        """True for a participant's key: it is valid for one game and cannot begin another."""
         return Right.PARTICIPANT in self.rights and Right.ADMIN not in self.rights
 
     def __str__(self) -> str:

@@ -47,7 +47,7 @@ class ConsentDesk:
     the answer the desk only passes calls on. See `RouterInterface` for the methods.
 
     Args:
-        router: of a session that runs no ticks before the answer.
+        router: router of a session that runs no ticks before the answer.
         introduction: messages to a participant's program that joins.
 
     Attributes:

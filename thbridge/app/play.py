@@ -62,7 +62,7 @@ FINAL_TICKS = TICKS_PER_SECOND // 2
 
 @dataclass(frozen=True, slots=True)
 class GameOutcome:
-    """Outcome of one game of a hunt; attributes as in `HuntOutcome`, with the number of the game."""
+    """Outcome of one game of a hunt: the number of the game, and attributes as in `HuntOutcome`."""
 
     game: int
     score: int
@@ -77,7 +77,7 @@ class HuntOutcome:
     """Outcome of a hunt, which `thbridge play --json` prints.
 
     Attributes:
-        seed: of the study.
+        seed: seed of the study.
         score: points.
         over: reason for the end (`hunt.events.EndReason`); None if the game did not end.
         rooms_visited: number of rooms.
@@ -109,8 +109,7 @@ class HuntUnfinished(Exception):  # noqa: N818 - nothing went wrong with the pro
     """The hunt ended before the game was over, or before the participant had left. All files are closed properly.
 
     Attributes:
-        outcome: at that time.
-        stopped: True after Ctrl-C or SIGTERM; False when the time limit was reached.
+        outcome: outcome at that time. stopped: True after Ctrl-C or SIGTERM; False when the time limit was reached.
     """
 
     def __init__(self, outcome: HuntOutcome, stopped: bool) -> None:
@@ -137,9 +136,9 @@ class PlayOptions:
         mavlink: ports of the MAVLink links; None for none.
         inputs: path of the log of inputs; None for no log. If the log exists, the game resumes where the log ends, and
             a simulated participant in this process repeats its decisions.
-        meter: measures the real time of this game, if there is a log of inputs; None creates one.
-        keys: with which programs can take part from other machines; None for no keys.
-        run: unique name of this run, for the record of uses of keys.
+        meter: measures the real time of this game, if there is a log of inputs; None creates one. keys: keys with which
+        programs on other machines can take part; None for no keys. run: unique name of this run, for the record of uses
+        of keys.
     """
 
     rate: float
@@ -173,7 +172,7 @@ async def play(
         participant: the participant's role; None if an outside program has that role, as `options` may also say. If the
             study requires consent, that program is asked first: before the answer no tick is run and no file is
             written.
-        options: of the hunt.
+        options: options of the hunt.
         ready: called with the address of the text server, or the reason why it cannot listen.
         progress: called with every tick.
         callbacks: for the results of starting graph, watch server and links.
@@ -208,7 +207,7 @@ class _Hunt:
         ready: as for `play`.
 
     Attributes:
-        pacer: of the session.
+        pacer: pacer of the session.
     """
 
     def __init__(

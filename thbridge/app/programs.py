@@ -59,7 +59,7 @@ class SingleRole:
         self._messages: list[TextMessage] = []
 
     def connected(self) -> None:
-        """See `RoleRunner`, for this and the next two."""
+        """See `RoleRunner`, also for the next two methods."""
         self._role.connected()
 
     def receive(self, message: TextMessage) -> None:
@@ -91,7 +91,7 @@ class UnrecordedSimr:
         return self._role.rejection
 
     def connected(self) -> None:
-        """See `RoleRunner`, for this and the next two."""
+        """See `RoleRunner`, also for the next two methods."""
         self._session.connected()
         self._ask = True
 
@@ -148,10 +148,10 @@ _OF_GAMES = {kind_of(Orders), kind_of(HideRequest), kind_of(View)}
 def exchange(
     runner: RoleRunner, client: TextClient, lost: Callable[[ConnectionLost], None], status: ProgramStatus | None = None
 ) -> None:
-    """Run one tick of a role at a server: pass it the received messages, and send its own.
+    """Run one tick of a role at a server: pass the received messages to the role, and send the messages of the role.
 
     Args:
-        runner: of the role.
+        runner: runner of the role.
         client: its connection, running.
         lost: called with the reason when the connection is lost.
         status: logs the state of the program. If None, nothing is logged.
@@ -182,7 +182,7 @@ async def run_at_server(
     """Run one role at a server until it is done or stopped; it reconnects automatically.
 
     Args:
-        runner: of the role.
+        runner: runner of the role.
         client: its connection, not running yet.
         pacer: times the ticks.
         done: called after every tick; returns True when the role is done.
@@ -208,8 +208,8 @@ class SimrOptions:
     """Options of the robots' program.
 
     Attributes:
-        host: of the text server.
-        port: of the text server.
+        host: host of the text server.
+        port: port of the text server.
         token: identifies this run of the program.
         rate: simulated seconds per second.
         bag: path of the recording; None for no recording.
@@ -239,11 +239,11 @@ async def simr(
     """Run the robots' program until stopped.
 
     If the study asks for consent, nothing is recorded until the server reports that the participant has agreed. Until
-    then robots stand ready; after that they start again, with graph and watch server.
+    then the robots run unrecorded. After that they start again, with graph and watch server.
 
     Args:
         setting: the study.
-        options: of the program.
+        options: options of the program.
         lost: called with the reason when the connection is lost.
         callbacks: for the results of starting graph and watch server.
 
@@ -277,8 +277,8 @@ async def await_consent(role: SimR, options: SimrOptions, lost: Callable[[Connec
     """Run the robots unrecorded until the participant may be recorded, the robots are rejected, or the run is stopped.
 
     Args:
-        role: of the robots.
-        options: of the program.
+        role: the robots' role.
+        options: options of the program.
         lost: called with the reason when the connection is lost.
 
     Returns:
@@ -319,8 +319,8 @@ async def tabui(
 
     Args:
         role: the participant.
-        host: of the server.
-        port: of the server.
+        host: host of the server.
+        port: port of the server.
         token: identifies this run of the program.
         lost: called with the reason when the connection is lost.
         shown: called with every new view.

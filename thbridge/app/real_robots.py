@@ -40,7 +40,7 @@ class HeldTraffic:
     messages, and robots send them only once.
 
     Attributes:
-        recorder: of the bag. If None, nothing is recorded yet, or nothing at all.
+        recorder: recorder of the bag. If None, nothing is recorded yet, or nothing at all.
     """
 
     def __init__(self) -> None:
@@ -49,7 +49,7 @@ class HeldTraffic:
         self._latched_own: dict[str, RosMessage] = {}
 
     def received(self, topic: TopicHeader, publisher: str, stamp_ns: int, data: bytes) -> None:
-        """Record a message. If that is not allowed yet, keep it if it is latched."""
+        """Record a message. While recording is not allowed yet, keep only latched messages."""
         if self.recorder is not None:
             self.recorder.received(topic, publisher, stamp_ns, data)
         elif topic.latched:
@@ -92,7 +92,7 @@ async def simr_with_real_robots(
 
     Args:
         setting: the study.
-        options: of the program; its rate must be 1, that of real time.
+        options: options of the program; its rate must be 1, that of real time.
         graph: the robots' ROS graph.
         lost: called with the reason when the connection to the text server is lost.
         unreachable: called with the reason why robots cannot connect to this node; it must raise.

@@ -54,7 +54,7 @@ class _Sums:
 
 
 class RunStatistics:
-    """Sum of the ticks of a run; dead robots add nothing."""
+    """Sums over the ticks of a run; a dead robot adds nothing."""
 
     def __init__(self) -> None:
         self._robots: list[_Sums] = []
@@ -67,7 +67,7 @@ class RunStatistics:
         for index, (sums, robot) in enumerate(zip(self._robots, snapshot.robots, strict=True)):
             if index in snapshot.dead:
                 continue
-            # By speed, not by change of position: a robot that is moved by hand does not drive.
+            # Computed from the speed, not from the change of position: a robot that is moved by hand does not drive.
             sums.distance += abs(float(truth.twists[index, 0])) * TICK
             sums.ticks_waiting += robot.navigation.waits_for is not None
             lost = robot.estimate.lost

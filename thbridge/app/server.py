@@ -23,10 +23,10 @@ _log = logging.getLogger(__name__)
 
 
 class ConsentedLog:
-    """Log of the events of games that writes the events of a game only once its participant may be recorded.
+    """Event log of games. It writes the events of a game only once the game's participant may be recorded.
 
     Args:
-        journals: of the games.
+        journals: journals of the games.
         status: returns the state of consent after the step that produced the appended events.
     """
 
@@ -63,12 +63,11 @@ async def serve(
     """Run the text server and the keeper until stopped; an interrupted game is resumed.
 
     Args:
-        setting: the study.
-        journals: of the games; closed at the end.
-        new_game: True leaves an unfinished game as it is and begins the next one.
-        ready: called with the address of the server, or the reason why it cannot listen; then the function returns.
-        keys: with which programs can take part from other machines; None for no keys.
-        run: unique name for the folder of the journals, if it has none yet; the record of uses of keys contains it.
+        setting: the study. journals: journals of the games; closed at the end. new_game: True leaves an unfinished game
+        as it is and begins the next one. ready: called with the address of the server, or the reason why it cannot
+        listen; then the function returns. keys: keys with which programs on other machines can take part; None for no
+        keys. run: unique name for the folder of the journals, if it has none yet; the record of uses of keys contains
+        it.
 
     Raises:
         BadFile: the journal cannot be read or written.

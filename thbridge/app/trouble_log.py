@@ -19,7 +19,7 @@ class TroubleLog:
     """Log of troubles; a repeated one is logged again only at the 10th, 100th, ... time."""
 
     def __init__(self) -> None:
-        # By program or robot, and sentence.
+        # Number of times by program or robot, and by sentence.
         self._times: Counter[tuple[str, str]] = Counter()
 
     def note(self, refusals: Iterable[ProgramRefusal], utterances: Iterable[DialogueUtterance] = ()) -> None:

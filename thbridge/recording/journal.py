@@ -36,7 +36,7 @@ class RecoveredGame:
         events: the further events, and the utterances between them, in order.
         state: the state after all events.
         size: bytes of the complete lines of the file, each with its newline.
-        checksum: of the last line; None if the journal has no checksums.
+        checksum: checksum of the last line; None if the journal has no checksums.
         torn: the incomplete last line, which was being written when the writer died, or None; it is not in `events`.
     """
 

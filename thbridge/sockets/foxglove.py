@@ -35,7 +35,7 @@ class FoxgloveServer(ServerListener):
 
     Args:
         topics: advertised from the start; others are advertised with their first message.
-        definitions: of their types.
+        definitions: definitions of their types.
     """
 
     def __init__(self, topics: Iterable[Topic], definitions: Definitions) -> None:

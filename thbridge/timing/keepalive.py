@@ -31,7 +31,7 @@ class SessionWithVehicles(Protocol):
 
 
 class KeepAlive:
-    """Check of a session, which is called once a second.
+    """Check of one session, called once per second.
 
     A session without a rate sends no extra heartbeats unless it is paused, because its messages must not depend on the
     machine's speed.

@@ -23,10 +23,8 @@ class PaceState:
 
     Attributes:
         wall: real time since the first tick. If another program resumed the game, the time in between is left out.
-        step: part of it since the tick before.
-        lag: lag of simulated time behind real time. A pause is no lag.
-        most_lag: largest lag so far.
-        late: real time in which ticks came more than `LATE` after they were due.
+        step: part of `wall` since the previous tick. lag: lag of simulated time behind real time. A pause is no lag.
+        most_lag: largest lag so far. late: real time in which ticks came more than `LATE` after they were due.
     """
 
     wall: float = 0.0
@@ -76,7 +74,7 @@ class PaceMeter:
         self._points: dict[int, float] = {}
 
     def go_on(self, measured: Iterable[tuple[int, PaceState]]) -> None:
-        """Continue with the ticks, each with its number, that an earlier program measured of the same game."""
+        """Continue the measurement of an earlier program in the same game, given its ticks and their numbers."""
         for self._tick, self.state in measured:
             self.keep()
         # The pacer of this program starts without a lag, so the earlier lag is never made up for.
@@ -121,7 +119,7 @@ def real_time(course: Sequence[Sequence[float]], simulated: float) -> float | No
 
 
 def _simplified(points: Sequence[tuple[float, float]]) -> tuple[tuple[float, float], ...]:
-    """Return some of the points: straight lines between them pass all others within `TOLERANCE`.
+    """Return a subset of the points. Straight lines between them deviate from all other points by at most `TOLERANCE`.
 
     Source: Bristol, Swinging door trending: adaptive trend recording (1990).
     """

@@ -11,7 +11,7 @@ from sim.common.observations import TICK
 _log = logging.getLogger(__name__)
 
 _BREATH = 25
-"""Number of ticks between two turns of the event loop if there is no rate to keep."""
+"""Number of ticks after which the event loop gets a turn, if ticks run as fast as possible."""
 
 _LAG = 1.0
 """Largest delay in seconds that is made up for by running faster; a larger delay stays as a lag of simulated time."""

@@ -28,7 +28,7 @@ class Stopwatch:
     """Stopwatch for the wall time of calls.
 
     Attributes:
-        seconds: of all calls so far.
+        seconds: total duration of all calls so far.
     """
 
     def __init__(self) -> None:
@@ -44,7 +44,7 @@ class Stopwatch:
 
 
 class ImpatientCaller(Generic[T]):
-    """Caller with a timeout; after one call that takes too long, no other is started.
+    """Caller with a timeout. After a call that exceeded the timeout, no further call is started.
 
     Args:
         seconds: timeout of a call, in wall time.

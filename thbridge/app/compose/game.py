@@ -76,7 +76,7 @@ def game_rules(study: Study) -> GameRules:
 
 
 def _with_words(language: Language, templates: TemplateSet, words: SetWords) -> Language:
-    """Return a language in which names of treasures and values of properties have the words of a set."""
+    """Return a language that takes the names of treasures and the values of properties from a template set."""
     names = dict(words.names)
     for written, said in zip(templates.properties, words.properties, strict=True):
         names |= {written.phrase(value): said.phrase(value) for value in values_of(written, templates.kinds)}
@@ -85,7 +85,7 @@ def _with_words(language: Language, templates: TemplateSet, words: SetWords) -> 
 
 
 def manners_of(section: DialogueSection) -> dict[int | None, Manner]:
-    """Return the manner of each robot with a manner of its own, by index; the key None has that of the others."""
+    """Return the manners of robots by index. The key None has the manner of all robots that have none of their own."""
 
     def manner(of: MannerSection) -> Manner:
         return Manner(section.condition, of.attitude, of.persistence, of.talkative, of.gives_reasons, of.misheard)

@@ -32,11 +32,11 @@ PATIENCE = 2.0
 
 @dataclass(frozen=True, slots=True)
 class WatchedStrategy:
-    """Strategy of a lab, with a warning when a game waits for it. Its moves do not depend on how long it takes.
+    """Strategy of a lab. The log has a warning when a game waits for it; the moves do not depend on the waiting time.
 
     Attributes:
-        name: of the strategy.
-        factory: of the strategy.
+        name: name of the strategy.
+        factory: factory of the strategy.
         manner: as for `StrategyFactory`.
         seed: as for `StrategyFactory`.
     """
@@ -60,7 +60,7 @@ class ImpatientStrategy:
     """Strategy of a lab whose calls have a timeout.
 
     Attributes:
-        factory: of the strategy.
+        factory: factory of the strategy.
         caller: calls it, with the timeout.
         manner: as for `StrategyFactory`.
         seed: as for `StrategyFactory`.
@@ -122,7 +122,7 @@ def impatient_strategy(name: str, seconds: float) -> StrategyFactory:
     """Return the factory of the strategy with this name, for trials.
 
     Args:
-        name: of the strategy.
+        name: name of the strategy.
         seconds: timeout of a move, in wall time.
 
     Raises:
@@ -149,8 +149,8 @@ def installed_participant(
     """Return the simulated participant with this name.
 
     Args:
-        name: of the participant.
-        knowledge: of treasures.
+        name: name of the participant.
+        knowledge: knowledge of treasures.
         seed: random seed.
         attitude: toward what robots say.
         call: calls the participant in a trial, in which no fault is logged. If None, the game waits for each call.

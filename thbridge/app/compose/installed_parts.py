@@ -83,8 +83,8 @@ class GuardedRecoveryFactory:
     """Factory of a lab's recovery behavior; see `RecoveryFactory`.
 
     Attributes:
-        factory: of the lab.
-        guard: of the behavior.
+        factory: factory of the lab.
+        guard: guard of the behavior.
     """
 
     factory: RecoveryFactory
@@ -100,8 +100,8 @@ class GuardedRecovery:
     """Recovery behavior of a lab.
 
     Attributes:
-        behavior: of the lab.
-        guard: of its calls.
+        behavior: behavior of the lab.
+        guard: guard of its calls.
     """
 
     behavior: RunningRecovery
@@ -128,8 +128,8 @@ class GuardedLocalizerFactory:
     """Factory of a lab's localizer; see `LocalizerFactory`.
 
     Attributes:
-        factory: of the lab.
-        guard: of the localizer.
+        factory: factory of the lab.
+        guard: guard of the localizer.
     """
 
     factory: LocalizerFactory
@@ -145,7 +145,7 @@ class GuardedLocalizer:
 
     Args:
         make: builds the lab's localizer.
-        guard: of its calls.
+        guard: guard of its calls.
     """
 
     def __init__(self, make: Callable[[], Localizer], guard: PartGuard) -> None:
@@ -153,7 +153,8 @@ class GuardedLocalizer:
         self._localizer: Localizer | None = None
         self._covariance = read_only(np.zeros((3, 3)))
         self._odom_in_map = Pose2(0.0, 0.0, 0.0)
-        # Pose that was set by a request; with the next odometry it gives the correction of the odometry frame.
+        # Pose that was set by a request. The next odometry and this pose determine the correction of the odometry
+        # frame.
         self._base_in_map: Pose2 | None = None
         self._fault = ""
         try:
@@ -257,7 +258,7 @@ class PathFinderFactory(Protocol):
         """Return the planner of one robot.
 
         Args:
-            parameters: of the robot's software.
+            parameters: parameters of the robot's software.
             seed: random seed, different for each robot.
         """
         ...
@@ -268,8 +269,8 @@ class GuardedPlannerFactory:
     """Factory of a lab's global planner; see `PlannerFactory`.
 
     Attributes:
-        factory: of the lab.
-        guard: of the planner.
+        factory: factory of the lab.
+        guard: guard of the planner.
     """
 
     factory: PathFinderFactory
@@ -285,7 +286,7 @@ class GuardedPlanner:
 
     Args:
         make: builds the lab's planner at the first request for a path.
-        guard: of its calls.
+        guard: guard of its calls.
     """
 
     def __init__(self, make: Callable[[], PathFinder], guard: PartGuard) -> None:
@@ -324,13 +325,14 @@ class GuardedPlanner:
         return Path(headings(line, goal.theta))
 
     def reached(self, costs: Costs, frame: CostFrame, start: Pose2) -> NDArray[np.bool_]:
-        """Return (rows, cols) True in all free cells: only a plan shows which of them a lab's planner reaches."""
+        """Return an array (rows, cols) that is True in all free cells: only a plan shows which cells a lab's planner
+        reaches."""
         return costs < INSCRIBED
 
 
 _OCCUPIED = (INSCRIBED, LETHAL)
 END_TOLERANCE = 0.2
-"""Largest distance of the ends of a lab's path from the robot and the goal, m."""
+"""Largest distance of a path's start from the robot, and of its end from the goal, in a lab's path, m."""
 
 
 def _wrong_path(found: object, costs: Costs, frame: CostFrame, start: Pose2, goal: Pose2) -> str:

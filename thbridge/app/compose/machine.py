@@ -25,7 +25,7 @@ RECORDED_PACKAGES = (
     "pyvrp",
     "clingo",
 )
-"""Packages whose versions a bag records, since another version may run the same study differently."""
+"""Packages whose versions a bag records, because another version may run the same study differently."""
 
 
 def versions(plugins: Iterable[str] = ()) -> dict[str, str]:

@@ -15,7 +15,7 @@ from thbridge.hunt.rooms import CORRIDOR, Room
 from thbridge.study.study_file import CostModel, Study
 
 ROUNDING = 1.0
-"""Seconds by which a trip may be shorter than a straight drive: files have whole seconds, goals have tolerances."""
+"""Seconds by which a trip may be faster than a straight drive: files have whole seconds, and goals have tolerances."""
 
 
 def costs_file(
@@ -29,7 +29,7 @@ def costs_file(
         study: the study.
         beside: the folder that paths in the study are relative to.
         place: its map.
-        folder: of its templates.
+        folder: folder of its templates.
         templates: its templates.
         resources: maps and templates that are known by name.
 
@@ -57,7 +57,7 @@ def costs_file(
 
 
 def _names(name: str | None, of_map: Path, place: Map, resources: Resources) -> bool:
-    """Return True when a name in `set.yaml` means this map; the name of a shipped map means it or a copy of it."""
+    """Return True when a name in `set.yaml` means this map. The name of a shipped map also means copies of that map."""
     if name != place.name or name not in resources.names("maps"):
         return name == place.name
     shipped = resources.root / "maps" / name
@@ -119,7 +119,8 @@ def doubts_of_costs(
 
 
 def _faster_than_robots(costs: CostMatrix, study: Study, place: Map) -> Iterator[tuple[Room, Room, float]]:
-    """Yield trips that are shorter than a straight drive at the highest speed: start, goal, seconds of that drive."""
+    """Yield each trip that is faster than a straight drive at the highest speed: start, goal, seconds of the straight
+    drive."""
     planned = max(map(_greatest_speed, (study.robot, *study.each.values())))
     fastest = min(planned, study.world.max_vel_x)
     goals = {entry.room: (entry.goal,) for entry in place.rooms}

@@ -51,13 +51,13 @@ def build_recorder(
         setting: the study.
         opening: first record, see `build_record`.
         listeners: receivers of all messages.
-        publisher: of the robots' messages, if another part uses it too; None builds one.
+        publisher: publisher of the robots' messages, if another part uses it too; None builds one.
     """
     return BagRecorder(Broadcast(publisher or build_publisher(setting), opening, setting.map.grid, listeners))
 
 
 def room_labels(setting: StudySetting) -> tuple[RoomLabel, ...]:
-    """Return the names of the map's rooms, each at the goal of robots in the room."""
+    """Return the names of the map's rooms; each is placed at the goal that robots have in the room."""
     return tuple(RoomLabel(each.room.people, each.name, each.goal.x, each.goal.y) for each in setting.map.rooms)
 
 

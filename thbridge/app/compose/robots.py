@@ -29,7 +29,7 @@ from thbridge.study.things import schedule_of
 REHEARSAL = 5 * TICKS_PER_SECOND
 """Ticks of a rehearsal: enough for robots to localize, to plan around each other, to turn and to drive."""
 REHEARSERS = 10
-"""Largest number of robots in a rehearsal with the common parameters: enough for all of that to happen."""
+"""Largest number of robots with the common parameters in a rehearsal: enough for everything that `REHEARSAL` lists."""
 
 
 def build_team(setting: StudySetting) -> Team:
@@ -51,7 +51,8 @@ def _team(setting: StudySetting, robots: Sequence[int], schedule: Sequence[Sched
 def rehearse(setting: StudySetting) -> None:
     """Drive simulated robots for a few seconds, so that numba compiles all kernels before the session begins.
 
-    Of a large team a few robots suffice, and all robots with software parameters of their own.
+    In a large team, only some of the robots with the common parameters drive, and all robots with parameters of their
+    own.
     """
     study, rooms = setting.study, setting.map.rooms
     robots = [robot for robot in range(study.robots) if robot < REHEARSERS or number_of(robot) in study.each]
@@ -64,7 +65,7 @@ def rehearse(setting: StudySetting) -> None:
 def build_simr(
     setting: StudySetting, robots: RobotTeam | None = None, response_timeout: int = RESPONSE_TIMEOUT
 ) -> SimR:
-    """Return the robots' role; without `robots` it has simulated ones. `response_timeout` as for `SimR`, in ticks."""
+    """Return the role of `robots`; if None, of simulated robots. `response_timeout` as for `SimR`, in ticks."""
     field = GameMap(
         name=setting.map.name,
         goals=tuple(room.goal for room in setting.map.rooms),
@@ -106,7 +107,8 @@ def build_game_setup(setting: StudySetting) -> GameSetup:
 
 
 def vehicle_factory(setting: StudySetting, simr: Role) -> Callable[[RequestSink], Vehicles] | None:
-    """Return the factory of the robots' MAVLink vehicles, which needs a sink of their requests; None without vehicles.
+    """Return the factory of the robots' MAVLink vehicles; its argument receives their requests. None if there are no
+    vehicles.
 
     Only the simulated robots of `SimR` are vehicles.
     """

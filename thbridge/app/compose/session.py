@@ -50,10 +50,9 @@ def build_programs(
     """Return the programs of a session with simulated robots.
 
     Args:
-        setting: the study.
-        participant: role of the participant.
-        outside: names of the roles that other programs take; the robots are always inside.
-        team: the robots. If None, simulated robots are built that no other part needs.
+        setting: the study. participant: role of the participant. outside: names of the roles that other programs take;
+        the robots are always inside. team: the robots. If None, simulated robots are built, to which only this session
+        has access.
     """
     from thbridge.app.compose.robots import build_simr  # noqa: PLC0415
 
@@ -70,7 +69,7 @@ class SessionRecording:
 
     Attributes:
         recorders: record every tick.
-        log: of the game's events and of uses of keys.
+        log: log of the game's events and of uses of keys.
         run: unique name of this run, for the record of uses of keys.
     """
 
@@ -89,14 +88,14 @@ def open_session(
     outlets: SessionOutlets = NO_OUTLETS,
     keeper: Keeper | None = None,
 ) -> Session:
-    """Return a new, complete session: nothing of it is set afterwards.
+    """Return a new, complete session: no part of it is added or changed afterwards.
 
     Args:
         setting: the study. Its simulated robots are MAVLink vehicles if the study says so.
         programs: the game's programs that run inside the session.
-        recording: of the session.
+        recording: recording of the session.
         outlets: servers of the session's connections and links.
-        keeper: of a resumed game; None for a new game.
+        keeper: keeper of a resumed game; None for a new game.
     """
     vehicles = None
     if programs.robots is not None:

@@ -52,20 +52,16 @@ class StudySetting:
     """A study with all files that it names, read and checked; all parts of a session are built from it.
 
     Attributes:
-        study: the study.
-        map: its map.
-        templates: its set of templates.
-        costs: energy of every move between places of the game.
-        by_position: True if the cost of a move depends on where the robot stands; False if `costs` applies everywhere.
-        rulebook: of the dialogue games; None if robots ask scripted questions.
-        language: in which robots argue; None if robots ask scripted questions.
-        strategies: of robots that argue, by index; the key None is for the others, the value None for the robot's own.
-        author: of other wordings of robots' sentences. If None, all sentences come from the language's files.
-        parts: parts of robots' software that are plug-ins; None if the study names none.
-        consent: text that participants have to agree to; None if they are not asked.
-        farewell: text for the end of a game; may be empty.
-        texts: of the game's language, for participants.
-        doubts: warnings about map, templates and costs, for people; the game can be played nevertheless.
+        study: the study. map: its map. templates: its set of templates. costs: energy of every move between places of
+        the game. by_position: True if the cost of a move depends on where the robot stands; False if `costs` applies
+        everywhere. rulebook: rulebook of the dialogue games; None if robots ask scripted questions. language: in which
+        robots argue; None if robots ask scripted questions. strategies: strategies of robots that argue, by index; the
+        key None applies to all other robots, and the value None means the robot's own strategy. author: author of other
+        wordings of robots' sentences. If None, all sentences come from the language's files. parts: parts of robots'
+        software that are plug-ins; None if the study names none. consent: text that participants have to agree to; None
+        if they are not asked. farewell: text for the end of a game; may be empty. texts: texts of the game's language,
+        for participants. doubts: warnings about map, templates and costs, for people; the game can be played
+        nevertheless.
     """
 
     study: Study
@@ -153,7 +149,8 @@ def read_setting(
     games = () if talk.games is None else (beside / talk.games,)
     # Read only if needed, because reading takes 0.2 s.
     if talk.condition is not DialogueCondition.SCRIPT or (talk.games, talk.words, talk.language) != (None, None, "en"):
-        # A missing folder is a fault of the study's line; faults in an existing folder name the lines of its own files.
+        # For a missing folder, the error names the line of the study. For faults in an existing folder, it names the
+        # lines of the folder's own files.
         with faults.kept(), keys.naming("dialogue.games", not all(folder.is_dir() for folder in games)):
             rulebook = read_rulebook((SHIPPED_GAMES, *games))
             with faults.kept():
@@ -270,7 +267,7 @@ def _folders(talk: DialogueSection, beside: Path) -> list[Path]:
 
 
 class StudyKeys:
-    """Conversion of faults in files that a study names to faults in lines of the study's own file.
+    """Converter of faults in files that a study names; each becomes a fault in a line of the study's own file.
 
     Args:
         study: the study, perhaps with values that do not come from its file.
@@ -284,7 +281,7 @@ class StudyKeys:
         self._resources = resources
 
     def fault(self, key: str, fault: BadFile) -> BadFile:
-        """Return a fault as one of the key's line; unchanged if the key's value does not come from the file."""
+        """Return a fault as a fault in the key's line; unchanged if the key's value does not come from the file."""
         written = self._written
         if written is None or attrgetter(_field(key))(written.value) != attrgetter(_field(key))(self._study):
             return fault
@@ -295,7 +292,8 @@ class StudyKeys:
 
     @contextmanager
     def naming(self, key: str, when: bool = True) -> Iterator[None]:
-        """Convert a fault that is raised in this context to one of the key's line; unchanged unless `when`."""
+        """Convert a fault that is raised in this context to a fault in the key's line. If `when` is False, do not
+        convert it."""
         try:
             yield
         except BadFile as fault:

@@ -53,7 +53,7 @@ class ClientMessages:
         return CancelRequest(robot, found.goal_id, self._not_ahead(found.stamp_ns))
 
     def _not_ahead(self, stamp: int) -> int:
-        """Return a client's stamp, or the present time if its clock is ahead, as without /use_sim_time.
+        """Return a client's stamp, or the present time if the client's clock is ahead, as it is without /use_sim_time.
 
         The goal with the newest stamp wins, so a stamp ahead would block all other clients until that time.
         """

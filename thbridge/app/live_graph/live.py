@@ -44,7 +44,7 @@ from thbridge.study.external_nodes import ExternalNodes
 _log = logging.getLogger(__name__)
 
 OF_AMCL = frozenset({"amcl_pose", "particlecloud", "initialpose", *OF_ERRORS})
-"""Last words of the topics that amcl publishes or reads, and of the topics with errors of our own localizer."""
+"""Last parts of topic names: topics that amcl publishes or reads, and topics with errors of our own localizer."""
 NO_POSES: FloatArray = np.empty((0, 3))
 
 
@@ -72,7 +72,7 @@ class LiveGraph:
 
     Args:
         graph: the ROS graph.
-        description: of the team.
+        description: description of the team.
         team: its robots.
         ask: called with clients' requests and the clients' names.
         receive_frame: called with MAVLink frames for one robot; None if robots are not MAVLink vehicles.

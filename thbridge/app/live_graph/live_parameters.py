@@ -1,6 +1,7 @@
 """The robots' parameters on a ROS graph: on the parameter server, and by dynamic_reconfigure.
 
-A change through either becomes a request that the session processes and records; the other one then shows it.
+A change through one of the two becomes a request that the session processes and records. Then the other one shows the
+change.
 """
 
 import json
@@ -39,7 +40,7 @@ class LiveParameters:
     as with dynamic_reconfigure.
 
     Args:
-        node: of the session.
+        node: node of the session.
         software: parameters of each robot at the start.
         body: corners of a robot's body, meters in its base frame.
         limiter: limits the rate of changes.
@@ -95,7 +96,8 @@ class LiveParameters:
         return cast(dict[str, ParameterValue], dict(leaves(named.namespace, tree)))
 
     def follow(self, software: Sequence[RobotParameters]) -> None:
-        """Publish changes of the last tick by any client, and changes that a dead robot did not accept."""
+        """Publish the parameters that any client has changed in the last tick, and those whose change a dead robot did
+        not accept."""
         for robot, now in enumerate(software):
             before, self._software[robot] = self._software[robot], now
             if now is not before and now != before:
@@ -127,7 +129,7 @@ class LiveParameters:
         named, before, key = self._robots[robot], self._software[robot], key.rstrip("/")
         given = {name: leaf for name, leaf in leaves(key, value) if not self._is_external(name)}
         declared = {name: leaf for name, leaf in self._declared[robot].items() if not self._is_external(name)}
-        # A value that is set again is no change, so that a dump of all parameters can be loaded.
+        # Setting the present value is no change, so that a client can load a dump of all parameters.
         new = {name: leaf for name, leaf in given.items() if leaf != declared.get(name)}
         changes = [
             (path, _readable(leaf))
@@ -145,7 +147,7 @@ class LiveParameters:
         )
 
     def _change(self, robot: int, changes: Sequence[tuple[str, SetValue]], sender: str) -> None:
-        """Change parameters together; if that is not valid, change one by one those that are."""
+        """Change parameters together. If they are not valid together, change one by one those that are valid."""
         whole = with_values(self._software[robot], changes)
         for values in [changes] if not isinstance(whole, ParameterRejection) else [[one] for one in changes]:
             after = with_values(self._software[robot], values)
@@ -160,7 +162,7 @@ class LiveParameters:
 
         Args:
             robot: its index.
-            paths: of the parameters.
+            paths: paths of the parameters.
             lost: names of parameters that the server has lost, or has with another value.
         """
         self._declare(robot, lost)
@@ -185,7 +187,7 @@ class LiveParameters:
 
 
 def sendable(value: ParameterValue) -> XmlRpcValue:
-    """Return a parameter's value, unchanged, under the type of the parameter server."""
+    """Return a parameter's value, unchanged, with the type that the parameter server declares."""
     return cast(XmlRpcValue, value)
 
 

@@ -16,7 +16,7 @@ class TypedNode:
 
     Attributes:
         ros: the node.
-        definitions: of message types.
+        definitions: definitions of message types.
     """
 
     ros: RosNode

@@ -159,7 +159,7 @@ async def replay_frames(
     Args:
         path: the bag.
         setting: the study; its robots become vehicles even if the study does not say so.
-        options: of the replay.
+        options: options of the replay.
         progress: called with every tick.
 
     Raises:

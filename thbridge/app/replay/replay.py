@@ -1,8 +1,8 @@
 """Replay: a fresh session gets the inputs of a recorded one, and must send the same messages.
 
-A recording is read a tick at a time. The inputs of the tick go in by the same methods as when they were recorded, and
-each message of the fresh session is compared with the recorded one, bit for bit. The session record is left out: it
-holds the versions of the programs, which may be others today.
+A recording is read a tick at a time. The fresh session receives the inputs of the tick through the same methods as the
+recorded one. Each message that it sends is compared with the recorded one, bit for bit. The session record is left out:
+it contains the versions of the programs, which may have changed since.
 """
 
 from collections import Counter
@@ -53,8 +53,8 @@ from thbridge.timing.pacer import Pacer
 BEFORE_THERE_WERE = (StudyChange("robot.amcl.odom_noise_learning_rate", "0"),)
 """Keys that the studies of older recordings lack, with the values that reproduce what robots did then."""
 NOT_IN_OLDER = frozenset({names.ROOMS, names.DIAGNOSTICS, names.ROSOUT})
-"""Topics that are not compared with recordings without names of rooms. Since those, diagnostics and log also say for
-which robot another one makes way."""
+"""Topics that are not compared if the recording has no names of rooms. Later releases record these names; their
+diagnostics and log also name the robot for which another one makes way."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,9 +62,9 @@ class Difference:
     """The first message that differs between a replay and its recording.
 
     Attributes:
-        number: of the message among all compared messages, from 1.
-        topic: of the recorded message, or of the new one if no message was recorded.
-        topic_number: of the message within its topic, from 1.
+        number: number of the message among all compared messages, from 1.
+        topic: topic of the recorded message, or of the new one if no message was recorded.
+        topic_number: topic number of the message within its topic, from 1.
         seconds: session time of the message.
         what: one sentence.
         fields: recorded and new values, if both are messages of one type.
@@ -209,7 +209,7 @@ class RecordingReplay:
     Args:
         path: the bag.
         setting: the study to run: the recorded one, or a changed one.
-        options: of the replay.
+        options: options of the replay.
         progress: called with every tick from `options.start` on.
 
     Raises:
@@ -373,7 +373,7 @@ class Comparison:
         """Compare the messages of the next tick."""
         if self.difference is not None:
             return
-        # Missing messages are no difference at the recording's end; but here, the recording has another tick.
+        # At the end of a recording, missing messages are no difference. Here, however, the recording has another tick.
         if self._missing is not None:
             self.difference, self._missing = self._missing, None
             return
@@ -405,7 +405,7 @@ class Comparison:
             return None
         if topic.msgtype != was.msgtype or types.plain_definition(topic.msgtype).md5 != was.md5:
             return self._difference(was.topic, was.stamp_ns, f"its type {was.msgtype} is that of another release")
-        # Only here, since it decodes both messages: nearly all are equal as bytes.
+        # Only here, because it decodes both messages, and nearly all messages are equal as bytes.
         recorded = reworded(topic.msgtype, was.data, data)
         if data == recorded:
             self.reworded += 1

@@ -21,7 +21,7 @@ class Broadcast:
     """Conversion of ticks to messages, once for all listeners, so that live and recorded messages are the same.
 
     Args:
-        publisher: of the team.
+        publisher: publisher of the team.
         session: the record from which the session can be replayed; sent first.
         grid: the map.
         listeners: receivers of the messages; they get the opening messages at once.

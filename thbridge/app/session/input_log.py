@@ -1,13 +1,13 @@
 """The log of a game's inputs, with which a game resumes after its program has died.
 
-The effects of an input can be computed again, so only the inputs must not be lost. Each is on the disk before the tick
-in which it acts sends anything. A resumed game is run again from its study with the logged inputs, as fast as possible,
-up to the last logged tick.
+The effects of an input can be computed again, so only the inputs must not be lost. Each input is on the disk before the
+tick in which it acts sends any message. A resumed game is run again from its study with the logged inputs, as fast as
+possible, up to the last logged tick.
 
 The first line of the file identifies the game. Then the file has one line for each tick with inputs, events or
 utterances, one for each tick that took long, and one for each second of simulated time. The lines of seconds contain a
 digest of the robots' poses and the score, so a game that differs from the first run is noticed. All lines contain the
-real time of their tick, on which no game depends. A partly written last line, which remains when the program dies, is
+real time of their tick; no game depends on it. A partly written last line, which remains when the program dies, is
 dropped.
 """
 
@@ -48,7 +48,7 @@ class LoggedTick:
     Attributes:
         tick: its number.
         inputs: inputs that acted in it, in order.
-        digest: of poses and score after it; empty if the line has none.
+        digest: digest of poses and score after it; empty if the line has none.
         pace: real time up to it; None in logs of earlier releases, and after the end of the game.
     """
 
@@ -65,7 +65,7 @@ class InputLog:
         path: the file; it is begun if it does not exist or has no complete line.
         record: session record of the game.
         meter: measures the real time of ticks; it continues where the log ends.
-        pacer: of the session.
+        pacer: pacer of the session.
 
     Attributes:
         ticks: the ticks in the log when it was opened, oldest first.

@@ -67,7 +67,7 @@ def encode_request(sender: str, request: Request | PaceRequest) -> str:
 
 
 def decode_request(value: object) -> inputs.ClientRequest:
-    """Return the request in its JSON.
+    """Return the request that this JSON represents.
 
     Raises:
         ValueError: it is not a request.

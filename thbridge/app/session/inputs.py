@@ -92,7 +92,7 @@ class LinkOpened:
 
     Attributes:
         link: its number.
-        name: of the link.
+        name: name of the link.
         robot: index of the only robot on the link, from 0; None for all robots.
     """
 

@@ -18,7 +18,7 @@ class RecordedLinks:
 
     Args:
         vehicles: the robots; None if they are not MAVLink vehicles.
-        queue: of the inputs.
+        queue: queue of the inputs.
     """
 
     def __init__(self, vehicles: "Vehicles | None", queue: InputQueue) -> None:
@@ -29,7 +29,7 @@ class RecordedLinks:
         """Open a link to the robots' vehicles.
 
         Args:
-            name: of the link.
+            name: name of the link.
             robot: index of the only robot on the link, from 0; None for all robots.
 
         Raises:

@@ -13,9 +13,10 @@ from thbridge.text_protocol.wire.router import (
 )
 
 _LINE = 256
-"""Bytes that each line counts in addition to its own, so that many short lines reach the limits too."""
+"""Bytes added to the length of each line when lines are counted, so that many short lines reach the limits too."""
 _FEW_LINES, _MOST_OF_ONE, _MOST_OF_ALL = 2 * 1024, 32 * 1024, 128 * 1024
-"""Limits of received bytes between two ticks: always accepted from a connection, most of one, most of all together."""
+"""Limits of bytes received between two ticks: always accepted from one connection, largest for one connection, largest
+for all connections together."""
 
 
 class RecordedRouter:
@@ -25,7 +26,7 @@ class RecordedRouter:
 
     Args:
         router: makes the decisions.
-        queue: of the inputs.
+        queue: queue of the inputs.
     """
 
     def __init__(self, router: MessageRouter, queue: InputQueue) -> None:
@@ -37,7 +38,7 @@ class RecordedRouter:
         self._joined: list[ClientJoined] = []
 
     def make_room(self, now: float) -> list[RouterOutput]:
-        """See the router. It needs no record: a replay makes room before each connection that was recorded."""
+        """See the router. This call is not recorded, because a replay makes room before each recorded connection."""
         return self._noted(self._router.make_room(now))
 
     def connect(self, now: float, credentials: Credentials = LOCAL) -> ConnectionId | TurnedAway:
@@ -64,8 +65,8 @@ class RecordedRouter:
     def admits(self, connection: ConnectionId) -> bool:
         """Return True when a connection may send another line before the next tick.
 
-        Lines are kept in memory until then, during a pause for a long time, and are recorded; so their amount is
-        limited. The few lines of a well-behaved program are accepted whatever others send.
+        Until the next tick, lines are kept in memory, during a pause for a long time. They are also recorded. Therefore
+        their amount is limited. The few lines of a well-behaved program are accepted whatever others send.
         """
         said = self._said.get(connection, 0)
         return said < _FEW_LINES or (said < _MOST_OF_ONE and self._said_by_all < _MOST_OF_ALL)

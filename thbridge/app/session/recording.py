@@ -56,7 +56,7 @@ class BagRecorder:
     """Recorder of every tick of a session with robots.
 
     Args:
-        publisher: of the ticks.
+        publisher: publisher of the ticks.
     """
 
     def __init__(self, publisher: TickPublisher) -> None:

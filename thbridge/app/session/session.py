@@ -43,10 +43,10 @@ class TickRecord:
     Attributes:
         tick: its number.
         inputs: from outside, in order.
-        snapshot: of the robots; None if another program runs them.
+        snapshot: snapshot of the robots; None if another program runs them.
         forwarded: the lines that were passed on, in order.
-        events: of the game.
-        utterances: of its dialogues.
+        events: events of the game.
+        utterances: utterances of its dialogues.
         wizard: robots for which a person speaks, and the turns that wait for that person.
         game: after this tick; None before the first.
         traffic: frames that vehicles received since the last tick, and sent since then and in this tick, in order.
@@ -130,15 +130,12 @@ class Session:
     """The roles of one process, which run in step: messages sent in one tick arrive in the next.
 
     Args:
-        keeper: of the game.
-        roles: the other roles of this process.
-        recorders: record every tick.
-        participant: the participant's role in this process, if any; its messages are inputs.
-        vehicles: factory that makes the robots MAVLink vehicles, given a sink of their requests to robots and game.
-            These requests follow from frames, and so are no inputs. If None, the robots are not MAVLink vehicles.
-        log: of the game's events and of uses of keys. If None, these are not logged.
-        outlets: servers of connections and links. For the text server, the router of this session decides.
-        run: unique name of this run; it is logged with the uses of keys.
+        keeper: keeper of the game. roles: the other roles of this process. recorders: record every tick. participant:
+        the participant's role in this process, if any; its messages are inputs. vehicles: factory that makes the robots
+        MAVLink vehicles; its argument receives their requests to robots and game. These requests follow from frames, so
+        they are not inputs. If None, the robots are not MAVLink vehicles. log: log of the game's events and of uses of
+        keys. If None, these are not logged. outlets: servers of connections and links. For the text server, the router
+        of this session decides. run: unique name of this run; it is logged with the uses of keys.
 
     Attributes:
         tick: number of the next tick.

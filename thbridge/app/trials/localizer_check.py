@@ -70,7 +70,7 @@ def _drive(
     inputs: Mapping[int, Sequence[TeamInput]],
     seed: int,
 ) -> Iterator[str]:
-    """Drive once; yield its estimates at scans."""
+    """Drive once; yield the localizer's estimates at scans."""
     grid, world = _room(walls), WorldParameters()
     team = Team(grid, world, [software], [_START], seed, 100.0, parts=parts)
     amcl: Localizer = Amcl(software.amcl, grid, mount_of(world.laser), seed, "robot1")

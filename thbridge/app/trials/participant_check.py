@@ -57,7 +57,7 @@ def try_participant(name: str, seed: int, seconds: float) -> PluginTrial:
     """Return the trial of a simulated participant in games of all conditions, some with a robot that finds no path.
 
     Args:
-        name: of the participant.
+        name: name of the participant.
         seed: random seed.
         seconds: timeout of its reply to a view, in wall time.
 

@@ -39,7 +39,7 @@ def try_planner(name: str, seed: int, seconds: float) -> PluginTrial:
 
 
 def _maps(seed: int) -> Mapping[str, NDArray[np.int8]]:
-    """Return the cells of each map: outer walls, and what the map's name says."""
+    """Return the cells of each map: outer walls, and the obstacles that the map's name describes."""
     empty = np.full((80, 120), FREE, np.int8)
     empty[[0, -1]] = empty[:, [0, -1]] = OCCUPIED
     gap, closed, scattered = empty.copy(), empty.copy(), empty.copy()

@@ -22,12 +22,9 @@ class PluginTrial:
     """Trial of a plug-in.
 
     Attributes:
-        what: name of the kind of plug-in.
-        situations: number of situations in which it was tried.
-        faults: by their problems.
-        digest: of all its results; the same in each process.
-        own: measures the time of its calls.
-        built_in: measures the time of calls of the built-in part.
+        what: name of the kind of plug-in. situations: number of situations in which it was tried. faults: faults by
+        their problems. digest: digest of all its results; the same in each process. own: measures the time of its
+        calls. built_in: measures the time of calls of the built-in part.
     """
 
     what: str
@@ -51,7 +48,7 @@ class PluginTrial:
         """Play a situation twice, and compare the plug-in's results.
 
         Args:
-            title: of the situation.
+            title: title of the situation.
             play: plays it, and yields all results of the plug-in as text.
         """
         self.situations += 1
@@ -75,6 +72,6 @@ class PluginTrial:
     def end(self) -> None:
         """Judge the plug-in's speed; must be called once, at the end."""
         if self.slowness > SLOWEST:
-            # Without the measured factor, which differs in each run.
+            # The text omits the measured factor, which differs in each run.
             problem = f"it takes more than {SLOWEST:.0f} times as long as the built-in {self.what}"
             self.note(problem, "Prepare in the factory what every call needs, or use numpy", ())

@@ -31,7 +31,7 @@ class Puppets:
     Attributes:
         stuck: indices of robots that find no path.
         mute: True if the line that a room was reached is not sent.
-        conditions: of each robot.
+        conditions: conditions of each robot.
         researchers: name of the researcher who commands each robot, if any.
         unfit: reason why the keeper has rejected the team.
         orders: all orders of the keeper.

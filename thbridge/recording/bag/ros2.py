@@ -47,8 +47,8 @@ class ConvertedRecording:
     """The ROS 1 bag of a converted recording.
 
     Attributes:
-        path: of the bag.
-        kind: of the original, as a phrase: "a ROS 2 recording".
+        path: path of the bag.
+        kind: kind of the original, as a phrase: "a ROS 2 recording".
         left_out: topics that could not be converted, with the reasons.
     """
 

@@ -44,7 +44,7 @@ class HeldTurn:
         robot: index in the team, from 0.
         scenario: matter of the dialogue.
         room: number of the room it is about.
-        sentences: of the legal moves, in their order.
+        sentences: sentences of the legal moves, in their order.
     """
 
     dialogue: int
@@ -69,8 +69,8 @@ class GameDialogues:
         asked_for_advice: puppets that the participant has asked where to go, in order; their dialogues begin later.
         under_way: the open dialogues.
         agreements: agreements that are not carried out yet.
-        last_words: of dialogues that have ended.
-        memories: of the robots.
+        last_words: last words of dialogues that have ended.
+        memories: memories of the robots.
         not_restored: numbers of dialogues that were open when the game was interrupted, and could not be resumed.
     """
 
@@ -120,13 +120,13 @@ class GameDialogues:
         """Open a dialogue. An earlier dialogue with this robot, and an agreement on the same matter, are withdrawn.
 
         Args:
-            state: of the game.
+            state: state of the game.
             scenario: the decision.
             robot: index in the team.
             room: the room that it is about.
-            reason: of a suggestion, as part of a sentence.
+            reason: reason of a suggestion, as part of a sentence.
             confidence: to be stated in a suggestion, 0 to 1, or None.
-            facts: of an arguing robot.
+            facts: facts of an arguing robot.
             opener: the side that opens it.
             name: proposed name of the treasure.
             restored: its number before the game was interrupted; its turns follow by `retake`.

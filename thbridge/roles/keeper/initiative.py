@@ -43,7 +43,7 @@ def discuss(
 
     Args:
         game: the open game.
-        state: of the game.
+        state: state of the game.
         scenario: the decision.
         robot: index in the team.
         room: the room that it is about.

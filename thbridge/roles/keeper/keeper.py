@@ -107,7 +107,7 @@ class GameRules:
 
     Attributes:
         seed: random seed; recorded.
-        energy: of each robot at the start.
+        energy: energy of each robot at the start.
         picture_cost: energy of taking a picture.
         identify_cost: energy of naming a treasure.
         wrong_share: share of a treasure's points that a wrong name costs.
@@ -161,7 +161,7 @@ class KeeperDecisions:
 
     Attributes:
         entries: for the journal: the events of the game and the utterances between them, in order.
-        utterances: of its dialogues, in order.
+        utterances: utterances of its dialogues, in order.
         wizard: the turns that wait for a wizard.
         refusals: refused requests of programs, in order.
     """
@@ -181,7 +181,7 @@ class Keeper:
     """The game's authority; see the module's description.
 
     Args:
-        rules: of the game.
+        rules: rules of the game.
         engine: factory of the dialogue engine of a game, given the game's number.
         history: entries of the game in progress from its journal, oldest first; empty for a new game.
         last_game: number of the last game so far; the next game gets the number after it.
@@ -192,7 +192,7 @@ class Keeper:
         tells_refusals: True sends refusals to programs of 2016, by `%%error`.
 
     Attributes:
-        decisions: of the last step; its entries must be in the journal before anything else is done.
+        decisions: decisions of the last step; its entries must be in the journal before anything else is done.
     """
 
     name = KEEPER

@@ -35,17 +35,17 @@ class OpenGame:
         engine: factory of the dialogue engine of a game, given the game's number.
         last_game: number of the last game so far.
         room_names: names of the map's rooms.
-        knowledge: of robots.
+        knowledge: knowledge of robots.
 
     Attributes:
-        state: of the game; None before the first.
+        state: state of the game; None before the first.
         last_game: number of the current game, or of the last one.
         tick: present tick. After an interruption of the game ticks continue, so that earlier utterances stay older.
         attended: by robot, the tick of the last event or request that concerned it.
-        dialogues: of the game.
-        moves: of the robots.
+        dialogues: dialogues of the game.
+        moves: moves of the robots.
         handbacks: robots for which the participant has recently asked.
-        knowledge: of robots.
+        knowledge: knowledge of robots.
         refusal: the last refusal in this game, for the view.
     """
 

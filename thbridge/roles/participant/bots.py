@@ -50,7 +50,7 @@ class TreasureKnowledge:
     """Knowledge of the participant: all treasures, and what a picture of each shows.
 
     Attributes:
-        kinds: of the participant's treasure list.
+        kinds: kinds of the participant's treasure list.
         shown_by: name of the treasure that a person sees on a picture, by the picture's file name.
     """
 
@@ -77,7 +77,7 @@ class Bot:
 
     Args:
         strategy: chooses rooms.
-        knowledge: of treasures.
+        knowledge: knowledge of treasures.
         seed: random seed; only `random` and the sceptical attitude use random numbers.
         attitude: toward what robots say.
     """

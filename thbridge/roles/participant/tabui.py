@@ -73,14 +73,14 @@ class TabUI:
     Args:
         player: decides.
         observer: receives all notices; without one TabUI does not subscribe to pose telemetry.
-        consent: of a participant who agreed to take part before this program joined; it is sent first.
+        consent: consent of a participant who agreed to take part before this program joined; it is sent first.
         first_number: number of its first request. It is random if another program with the same mark may follow, such
             as a window that is opened again, so that the keeper does not mistake new requests for repetitions.
 
     Attributes:
         view: the latest view, None before the first.
-        room_names: of the game's map; empty until the keeper has sent them.
-        texts: of the game's language; None until the keeper has sent them.
+        room_names: room names of the game's map; empty until the keeper has sent them.
+        texts: texts of the game's language; None until the keeper has sent them.
         run: mark of this run of the program; see `ParticipantReady`.
         declined: True when the participant has declined to take part; this program must leave then.
     """

@@ -200,7 +200,7 @@ class PoseTelemetry(NoticeValue, frozen=True, tag="Whereabouts"):
     """SimR to subscribers: estimated poses of the robots, and all else that the study shows; many times a second.
 
     Attributes:
-        tick: of the simulation, 50 per second.
+        tick: tick of the simulation, 50 per second.
         poses: estimated x, y, theta of every robot, map frame.
         motions: one entry per robot.
         ellipses: one entry per robot, if the study shows the uncertainty of poses.
@@ -218,7 +218,7 @@ class PlannedPaths(NoticeValue, frozen=True, tag="Ways"):
     """SimR to subscribers: the planned paths ahead of the robots, if the study shows them; whenever they change.
 
     Attributes:
-        tick: of the simulation.
+        tick: tick of the simulation.
         ways: x, y of each robot's planned path in the map frame, thinned; empty if the robot has no path.
     """
 

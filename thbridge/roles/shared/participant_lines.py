@@ -17,7 +17,7 @@ def encode_request_line(request: ParticipantRequest, number: int | None = None) 
 
     Args:
         request: the request.
-        number: of the request, the same in each repetition; lines of 2016 have none.
+        number: number of the request, the same in each repetition; lines of 2016 have none.
     """
     match request:
         case SendRobot(robot, room):

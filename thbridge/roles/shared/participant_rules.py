@@ -78,7 +78,7 @@ class Situation:
     """All facts that decide about a request.
 
     Attributes:
-        state: of the game.
+        state: state of the game.
         discussed: matters of open dialogues, then those of agreements.
         awaits_treasures: True while Hider is about to hide the treasures; until then no robot is sent.
     """

@@ -135,7 +135,7 @@ class DialogueView:
         dialogue: its number.
         turn: number of moves so far; an answer must contain it, so that no answer counts twice.
         robot: index of the robot, from 0.
-        matter: of the dialogue.
+        matter: matter of the dialogue.
         room: number of the room it is about.
         said: all sentences so far, oldest first; the robot waits for an answer to the last.
         choices: possible answers of the participant, most agreeable first; empty while it is the robot's turn.
@@ -163,7 +163,7 @@ class LastWords:
     Attributes:
         dialogue: its number.
         robot: index of the robot, from 0.
-        matter: of the dialogue.
+        matter: matter of the dialogue.
         room: number of the room that was agreed upon; without an agreement, of the room it was about.
         said: all sentences, oldest first; empty if everything had been said before.
         speakers: speaker of each sentence.
@@ -189,7 +189,7 @@ class Consent:
         robot: index of the robot, from 0.
         matter: that they agreed on.
         room: number of the room it is about.
-        name: of the treasure, if they agreed on one; empty for any name.
+        name: name of the treasure, if they agreed on one; empty for any name.
     """
 
     robot: int
@@ -241,7 +241,7 @@ class View(NoticeValue, frozen=True, tag="View"):
         wrong_share: share of a treasure's points that a wrong name costs; None if the study does not show it.
         sound: True if the window may play sounds.
         properties: properties of treasures, with words for their values in the participant's language.
-        last_words: of robots that argue.
+        last_words: last words of robots that argue.
         has_last_word: the side that decides in the end, if robots argue; otherwise None.
         by_position: True if moves from outside rooms are priced by the robot's position, so that the row of the
             corridor applies nowhere.
@@ -391,7 +391,7 @@ class OpenDialogue(NoticeValue, frozen=True, tag="Discuss"):
 
     Attributes:
         robot: index of the robot, from 0.
-        matter: of the dialogue.
+        matter: matter of the dialogue.
         room: where the treasure is.
         name: proposed name of the treasure. If empty, the participant asks the robot what it is. If None, the
             participant proposes no name.

@@ -24,7 +24,7 @@ class GameMap:
     """The data of the game's map that SimR needs.
 
     Attributes:
-        name: of the map.
+        name: name of the map.
         goals: goal pose of each room, room 1 first.
         starts: start pose of each robot.
         costs: energy from place to place, by number: 0 for the corridor, rooms from 1; None where there is no move.
@@ -58,7 +58,7 @@ class MovesInProgress:
         robots: size of the team.
 
     Attributes:
-        results: of each robot's last move; None during a move and before the first.
+        results: results of each robot's last move; None during a move and before the first.
     """
 
     def __init__(self, goals: tuple[Pose2, ...], robots: int) -> None:
@@ -103,7 +103,7 @@ class MovesInProgress:
         """Update the moves after a step of the team.
 
         Args:
-            snapshot: of the team.
+            snapshot: snapshot of the team.
             silent: robots that do not respond.
             stopped: robots that the keeper has ordered to stand.
             is_driven: returns True for a robot that is driven by hand.
@@ -171,7 +171,7 @@ class MovePrices:
         """Price the moves of robots that have come to rest elsewhere; return True if any prices are new.
 
         Args:
-            snapshot: of the team.
+            snapshot: snapshot of the team.
             busy: robots that move, or do not respond.
         """
         if self._travel is None:

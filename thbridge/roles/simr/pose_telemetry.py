@@ -88,9 +88,9 @@ class TelemetryPublisher:
         """Return the messages of this tick.
 
         Args:
-            tick: of the role.
-            snapshot: of the robots.
-            conditions: of each robot.
+            tick: tick of the role.
+            snapshot: snapshot of the robots.
+            conditions: conditions of each robot.
             progress: driven share of the path, of each robot that drives for the game.
         """
         self._until = {name: until for name, until in self._until.items() if until > tick}

@@ -49,8 +49,8 @@ class TextClient(ReconnectingClient):
         key: key to present to the server, over TLS; None for servers of this machine.
 
     Attributes:
-        name: of the program.
-        address: of the server, `HOST:PORT`.
+        name: name of the program.
+        address: address of the server, `HOST:PORT`.
 
     Raises:
         ValueError: name or token is not one word.

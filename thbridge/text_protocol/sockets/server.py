@@ -99,7 +99,7 @@ class TextServer:
 
     Args:
         clock: returns seconds; must not run backwards.
-        admission: of plain connections, by address.
+        admission: admission of plain connections, by address.
         keys: for the admission of TLS connections from anywhere. If None, there are none.
     """
 

@@ -237,7 +237,7 @@ class LocalEndpoints:
     """Programs of this process at a router.
 
     Args:
-        holders: of names, also those of connections.
+        holders: holders of names, also those of connections.
     """
 
     def __init__(self, holders: dict[str, _Connection | _Endpoint]) -> None:
@@ -304,7 +304,7 @@ class MessageRouter:
     Times are seconds on any clock that does not run backwards. Not safe for use by several threads at once.
 
     Attributes:
-        limits: of the server.
+        limits: limits of the server.
         local: programs of this process.
     """
 

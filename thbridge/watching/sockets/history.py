@@ -19,12 +19,13 @@ from thbridge.ros.topics import (
 )
 
 LISTED = frozenset({GAME_EVENTS, UTTERANCES, DIALOGUE_MOVES, DIALOGUE_STATES, SEND_ROBOTS, SUCCESS, INPUTS, ROSOUT})
-"""Topics with all recent messages kept; of other topics only the newest message is kept: it has the present state."""
+"""Topics for which all recent messages are kept. Other topics keep only their newest message: it has the present
+state."""
 
 MAX_MESSAGES = 1000
-"""Largest number of kept messages of a listed topic; for the game's events, of one kind."""
+"""Largest number of messages kept for a listed topic; for the game's events, the number for each kind of event."""
 MAX_BYTES = 2**20
-"""Largest size of these messages, in bytes."""
+"""Largest total size of these messages, in bytes."""
 
 
 class _Numbered(NamedTuple):
@@ -35,8 +36,8 @@ class _Numbered(NamedTuple):
 class MessageHistory:
     """The newest message of each topic, and the recent messages of the listed topics, in bounded memory.
 
-    The events are those of the present game. Each kind of event has its own limit, so that frequent ones, such as
-    collisions, do not displace those with the state of the rooms.
+    Only events of the present game are kept. Each kind of event has its own limit, so that frequent events, such as
+    collisions, do not displace the events that contain the state of the rooms.
     """
 
     def __init__(self) -> None:
@@ -59,7 +60,7 @@ class MessageHistory:
         self._recent[topic, kind].add(_Numbered(self._count, message))
 
     def before(self, latest: Sequence[RosMessage]) -> list[RosMessage]:
-        """Return the messages before these latest ones that are not replaced by them, oldest first."""
+        """Return the kept messages that these latest ones do not replace, oldest first."""
         replaced = {message.topic for message in latest}
         levels = [level for topic, level in self._levels.items() if topic not in replaced]
         listed = sorted(each for recent in self._recent.values() for each in recent.messages)

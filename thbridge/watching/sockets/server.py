@@ -1,7 +1,7 @@
 """Watch server: sends a session's messages over TCP to researchers' windows, and handles their requests.
 
 Everything runs on the thread of one event loop. No watcher can slow the session down: unread messages wait in a bounded
-queue. Above its limit messages are dropped, and the status contains their number.
+queue. When the queue is full, messages are dropped, and the status contains their number.
 """
 
 from __future__ import annotations
@@ -45,8 +45,8 @@ MAX_WATCHERS = 8
 """Largest number of watchers at a time; further ones are rejected."""
 
 MAX_CONNECTIONS = 256
-"""Largest number of connections, with or without a key; one more replaces one that is not admitted. It is more than the
-loop accepts at a time, so a client's key is read before its connection could be replaced."""
+"""Largest number of connections, with or without a key. A further connection replaces one that is not admitted. The
+event loop accepts fewer connections at a time, so it reads a client's key before the client can be replaced."""
 
 _log = logging.getLogger(__name__)
 
@@ -54,12 +54,13 @@ _STATUS = Topic(STATUS, types.STRING, latched=True)
 _KEY_SECONDS = 10.0
 """Seconds that a connection has to send its key."""
 _WRONG_KEY_SECONDS = 1.0
-"""Seconds until a connection gets the answer that its key is wrong, and may try again."""
+"""Delay in seconds before the server answers that a key is wrong; then the client may try again."""
 _LINGER = 1.0
 """Seconds that a rejected watcher has to read the reason."""
 _HEARTBEAT = 1.0
 _SEGMENT = 256 * 1024
-"""Bytes that are written to a socket at a time; few, because bytes in the socket's buffer can no longer be dropped."""
+"""Bytes that are written to a socket at a time. The number is small because bytes in the socket's buffer can no longer
+be dropped."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,7 +76,8 @@ class WatchedSession(Protocol):
     """Session behind the server."""
 
     def ask(self, watcher: str, wish: Mapping[str, object], key: str = "") -> str | None:
-        """Carry out a watcher's request, made with this key, if any; return None, or the reason of a refusal."""
+        """Carry out a watcher's request; `key` is the key it was made with, if any. Return None, or the reason for a
+        refusal."""
 
     def pace(self) -> SessionPace:
         """Return the session's pace."""
@@ -88,11 +90,9 @@ class WatchServer:
     """Server of a session's messages to all watchers, which passes on their requests.
 
     Args:
-        session: carries out requests.
-        keys: check the keys that watchers must present, over TLS from other machines. If None, every program of this
-            machine is admitted.
-        definitions: message definitions; None uses those of an installed ROS, if there is one.
-        bag: path of the session's bag; None if it records none.
+        session: carries out requests. keys: checks the keys that watchers must present; watchers on other machines
+        connect over TLS. If None, every program of this machine is admitted. definitions: message definitions; None
+        uses those of an installed ROS, if there is one. bag: path of the session's bag; None if it records none.
     """
 
     def __init__(
@@ -165,7 +165,8 @@ class WatchServer:
     def connection_opened(self, watcher: _Watcher) -> int:
         """Add a connection and return its number."""
         if len(self._open) >= self._door.most:
-            # Clients with a key send it at once. So one with a wrong key is replaced first, then the oldest without.
+            # Clients with a key send it at once. So a client with a wrong key is replaced first, then the oldest client
+            # without a key.
             deaf = next((each for each in self._open if each.deaf), None)
             (deaf or next(each for each in self._open if each not in self._watchers)).abort()
         self._open[watcher] = None
@@ -337,7 +338,8 @@ class _Watcher(AsyncioProtocol):
 
     def eof_received(self) -> bool:
         self._input_ended = True
-        # A watcher without requests may end its input and still receive: `nc HOST PORT < /dev/null`; not so in TLS.
+        # A watcher without requests may end its input and still receive messages (`nc HOST PORT < /dev/null`), but not
+        # in TLS.
         half_open = self._transport is not None and self._transport.can_write_eof()
         return half_open and self.decoder.admitted and not self._closing
 
@@ -352,7 +354,7 @@ class _Watcher(AsyncioProtocol):
         self._closing = True
         if self._timer is not None:
             self._timer.cancel()
-        self._transport = None  # Breaks a reference cycle: a TLS transport holds much memory, and this object.
+        self._transport = None  # Breaks a reference cycle: a TLS transport uses much memory and refers to this object.
         self._server.lost(self)
 
     def refuse(self, why: WatchRefusal) -> None:

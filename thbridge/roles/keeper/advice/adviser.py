@@ -39,7 +39,7 @@ class Advice:
     Attributes:
         room: the suggested room.
         reason: as part of a sentence: "no other room costs me less".
-        number: of the robot's advice in this game, from 1.
+        number: number of the robot's advice in this game, from 1.
         planned: the room that the planner chose.
         erred: True when the robot suggests another room instead.
         confidence: to be stated, 0 to 1; None if none is stated.
@@ -76,7 +76,7 @@ class Adviser:
             advice is wrong.
         confidence_spread: largest distance of that probability from its mean, the error rate; for each advice it is
             drawn again, uniformly.
-        texts: of the game's language, for reasons.
+        texts: texts of the game's language, for reasons.
     """
 
     planner: TeamPlanner = TeamPlanner.JOINT
@@ -97,10 +97,10 @@ class Adviser:
         compared in time, the joint plan is found by heuristic search.
 
         Args:
-            state: of the game.
+            state: state of the game.
             discussed: see `Situation`.
             robot: the robot that advises.
-            number: of its advice in this game, from 1.
+            number: number of its advice in this game, from 1.
         """
         adviser, costs = state.robots[robot], state.started.costs
         free = tuple(free_to_discuss(Situation(state, tuple(discussed)), robot))

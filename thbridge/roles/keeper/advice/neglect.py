@@ -30,7 +30,7 @@ def neglected(state: GameState, attended: Mapping[int, int], tick: int, timeout:
     """Return the robots that could do something, and that the participant has ignored for too long.
 
     Args:
-        state: of the game.
+        state: state of the game.
         attended: by robot, the tick of the last event or request that concerned it.
         tick: present tick.
         timeout: ticks for which a robot waits.
@@ -53,7 +53,7 @@ def decide_about_treasure(state: GameState, robot: int, names: Collection[str]) 
     The robot senses the treasure, and names it if only one name fits. Everything else is left to a person.
 
     Args:
-        state: of the game.
+        state: state of the game.
         robot: index in the team.
         names: names that fit the known properties of the treasure.
     """

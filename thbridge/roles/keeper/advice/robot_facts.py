@@ -36,7 +36,7 @@ def where_facts(
     another room is then that of the same plan changed so that the robot begins with this room.
 
     Args:
-        state: of the game.
+        state: state of the game.
         discussed: matters of open dialogues and agreements.
         robot: index in the team.
         failed: rooms that it has recently failed to reach.
@@ -91,7 +91,7 @@ def what_facts(
     """Return a robot's facts about a treasure that was found; all robots and participants know the list of treasures.
 
     Args:
-        state: of the game.
+        state: state of the game.
         robot: index in the team.
         room: room of the treasure.
         kinds: all treasures.

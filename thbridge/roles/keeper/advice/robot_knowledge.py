@@ -55,8 +55,8 @@ class RobotKnowledge:
         """Return an arguing robot's facts about where to go.
 
         Args:
-            state: of the game.
-            dialogues: of the game.
+            state: state of the game.
+            dialogues: dialogues of the game.
             robot: index in the team.
             tick: present tick.
             advised: the room that its planner has chosen; None if there is none.

@@ -15,7 +15,7 @@ class Briefing:
     """Map, names, pictures and consent text of a study, for its participants.
 
     Attributes:
-        floor_plan: of the game's map; None if it is unknown.
+        floor_plan: floor plan of the game's map; None if it is unknown.
         names: possible names of treasures; sent once the first treasure was sensed.
         pictures: image files by name; each is sent once it was taken.
         consent: text to which participants have to agree first; None if they are not asked.
@@ -23,12 +23,12 @@ class Briefing:
         answers: True when the treasures of the rooms are shown after the game.
         farewell: thanks, and what comes next; may be empty.
         sound: True when the participant's window may play sounds.
-        properties: of the treasures.
+        properties: properties of the treasures.
         words: the same properties with their words in the game's language; empty if they have none.
         called: words for the names, in this language; a name without words is used as it is.
         kinds: all treasures, without their pictures; participants have the same list.
         condition: condition of dialogues: how robots and participants decide together.
-        texts: of the game's language; None if no program reads them.
+        texts: texts of the game's language; None if no program reads them.
     """
 
     floor_plan: FloorPlan | None = None

@@ -12,9 +12,9 @@ def debrief_of(state: GameState, from_starts: Sequence[Sequence[float]], briefin
     """Return the debrief of a game that is over.
 
     Args:
-        state: of the game.
+        state: state of the game.
         from_starts: energy from the start of each robot to each place, by number: 0 for the corridor, rooms from 1.
-        briefing: of the study's participants.
+        briefing: briefing of the study's participants.
     """
     treasures = state.treasures
     if treasures is None or not briefing.answers:

@@ -23,7 +23,7 @@ def floor_plan_of(
     wall if one of the four is a wall, otherwise free if one is free.
 
     Args:
-        name: of the map.
+        name: name of the map.
         grid: its cells.
         rooms: room 1 first.
         footprint: corners of a robot's body, its own frame, meters.

@@ -26,7 +26,7 @@ class Participants:
 
     Args:
         sender: name of the sending role.
-        briefing: of the study.
+        briefing: briefing of the study.
     """
 
     def __init__(self, sender: str, briefing: Briefing) -> None:
@@ -56,8 +56,8 @@ class Participants:
         If there is no room, the new program replaces one that could not be reached.
 
         Args:
-            name: of the program.
-            map_name: of the robots' map; None while that is unknown.
+            name: name of the program.
+            map_name: map name of the robots' map; None while that is unknown.
             run: mark of this run of the program; another run counts its requests from 1 again. Empty if unknown.
         """
         if name not in self._members and len(self._members) >= MOST_PARTICIPANTS:

@@ -65,7 +65,7 @@ class LegacyLines:
         """Handle a forwarded line.
 
         Args:
-            state: of the game.
+            state: state of the game.
             line: the line.
             needs_consent: True when the sender holds its dialogues with this keeper, and so needs an agreement.
 
@@ -193,7 +193,7 @@ def _has_gone(state: GameState, robot: int, room: Room, *, arrived: bool) -> boo
     """Return True when the participant has already sent a robot to this room, and the robot drives there.
 
     Args:
-        state: of the game.
+        state: state of the game.
         robot: index in the team.
         room: the room.
         arrived: True includes a robot that stands in the room already. Our own programs see that in the view; programs

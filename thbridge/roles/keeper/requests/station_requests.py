@@ -35,7 +35,7 @@ def handle_station_request(
 
     Args:
         game: the game in progress.
-        state: of the game.
+        state: state of the game.
         request: the request.
         awaits_treasures: True while Hider is about to hide the treasures; until then no robot is sent.
     """
