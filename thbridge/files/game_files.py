@@ -333,7 +333,7 @@ def _stage_faults(loaded: Loaded[_GameYaml], names: Collection[str]) -> Iterator
     while grown := {name for name, targets in after.items() if targets & ending} - ending:
         ending |= grown
     lost = [name for name in names if name not in reached] if reached else []
-    # Stages that only lost stages lead to are not reported: their cause is the first lost stage.
+    # A stage is not reported if only lost stages lead to it: the first lost stage is the cause.
     first_lost = [name for name in lost if not any(name in after[other] for other in lost)] or lost[:1]
     for place, stage in enumerate(written.stages):
         if stage.name in first_lost:

@@ -28,9 +28,9 @@ OCCUPIED_THRESH = 0.65
 FREE_THRESH = 0.196
 
 LEAST_WALL = 0.05
-"""Share of occupied cells along the edge of the floor, below which walls probably have another shade."""
+"""Share of occupied cells along the edge of the floor. If the share is smaller, walls probably have another shade."""
 TINTED, LARGE_SHARE = 0.02, 0.05
-"""Darkness from which floor counts as not white, and share of an image from which a shade counts as an area."""
+"""Least darkness of floor that is not white, and least share of an image for a shade to count as an area."""
 
 POSE = {"unit": "m, m, rad"}
 """Declaration of a field with x, y, yaw."""
@@ -76,7 +76,8 @@ class UnseenWalls:
 
 
 def unseen_walls(cells: Cells, pixels: NDArray[np.uint8], negate: bool) -> UnseenWalls | None:
-    """Check for walls around a map's floor. Return None if there are some, or unknown cells in map savers' shade."""
+    """Return the fault of a map without walls around its floor; None if it has walls, or unknown cells in map savers'
+    shade."""
     free = np.pad(cells == FREE, 1)
     beside = free[:-2, 1:-1] | free[2:, 1:-1] | free[1:-1, :-2] | free[1:-1, 2:]
     edge = beside & ~free[1:-1, 1:-1]
@@ -156,8 +157,8 @@ def read_grid_file(map_yaml: Path) -> GridFile:
 def _as_map_server(path: Path, tree: Node, doubts: list[BadFile]) -> Node:
     """Return a tree as map_server reads it.
 
-    map_server accepts numbers in quotes and ignores unknown keys (yaml-cpp). Nav2's also accepts true and false for
-    `negate`, and capitals in `mode` (map_io.cpp).
+    map_server accepts numbers in quotes and ignores unknown keys (yaml-cpp). Nav2's map_server also accepts true and
+    false for `negate`, and capital letters in `mode` (map_io.cpp).
     """
     if not isinstance(tree, Section):
         return tree

@@ -11,7 +11,7 @@ from thbridge.files.disk.regular_files import content_of
 from thbridge.files.errors import BadFile
 
 MOST_PIXELS = 32_000_000
-"""Largest number of pixels: 280 m x 280 m at 0.05 m. Localization on such a map takes 32 bytes a cell, a gigabyte."""
+"""Largest number of pixels: 280 m x 280 m at 0.05 m. Localization on such a map takes 32 bytes per cell: a gigabyte."""
 MOST_WORDS = 8_000_000
 """Largest number of pixels that are written as words (P2), because each takes 40 bytes."""
 LARGEST_IMAGE = 1 << 29

@@ -38,11 +38,11 @@ FOOTPRINT: Polygon = WorldParameters().footprint
 """Corners of the robot of the 2016 study, meters."""
 
 LEAST_FLOOR = 0.01
-"""Area below which a region is a mistake, square meters."""
+"""Smallest area of a region, square meters; a smaller one is a mistake."""
 MOST_AMISS = 0.75
-"""Share of goals and starts off the floor from which the image counts as faulty instead of each place."""
+"""Share of goals and starts off the floor. From this share on, the image counts as faulty instead of each place."""
 MOST_STARTS = 1000
-"""Number of start poses in a row above which the row is a mistake."""
+"""Largest number of start poses in a row; a longer row is a mistake."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,1 +1,1 @@
-"""Programs of the game without sockets: messages in, messages out, one step a tick; and the notices between them."""
+"""Programs of the game without sockets: one step per tick takes messages and returns messages. Also their notices."""

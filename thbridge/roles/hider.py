@@ -31,11 +31,11 @@ from thbridge.text_protocol.wire.lines import TextMessage
 from thbridge.text_protocol.wire.notice import COUNTED, Notice, encode_notice, is_notice, parse_notice
 
 KEEPER_TIMEOUT = TICKS_PER_SECOND
-"""Ticks that a question waits for a keeper; if no keeper has sent a notice, it is then answered as in 2016."""
+"""Ticks that a question waits for a keeper. If no keeper has sent a notice by then, Hider answers as in 2016."""
 
 
 MOST_ROOMS = 1000
-"""Largest accepted number of rooms, larger than that of any map; a larger number is a mistake."""
+"""Largest accepted number of rooms. No map has as many rooms, so a larger number is a mistake."""
 
 _Question = AskTreasure | SnapTreasure | NameTreasure
 
@@ -45,13 +45,11 @@ class Hider:
 
     It chooses the treasures of every game randomly, by its seed and the game's number, and sends them to the keeper,
     which stores them. So a restarted Hider has nothing to restore. The keeper decides on every question and determines
-    the reply. Without a keeper (at a server of another make) Hider answers by itself as in 2016.
+    the reply. Without a keeper (at a server that is not ours) Hider answers by itself as in 2016.
 
     Args:
-        kinds: kinds of treasures, with their pictures.
-        seed: random seed.
-        rooms: number of rooms to fill if there is no keeper (that of the treasures file).
-        properties: properties of the kinds.
+        kinds: kinds of treasures, with their pictures. seed: random seed. rooms: number of rooms to fill if there is no
+        keeper (the number in the treasures file). properties: properties of the kinds.
     """
 
     name = legacy.HIDER
@@ -65,7 +63,7 @@ class Hider:
         self._rooms = rooms
         self._introduce = False
         self._has_keeper = False
-        # Questions of 2016 that wait for a keeper, each after its tick.
+        # Questions of 2016 that wait for a keeper: pairs of tick and question.
         self._questions: list[tuple[int, _Question]] = []
 
     def connected(self) -> None:

@@ -1,7 +1,8 @@
 """Links on the path of an output: only links of this account or of root are followed.
 
 Linux refuses links of other accounts in folders such as /tmp (fs.protected_symlinks), but only when it follows them
-itself. It does not when a program resolves a path and then writes to the result. This rule holds in every folder.
+itself. It does not refuse them when a program resolves a path and then writes to the result. The rule of this module
+applies in every folder.
 """
 
 import os

@@ -15,7 +15,7 @@ def check_private(path: Path) -> None:
     """Check that no other account may read or write a file. On file systems without modes nothing is checked.
 
     Raises:
-        BadFile: other accounts may. A missing file is left to its reader.
+        BadFile: other accounts may read or write it. A missing file is not reported here, but by its reader.
     """
     try:
         mode = path.stat().st_mode

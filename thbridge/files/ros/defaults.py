@@ -1,4 +1,4 @@
-"""ROS's defaults that differ from those of hunts, and hold because ROS files leave the parameters out."""
+"""ROS's defaults that differ from those of hunts. They apply because ROS files leave the parameters out."""
 
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass

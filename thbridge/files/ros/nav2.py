@@ -40,7 +40,7 @@ _AMCL: Mapping[str, str] = {
         )
     },
 }
-"""Names of amcl's parameters in ROS 1, by those in Nav2."""
+"""Names of amcl's parameters in ROS 1, by their names in Nav2."""
 _AMCL_DEFAULTS: Mapping[str, str] = {
     "laser_max_range": "100.0",
     "max_beams": "60",
@@ -82,9 +82,10 @@ _DWB: Mapping[str, str] = {
         )
     },
 }
-"""Names of DWAPlannerROS's parameters, by those of Nav2's DWB."""
+"""Names of DWAPlannerROS's parameters, by their names in Nav2's DWB."""
 _HALVED: Mapping[str, str] = {"PathDist.scale": "path_distance_bias", "GoalDist.scale": "goal_distance_bias"}
-"""Weights per cell. DWB multiplies them by half of a cell's side, ROS 1 by the whole (dwb_critics, map_grid.cpp)."""
+"""Weights per cell. DWB multiplies them by half of a cell's side, ROS 1 by the whole side (dwb_critics,
+map_grid.cpp)."""
 _SCALE = "1.0"
 """DWB's weight of a listed critic without a weight."""
 _OBSTACLES = ("BaseObstacle", "ObstacleFootprint")
@@ -348,7 +349,8 @@ class _Translation:
         own = layer.entries if isinstance(layer, Section) else []
         usual = _scalar(_COSTMAP_PLUGINS.get(name.text, name.text), name.line)
         kind = next((child for key, child in own if key.text == "plugin" and isinstance(child, Scalar)), usual)
-        # Layers are recognized by their types, nav2_costmap_2d::ObstacleLayer like costmap_2d::ObstacleLayer.
+        # Layers are recognized by their types: nav2_costmap_2d::ObstacleLayer in the same way as
+        # costmap_2d::ObstacleLayer.
         return Section(name.line, [(_scalar("name", name.line), name), (_scalar("type", name.line), kind)])
 
     def _layer(self, place: str, layer: Section) -> Section:

@@ -123,7 +123,7 @@ class RosYamlNormalizer:
 
 
 def _below_root(entries: Sequence[Entry]) -> Iterator[Entry]:
-    """Yield the entries; those of the root namespace `/` take its place."""
+    """Yield the entries; the root namespace `/` is replaced by the entries in it."""
     for key, child in entries:
         if key.text == "/" and isinstance(child, Section):
             yield from child.entries

@@ -5,7 +5,7 @@ move_base with everything that runs in it. Costmap parameters without a section 
 is named with its namespace, `local_costmap:costmap.yaml`. Layers may have any name. Values are read as in ROS's loader:
 `yes` is true, `!degrees 90` and `deg(90)` are angles.
 
-If the files are for a node, parameters of it that they leave out have ROS's defaults; see `RosFiles.start`.
+If the files have entries for a node, the node's other parameters have ROS's defaults; see `RosFiles.start`.
 """
 
 import dataclasses
@@ -92,7 +92,7 @@ LAYERS_WITHOUT_EFFECT: Mapping[str, str] = {
     "footprint": f"{_UNREAD}the costmap's",
     "publish_observations": "it belongs to a layer that does not exist here",
 }
-"""Such parameters in layers of costmaps."""
+"""Parameters of costmap layers that no ROS package reads, with a remark for each."""
 OF_THE_GRAPH = frozenset(
     {"robot_description", "rosdistro", "roslaunch", "rosversion", "run_id", "tf_prefix", "use_sim_time"}
 )
@@ -136,7 +136,7 @@ class RosFiles:
         return frozenset(key.text for _, tree in self.trees for key, _ in tree.entries if key.text in SECTIONS)
 
     def start(self, standard: RobotParameters) -> RobotParameters:
-        """Return the parameters that hold before these files are applied.
+        """Return the parameters before these files are applied.
 
         A node with any entries in the files begins with all of ROS's defaults. Without `plugins`, a costmap has the map
         only if `static_map: true` is given (costmap_2d_ros.cpp, loadOldParameters). A costmap without entries would
@@ -491,7 +491,7 @@ def _plugins(node: Node) -> Mapping[str, str]:
 
 
 def _joined(first: list[Entry], second: list[Entry]) -> list[Entry]:
-    """Merge two layers of one kind, with the observation sources of both, and else with the first layer's values."""
+    """Merge two layers of one kind: observation sources come from both, all other values from the first layer."""
     names = {key.text for key, _ in first}
     joined = list(first)
     for key, child in second:
@@ -508,7 +508,7 @@ def _joined(first: list[Entry], second: list[Entry]) -> list[Entry]:
 
 
 def _with_layers(value: RobotParameters, listed: Mapping[str, frozenset[str]]) -> RobotParameters:
-    """Return the parameters with the layers disabled that a costmap's `plugins` leaves out."""
+    """Return the parameters; in each costmap, the layers that its `plugins` leaves out are disabled."""
     for section, layers in listed.items():
         costmap = cast("DataclassInstance", getattr(value, section))
         off = {layer: _replaced(getattr(costmap, layer), {"enabled": False}) for layer in LAYERS if layer not in layers}

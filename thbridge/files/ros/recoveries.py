@@ -1,4 +1,5 @@
-"""Recovery behaviors in ROS files: each has any name, the type of a plugin, and a section of settings."""
+"""Recovery behaviors in ROS files: each has a name that people choose, the type of a plugin, and a section of
+settings."""
 
 from thbridge.files.plugins import RECOVERIES
 from thbridge.files.ros.normalize import Entry

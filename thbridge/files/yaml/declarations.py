@@ -63,7 +63,7 @@ def metadata_of_items(metadata: Metadata, hints: Sequence[object]) -> Sequence[M
 
 
 def choices_of(hint: object, metadata: Metadata) -> tuple[str, ...]:
-    """Return the words allowed in a field; empty if all are."""
+    """Return the words allowed in a field; empty if all words are allowed."""
     if get_origin(hint) is Literal:
         return cast(tuple[str, ...], get_args(hint))
     if isinstance(hint, type) and issubclass(hint, StrEnum):

@@ -249,7 +249,7 @@ class _Edit:
         return text[:start] + text[spans[index][1] :]
 
     def swap(self, listing: Listing, first: int) -> str:
-        """Return the text with an item of a list after the next one."""
+        """Return the text in which an item of a list and the next item have changed places."""
         text = self._text
         one, other = listing.items[first], listing.items[first + 1]
         if listing.flow:

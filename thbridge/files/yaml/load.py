@@ -48,11 +48,9 @@ class Loaded(Generic[T]):
     """The contents of a file, with the lines of its keys.
 
     Attributes:
-        path: the file.
-        value: the dataclass.
-        lines: line of each key and item in the file, by its path (`robot.amcl.kld_err`, `rooms[2].goal`).
-        notices: sentences about valid keys that have no effect here, and about doubts.
-        doubts: values that are allowed, but look like slips.
+        path: the file. value: the dataclass. lines: line of each key and item in the file, by its path
+        (`robot.amcl.kld_err`, `rooms[2].goal`). notices: sentences about valid keys that have no effect here, and about
+        doubts. doubts: values that are allowed, but look like mistakes.
     """
 
     path: Path
@@ -391,7 +389,7 @@ class _Reader:
 
 
 def _before_decimals(node: Section, name: Scalar, child: Node) -> tuple[Scalar, Scalar] | None:
-    """Return the entry before a key that is the part of `{share: 0,2}` after the comma, or None for any other key."""
+    """Return the entry before a key that is a decimal part, such as the 2 in `{share: 0,2}`; None for any other key."""
     if not (name.text.isdecimal() and isinstance(child, Scalar) and child.absent):
         return None
     at = next(index for index, entry in enumerate(node.entries) if entry[0] is name)
@@ -408,7 +406,7 @@ def _unfolded(path: str, child: Node) -> str:
 
 
 def words_in(node: Node) -> list[str]:
-    """Return the words of a text, or those of a list in place of a text."""
+    """Return the words of a text, or of a list that is written instead of a text."""
     if isinstance(node, Listing):
         return [word for item in node.items for word in words_in(item)]
     return node.text.split() if isinstance(node, Scalar) else []

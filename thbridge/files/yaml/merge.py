@@ -30,7 +30,7 @@ def over(base: Node, top: Node) -> Node:
         (above[key.text][0], over(child, above[key.text][1])) if key.text in above else (key, child)
         for key, child in base.entries
     ]
-    # A key that is written twice on top stays so, and its fault is found.
+    # A key that is written twice in `top` stays there twice, so that this fault is found.
     added = [entry for entry in top.entries if entry[0].text not in below or entry is not above[entry[0].text]]
     return Section(top.line, entries + added)
 

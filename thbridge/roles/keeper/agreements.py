@@ -87,7 +87,7 @@ class LastSentences:
             return
         said_truly = true_utterances(utterances, agreed=agreed)
         topic, (said, speakers) = dialogue.topic, sentences(said_truly)
-        # If the matter is carried out, the robot's last sentence says so; if not, only a conclusion does.
+        # If the matter is carried out, the robot's last sentence says so. If not, only a conclusion says so.
         is_told = agreed or any(isinstance(each.move, Conclude) for each in said_truly[-1:])
         matter = MATTERS[topic.scenario]
         words = LastWords(dialogue.number, topic.robot, matter, topic.room.people, said, speakers, agreed, is_told)
@@ -111,7 +111,7 @@ class LastSentences:
 def sentences(
     utterances: Sequence[DialogueUtterance],
 ) -> tuple[tuple[str, ...], tuple[Literal["robot", "person"], ...]]:
-    """Return the sentences and their speakers; opening and closing the list of questions are no sentences."""
+    """Return the sentences and their speakers; turns that open or close the list of questions are no sentences."""
     said = [each for each in utterances if not isinstance(each.move, OpenQuestions | CloseQuestions)]
     return tuple(each.text for each in said), tuple(each.speaker.value for each in said)
 
@@ -136,7 +136,8 @@ def still_open(state: GameState, robot: int, matter: DialogueMatter, room: Room)
 
 
 def _still_matters(state: GameState, words: LastWords) -> bool:
-    """Return True until the agreement is carried out; without one, until the robot moves or the treasure is decided."""
+    """Return True until the agreement is carried out; without an agreement, until the robot moves or the treasure is
+    decided."""
     if state.ended is not None:
         return False
     robot, room = state.robots[words.robot], Room(words.room)

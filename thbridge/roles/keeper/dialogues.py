@@ -64,14 +64,11 @@ class GameDialogues:
         room_names: names of the map's rooms.
 
     Attributes:
-        puppets: the current ones.
-        argues: True if dialogues need the facts of robots.
+        puppets: robots for which a person speaks now. argues: True if dialogues need the facts of robots.
         asked_for_advice: puppets that the participant has asked where to go, in order; their dialogues begin later.
-        under_way: the open dialogues.
-        agreements: agreements that are not carried out yet.
-        last_words: last words of dialogues that have ended.
-        memories: memories of the robots.
-        not_restored: numbers of dialogues that were open when the game was interrupted, and could not be resumed.
+        under_way: the open dialogues. agreements: agreements that are not carried out yet. last_words: last words of
+        dialogues that have ended. memories: memories of the robots. not_restored: numbers of dialogues that were open
+        when the game was interrupted, and could not be resumed.
     """
 
     def __init__(
@@ -147,7 +144,7 @@ class GameDialogues:
         if dialogue is None:
             return
         if said.turn < len(dialogue.turns):
-            # The opening move is made by `open`, and must only be the same.
+            # `open` has already made the opening move. Here it only has to be the same.
             if move_text(dialogue.turns[said.turn].move) == said.move:
                 return
         elif said.turn == len(dialogue.turns):
@@ -292,7 +289,7 @@ class GameDialogues:
             self._utterances += step.utterances
             self.under_way.put(step.dialogue)
             return
-        # While they talked, another robot may have done what they finally agreed upon.
+        # While participant and robot talked, another robot may have done what they finally agreed upon.
         can_be_done = still_open(state, topic.robot, matter, topic.room)
         agreed = step.outcome is DialogueOutcome.CONSENSUS and can_be_done
         self.under_way.drop(topic.robot)

@@ -16,7 +16,7 @@ class RecentHandbacks:
 
     @property
     def robots(self) -> frozenset[int]:
-        """These robots."""
+        """Robots for which the participant cannot ask again yet."""
         return frozenset(self._asked)
 
     def note(self, event: JournalEntry, tick: int) -> None:

@@ -70,7 +70,7 @@ def _opening(
 
 
 def decide_alone(game: OpenGame, timeout: int) -> bool:
-    """Let robots decide that the participant has ignored for too long; return True if any robot was.
+    """Let robots decide by themselves if the participant has ignored them for too long; return True if there are any.
 
     Args:
         game: the open game.
@@ -82,7 +82,7 @@ def decide_alone(game: OpenGame, timeout: int) -> bool:
     waiting = [
         robot
         for robot in neglected(state, game.attended, game.tick, timeout)
-        # In an open dialogue the participant may be reading the robot's reasons, so it waits longer.
+        # In an open dialogue the participant may be reading the robot's reasons, so the robot waits longer.
         if robot not in game.dialogues.under_way or game.tick - game.attended.get(robot, 0) >= _READING
     ]
     for robot in waiting:

@@ -120,7 +120,7 @@ class GameRules:
     wrong_share: float
 
     def start(self, game: int, robots: int, costs: CostMatrix, properties: tuple[TreasureProperty, ...]) -> GameStarted:
-        """Return the start of the game with this number and a team of this size; see `GameStarted`."""
+        """Return the event that starts the game with this number and a team of this size; see `GameStarted`."""
         return GameStarted(
             seed=self.seed,
             game=game,
@@ -160,10 +160,9 @@ class KeeperDecisions:
     """Decisions of one step of the keeper.
 
     Attributes:
-        entries: for the journal: the events of the game and the utterances between them, in order.
-        utterances: utterances of its dialogues, in order.
-        wizard: the turns that wait for a wizard.
-        refusals: refused requests of programs, in order.
+        entries: entries for the journal: the events of the game and the utterances between them, in order. utterances:
+        utterances of its dialogues, in order. wizard: the turns that wait for a wizard. refusals: refused requests of
+        programs, in order.
     """
 
     entries: tuple[JournalEntry, ...]
@@ -181,13 +180,11 @@ class Keeper:
     """The game's authority; see the module's description.
 
     Args:
-        rules: rules of the game.
-        engine: factory of the dialogue engine of a game, given the game's number.
-        history: entries of the game in progress from its journal, oldest first; empty for a new game.
-        last_game: number of the last game so far; the next game gets the number after it.
-        briefing: for participants, in addition to the state of the game.
-        adviser: suggests rooms in the place of robots.
-        attention_timeout: ticks without the participant's attention after which a robot decides by itself. If None, it
+        rules: rules of the game. engine: factory of the dialogue engine of a game, given the game's number. history:
+        entries of the game in progress from its journal, oldest first; empty for a new game. last_game: number of the
+        last game so far; the next game gets the number after it. briefing: data for participants in addition to the
+        state of the game. adviser: suggests rooms in the place of robots. attention_timeout: ticks without the
+        participant's attention after which a robot decides by itself. If None, it
             waits for an unlimited time.
         tells_refusals: True sends refusals to programs of 2016, by `%%error`.
 
@@ -225,7 +222,7 @@ class Keeper:
         self._participants = Participants(KEEPER, self._briefing)
         self._consent = ConsentAnswer(self._briefing.consent is not None)
         self._debrief: Debrief | None = None
-        # Of the current step, and of the last one.
+        # Input and output of the current step, and the decisions of the last one.
         self._has_input = False
         self._requests: list[GameRequest] = []
         self._outgoing: list[TextMessage] = []
@@ -318,7 +315,7 @@ class Keeper:
                 now = self._game.refusal
                 if value.kind in _WISHES and now is not None and now is not last:
                     self._note_refusal(value.sender, value.kind, RequestRefused(now.reason, now.sentence))
-        # After the messages, because one of the same tick has the new prices of a robot that has stopped.
+        # After the messages, because a message of the same tick has the new prices of a robot that has stopped.
         report_failures(self._game)
         wizard = self.decisions.wizard
         # Only then, because state changes only by messages and requests, and most ticks have none.
@@ -386,7 +383,7 @@ class Keeper:
         if self.state is None:
             return False
         if notice.kind in _COUNTED_WISHES and self._participants.is_repetition(notice):
-            # The first one was granted or refused, and the view shows the result.
+            # The first request was granted or refused, and the view shows the result.
             return True
         if notice.kind in _AFTER_AGREEING and self._consent.awaited(self.state):
             self._game.refuse(notice.kind, _BEFORE_AGREEING)

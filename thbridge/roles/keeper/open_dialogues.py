@@ -67,7 +67,7 @@ class RobotMemories:
             self._memories[dialogue.topic.robot] = (situation_of(dialogue.topic.facts), dialogue.conversation)
 
     def former(self, robot: int, facts: WhereFacts | WhatFacts) -> Conversation | None:
-        """Return the earlier conversation; if the situation has changed since, without its decisions."""
+        """Return the earlier conversation. If the situation has changed since, return it without its decisions."""
         if robot not in self._memories:
             return None
         situation, conversation = self._memories[robot]

@@ -39,8 +39,9 @@ STOP_PROBABILITY = 0.1
 MAX_ATTEMPTS = 3
 """Number of failed moves of a robot to a room, or of failed talks about a treasure, after which the bot gives up."""
 TALKS_AS_USUAL, TALKS_ABOUT_ROOMS, MOST_TALKS = 2, 4, 6
-"""Numbers of failed talks with a robot after which the bot no longer asks for advice, no longer chooses rooms itself,
-and no longer talks with the robot. Between the last two it asks for advice again, and accepts any."""
+"""Numbers of failed talks with a robot. After the first number, the bot no longer asks for advice. After the second, it
+no longer chooses rooms itself, but asks for advice again and accepts any. After the third, it no longer talks with the
+robot."""
 DEAR = 2.0
 """Energy, as a multiple of the cheapest room's, above which a room is too expensive for a cautious participant."""
 
@@ -72,8 +73,9 @@ class Bot:
     did not reach come last with any strategy, and are given up after three attempts. A lost robot is sent once, because
     it may localize itself while it drives. When nothing is left to request, the bot ends the game.
 
-    Talks that end without an agreement are counted until the robot drives again. After two about one room the bot
-    chooses another room, after some more it follows the robot's advice, and in the end it stops talking with the robot.
+    Talks that end without an agreement are counted until the robot drives again. After two talks about one room, the
+    bot chooses another room. After some more talks, it follows the robot's advice. In the end, it stops talking with
+    the robot.
 
     Args:
         strategy: chooses rooms.
@@ -214,7 +216,8 @@ class Bot:
 
     def _choice(self, view: View, robot: RobotView, rooms: Sequence[int]) -> int:
         if self._strategy is BotStrategy.RANDOM:
-            # The choice stays the same while the robot's state does; it changes after each dialogue broken off.
+            # The choice stays the same while the robot's state stays the same, and changes after each dialogue broken
+            # off.
             turn = (len(self._stopped) * len(view.costs) + robot.place) * len(view.robots) + robot.robot
             return rooms[int(noise.uniform(self._choices, turn, 0) * len(rooms))]
         costs = view.costs_from(robot)

@@ -78,11 +78,10 @@ class TabUI:
             as a window that is opened again, so that the keeper does not mistake new requests for repetitions.
 
     Attributes:
-        view: the latest view, None before the first.
-        room_names: room names of the game's map; empty until the keeper has sent them.
-        texts: texts of the game's language; None until the keeper has sent them.
-        run: mark of this run of the program; see `ParticipantReady`.
-        declined: True when the participant has declined to take part; this program must leave then.
+        view: the latest view, None before the first. room_names: room names of the game's map; empty until the keeper
+        has sent them. texts: texts of the game's language; None until the keeper has sent them. run: mark of this run
+        of the program; see `ParticipantReady`. declined: True when the participant has declined to take part; then this
+        program must leave.
     """
 
     name = legacy.TABUI
@@ -104,7 +103,8 @@ class TabUI:
         self.declined = False
         self._introduce = False
         self._renew_at: int | None = None
-        # By current request of the player: its number and the tick up to which that is used; the tick it was last sent.
+        # For each current request of the player: its number, the tick up to which this number is used, and the tick in
+        # which the request was last sent.
         self._numbers: dict[ParticipantRequest, tuple[int, int]] = {}
         self._sent: dict[ParticipantRequest, int] = {}
         self._last_number = first_number - 1

@@ -1,9 +1,9 @@
 """Rules for the participant's requests: the game's own rules, and the rules about dialogues and agreements.
 
 `judge` decides if the participant may do something. The keeper applies it to the game itself. A window applies it to
-the part of the game that its view reveals (`revealed`), so that it offers what the keeper will grant. That part has
-everything that these rules read, with two exceptions: if Hider is still about to hide the treasures (for a few ticks),
-and if a Hider of 2016 does not reveal them.
+the part of the game that its view reveals (`revealed`), so that it offers what the keeper will grant. That part
+contains everything that these rules read, with two exceptions. It does not show that Hider is still about to hide the
+treasures (for a few ticks), or that a Hider of 2016 does not reveal them.
 """
 
 import math

@@ -40,7 +40,7 @@ STATUS_PERIOD = TICKS_PER_SECOND
 """Ticks between two statuses; a status is also sent whenever a move, a condition or a researcher changes."""
 
 KEEPER_TIMEOUT = TICKS_PER_SECOND
-"""Ticks that a `%%goto` waits for a keeper; if no keeper has sent orders, it is then obeyed as in 2016."""
+"""Ticks that a `%%goto` waits for a keeper. If no keeper has sent orders by then, SimR obeys it as in 2016."""
 
 RESPONSE_TIMEOUT = 5 * TICKS_PER_SECOND
 """Default ticks without observations after which a robot counts as silent."""
@@ -59,7 +59,7 @@ MANUAL_SPEEDS = {
 class SimR(RobotsRole):
     """The robots' role.
 
-    Moves are the keeper's orders. Without a keeper (at a server of another make) SimR obeys `%%goto` as in 2016. In
+    Moves are the keeper's orders. Without a keeper (at a server that is not ours) SimR obeys `%%goto` as in 2016. In
     both cases it answers `%%where`, obeys `%%move`, and drives to points in meters.
 
     Args:
@@ -223,7 +223,7 @@ class SimR(RobotsRole):
             self._inputs += [CancelGoal(robot), PlaceRobot(robot, pose)]
 
     def _obey_without_keeper(self, tick: int) -> None:
-        """Obey lines that have waited for a keeper until the timeout; if there is a keeper, only its orders count."""
+        """Obey lines that have waited for a keeper until the timeout. If there is a keeper, obey only its orders."""
         if self._orders is not None:
             self._waiting.clear()
         while self._waiting and tick - self._waiting[0][0] >= KEEPER_TIMEOUT:

@@ -1,9 +1,9 @@
 """Travel times from any place of a map to its rooms, planned on the static map and scaled to the map's known times.
 
-A wave of navfn from each room's goal gives a path to it from every place. The duration of a path has three parts: a
-constant, a part by its length, and a part by the turns on the spot at both ends, which take as long as some meters. The
-three weights are fitted to the known times between places (least squares, none negative). So a room costs about the
-same from a robot's position as from the nearest place with a row in the matrix.
+A wavefront of navfn from each room's goal gives a path to that goal from every place. The duration of a path has three
+parts: a constant, a part by its length, and a part by the turns on the spot at both ends, which take as long as some
+meters. The three weights are fitted to the known times between places (least squares, none negative). So a room costs
+about the same from a robot's position as from the nearest place with a row in the matrix.
 """
 
 import math
@@ -131,7 +131,8 @@ def _direction(points: FloatArray, steps: FloatArray) -> float:
 
 
 def _fitted(known: Sequence[tuple[Sequence[_Way], float]]) -> FloatArray:
-    """Return (3,) seconds per unit of each part, fitted to known seconds; of several paths the mean counts."""
+    """Return (3,) seconds per unit of each part, fitted to known seconds. If there are several paths, their mean is
+    used."""
     rows = [(np.mean(ways, axis=0), seconds) for ways, seconds in known if ways]
     if not rows:
         return np.zeros(3)

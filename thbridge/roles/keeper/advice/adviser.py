@@ -25,8 +25,8 @@ from thbridge.roles.shared.participant_rules import Discussed, Situation, free_t
 _MOST_ROOMS_COMPARED = {1: 17, 2: MOST_ROOMS_OF_A_TEAM, 3: 14, 4: 13}
 """Largest number of remaining rooms, by number of robots, for which advice compares all plans; 12 for more robots.
 
-The game waits for the answer. Such a plan, and the values of all other next rooms that an argument needs, take 0.5 s
-at most. A heuristic search for a plan of more rooms takes as long.
+The game waits for the answer. Comparing all plans takes 0.5 s at most, including the values of all other next rooms,
+which an argument needs. With more rooms, a heuristic search takes as long.
 """
 _EXACT = frozenset({TeamPlanner.JOINT, TeamPlanner.TOUR})
 """Planners with optimal tours, of the team or of the robot alone."""
@@ -37,12 +37,9 @@ class Advice:
     """A room that a robot suggests, with reason and confidence.
 
     Attributes:
-        room: the suggested room.
-        reason: as part of a sentence: "no other room costs me less".
-        number: number of the robot's advice in this game, from 1.
-        planned: the room that the planner chose.
-        erred: True when the robot suggests another room instead.
-        confidence: to be stated, 0 to 1; None if none is stated.
+        room: the suggested room. reason: reason, as part of a sentence: "no other room costs me less". number: number
+        of the robot's advice in this game, from 1. planned: the room that the planner chose. erred: True when the robot
+        suggests another room instead. confidence: to be stated, 0 to 1; None if none is stated.
     """
 
     room: Room
@@ -53,7 +50,7 @@ class Advice:
     confidence: float | None = None
 
     def event(self, robot: int) -> RoomAdvised:
-        """Return the event that a robot gives this advice."""
+        """Return the event that records this advice of a robot."""
         return RoomAdvised(robot, self.room, self.number, self.planned, self.erred, self.confidence)
 
     def instead(self, room: Room, reason: str) -> "Advice":
@@ -63,7 +60,7 @@ class Advice:
 
 @dataclass(frozen=True, slots=True)
 class Adviser:
-    """Adviser that suggests rooms in the place of robots, as the study sets it.
+    """Adviser that suggests rooms in the place of robots, with the settings of the study.
 
     Wrong advice is chosen by keyed noise of game, robot and number of the advice. An adviser that may be wrong always
     gives the room's cost as its only reason. A comparison with other rooms would reveal the error, or be false.
@@ -74,9 +71,8 @@ class Adviser:
         says_confidence: True when robots state how sure they are.
         confidence_bias: added to the confidence of a calibrated adviser, which only knows the probability that its
             advice is wrong.
-        confidence_spread: largest distance of that probability from its mean, the error rate; for each advice it is
-            drawn again, uniformly.
-        texts: texts of the game's language, for reasons.
+        confidence_spread: largest distance of that probability from its mean, the error rate. For each advice the
+        probability is drawn again, uniformly. texts: texts of the game's language, for reasons.
     """
 
     planner: TeamPlanner = TeamPlanner.JOINT
@@ -190,7 +186,7 @@ def can_compare(rooms: Collection[Room], robots: Collection[object]) -> bool:
 def tours_sending_first(
     planner: TeamPlanner, costs: CostMatrix, starts: tuple[TourStart, ...], rooms: tuple[Room, ...], visit: float
 ) -> tuple[Tour, ...]:
-    """Return the tours that send the first robot, if it can pay for any room.
+    """Return the tours of a plan that sends the first robot, if that robot has the energy for any room.
 
     Results are cached: a robot suggests and argues from the same plan, and a wizard's advice is shown in every tick.
     """

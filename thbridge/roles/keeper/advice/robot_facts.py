@@ -33,7 +33,7 @@ def where_facts(
     """Return a robot's facts about where to go.
 
     If there are more rooms than can be compared in time, the joint plan is found by heuristic search. The value of
-    another room is then that of the same plan changed so that the robot begins with this room.
+    another room is then the value of the same plan, changed so that the robot begins with that room.
 
     Args:
         state: state of the game.
@@ -116,7 +116,8 @@ def what_facts(
 
 
 def _against(state: GameState, room: Room, kinds: Sequence[TreasureKind], name: str) -> tuple[Misfit, ...]:
-    """Return the properties in which no treasure with this name fits the findings in a room."""
+    """Return the properties that contradict a name: no treasure of this name has the value that is known in the
+    room."""
     found = state.room(room)
     listed = [kind.properties for kind in kinds if kind.name == name]
     return tuple(

@@ -81,7 +81,7 @@ class ConsentAnswer:
         """Return the consent as the first event after the start of a game; empty if there is none yet.
 
         Args:
-            former: the game before, after which consent stays valid; None before the first game.
+            former: the previous game, after which consent stays valid; None before the first game.
         """
         early, self._early = self._early, None
         another, self._another = self._another, False

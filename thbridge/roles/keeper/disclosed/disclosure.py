@@ -33,7 +33,7 @@ def view_of(
     asked_back: Collection[int] = (),
     debrief: Debrief | None = None,
 ) -> View:
-    """Return the participant's view; it never reads the treasures themselves, only what is known about them.
+    """Return the participant's view. It is made without the treasures themselves, only from what is known about them.
 
     `asks` is True while the participant has to agree to take part.
     """

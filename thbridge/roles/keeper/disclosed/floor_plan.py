@@ -19,8 +19,8 @@ def floor_plan_of(
 ) -> FloorPlan:
     """Return the floor plan of a map.
 
-    While the packed map is too long for one line, its resolution is halved: two by two cells become one cell. It is a
-    wall if one of the four is a wall, otherwise free if one is free.
+    While the packed map is too long for one line, its resolution is halved: two by two cells become one cell. The new
+    cell is a wall if one of the four is a wall, otherwise free if one of them is free.
 
     Args:
         name: name of the map.
