@@ -2,8 +2,8 @@
 
 The routing rules are those of MAVLink. A message without a target goes to all links and vehicles. A message with a
 target goes only to links on which frames of that target arrived. No message goes back to its origin. If frames of one
-sender arrive on two links, because these are also joined elsewhere, no message of this sender is forwarded to either of
-them. So no message circles.
+sender arrive on two links, these links are also joined elsewhere. Then no message of this sender is forwarded to either
+of them, so that no message circles.
 
 Source: the MAVLink developer guide, "Routing".
 """
@@ -46,10 +46,9 @@ class Hub:
         """Open a link; an open link of the same number is closed first.
 
         Args:
-            link: its number.
-            name: name for people.
-            robot: index of the only vehicle on the link. The link then gets no frames of other stations, because
-                programs that support one vehicle may take them for the vehicle's. If None, all vehicles are on the
+            link: its number. name: name for people. robot: index of the only vehicle on the link. The link then gets no
+            frames of other stations, because programs that support only one vehicle may take these frames for frames of
+            the vehicle. If None, all vehicles are on the
                 link.
         """
         self.close(link)
@@ -105,7 +104,8 @@ class Hub:
         for number in filter(there.reaches, addressed):
             self._traffic.append(Traffic(number, True, there.name, frame))
             sent += self._numbered(number, self.vehicles[number].handle_message(link, sender, message))
-        # Links of one robot carry no frames of other stations: programs there may take them for the robot's.
+        # Links of one robot get no frames of other stations: programs there may take these frames for frames of the
+        # robot.
         is_shared = robot is None and there.robot is None
         if is_shared and (system not in self._by_system or component != COMPONENT):
             for other in self._forwarded_to(link, sender, system, component):

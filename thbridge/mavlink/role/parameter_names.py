@@ -66,7 +66,7 @@ _OWN: Mapping[str, str] = {
     "make_plan_add_unreachable_goal": "PLAN_ADD_GOAL",
     "shutdown_costmaps": "SHUT_COSTMAPS",
 }
-"""Whole names that would be too long word by word, or would repeat their prefix."""
+"""Short forms of whole names. Word by word, these names would be too long or would repeat their prefix."""
 
 _WORDS: Mapping[str, str] = {
     "angle": "ANG",

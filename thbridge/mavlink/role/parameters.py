@@ -1,8 +1,8 @@
 """A robot's parameters in MAVLink: numbers under short names, which a ground station may change at any time.
 
 MAVLink sends 32-bit floats. The number sent is the 32-bit float nearest to the current value. A received number stands
-for the shortest decimal with the same 32-bit float. It changes nothing if the current value has this 32-bit float
-already. So 0.1 stays 0.1, however often ground stations send back the values they read.
+for the shortest decimal with the same 32-bit float. The parameter does not change if its value is already sent as this
+32-bit float. So 0.1 stays 0.1, however often ground stations send back the values they read.
 """
 
 import math

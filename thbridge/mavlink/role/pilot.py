@@ -54,11 +54,9 @@ class GameSetup:
     """Facts about the game that all pilots of a team have before it starts.
 
     Attributes:
-        floor: traversability of the map.
-        rooms: rooms on the map.
-        names: possible names of treasures, in alphabetical order.
-        energy: energy of each robot at the start.
-        plans_end_apart: True if plans may end away from a goal that is out of reach (`default_tolerance`).
+        floor: traversability of the map. rooms: rooms on the map. names: possible names of treasures, in alphabetical
+        order. energy: energy of each robot at the start. plans_end_apart: True if plans may end at a distance from a
+        goal that is out of reach (`default_tolerance`).
     """
 
     floor: TraversabilityMap
@@ -94,12 +92,9 @@ class Pilot:
     """The `VehicleInterface` of one robot.
 
     Args:
-        robot: its index in the team, from 0.
-        setup: facts about the game.
-        start: start pose, map frame.
-        speeds: its speed limit.
-        parameters: its parameters in MAVLink.
-        ask: queues requests to robots and game for the next tick. They follow from frames, so they are not inputs.
+        robot: its index in the team, from 0. setup: facts about the game. start: start pose, map frame. speeds: speed
+        limit of the robot. parameters: its parameters in MAVLink. ask: queues requests to robots and game for the next
+        tick. They follow from frames, so they are not inputs.
     """
 
     def __init__(
@@ -143,7 +138,7 @@ class Pilot:
     # Driving
 
     def go_to(self, target: Target) -> int | Denied:
-        """See `VehicleInterface`; rules and map decide at once, the navigator decides when the robot departs."""
+        """See `VehicleInterface`. Rules and map decide at once; the navigator decides later, when the robot departs."""
         if not all(map(math.isfinite, (target.x, target.y, target.heading or 0.0))):
             return Denied("That is no point of a map.")
         state = self._able()
@@ -259,7 +254,7 @@ class Pilot:
     # Conditions
 
     def _able(self) -> GameState | Denied:
-        """Return the game after all requests so far, or the reason why no station can move the robot."""
+        """Return the state of the game after all requests so far, or the reason why no station can move the robot."""
         if self._game is None or self._snapshot is None:
             return _NO_GAME
         state = self._game

@@ -21,11 +21,12 @@ from thbridge.roles.shared.robot_requests import Request, StationSend, StationSt
 from thbridge.ros.messages.goal_owners import GoalOwner
 
 RESPONSE_TIMEOUT = TICKS_PER_SECOND
-"""Ticks without observations after which a robot is silent, and without a goal status after which the goal fails."""
+"""Ticks without observations after which a robot counts as silent; also ticks without a goal status after which a goal
+fails."""
 
 
 class TripStage(Enum):
-    """Stage of a trip: an earlier move of the game has to end; the trip is requested; the robot drives."""
+    """Stage of a trip: it waits for the end of an earlier move of the game; it is requested; the robot drives."""
 
     WAITING = 0
     ASKED = 1
@@ -83,7 +84,7 @@ class TripDispatcher:
         self._legs = 0
         self._trip: VehicleTrip | None = None
         self._game: GameState | None = None
-        # A move was requested since the last tick; the current move of the game has to end.
+        # Two flags: a move was requested since the last tick; the current move of the game has to end.
         self._sent = False
         self._stopping = False
 
@@ -134,8 +135,8 @@ class TripDispatcher:
     def _set_out(self, trip: VehicleTrip, state: GameState) -> VehicleTrip:
         """Request a trip, unless a move of the game has to end first.
 
-        A drive home of a failsafe continues after command has returned, until another commander sends the robot
-        elsewhere.
+        After a failsafe, the drive home continues although command has returned, until another commander sends the
+        robot elsewhere.
         """
         mover = state.robots[self._robot]
         if self._sent or mover.bound_for is not None:
@@ -157,7 +158,8 @@ class TripDispatcher:
         return replace(trip, stage=TripStage.ASKED)
 
     def _stop_move(self) -> None:
-        """Stop the current or just requested move of the game; this takes some ticks and is requested until then."""
+        """Stop the current or just requested move of the game. This takes some ticks; the request is repeated until
+        then."""
         under_way = self._game is not None and self._game.robots[self._robot].bound_for is not None
         if under_way:
             self._ask(StationStop(self._robot))

@@ -27,7 +27,8 @@ GARBAGE_LIMIT = 16 * 1024
 """Number of consecutive bytes without a valid frame after which a peer is ignored, at least for some time."""
 
 LINK_FRAMES = 128
-"""Largest number of frames of a link processed per tick: 1 Mbit/s of the shortest frames that stations send."""
+"""Largest number of frames processed per tick and link. With the shortest frames that stations send, this is 1
+Mbit/s."""
 
 WORK_SECONDS = 0.004
 """Seconds per tick after which no further frame of any link is processed."""
@@ -212,7 +213,7 @@ class MavlinkLinks:
         return there is None or len(there.waiting) <= MOST_WAITING // 2
 
     def drop(self, link: LinkId, count: int) -> None:
-        """Count frames that came too fast; report the first to log and station."""
+        """Count frames that came too fast; report the first one to the log and to the station."""
         there = self._links[link]
         self._dropped += count
         there.dropped += count

@@ -137,7 +137,8 @@ class _Connection(Protocol):
         self._parse_some()
 
     def _parse_some(self) -> None:
-        """Parse a part of the received bytes; a peer that sends faster is not read meanwhile, and loses nothing."""
+        """Parse a part of the received bytes. Meanwhile, a peer that sends faster is not read; none of its bytes are
+        lost."""
         if self._transport is None or self._transport.is_closing():
             return
         has_room = self._link is None or self._port.links.has_room(self._link)

@@ -19,17 +19,18 @@ from thbridge.sockets.admission import OWN_MACHINE, Admission
 from thbridge.sockets.errors import CannotListen
 
 MAX_PEERS = 32
-"""Largest number of peers of one socket in addition to its target; one more replaces another one.
+"""Largest number of peers of one socket in addition to its target; a further peer replaces one of them.
 
 Peers without a valid frame are replaced first, then peers younger than `SETTLED_SECONDS`. Among equals, the peer with
 the oldest last frame is replaced.
 """
 
 SETTLED_SECONDS = 3.0
-"""Seconds from the first to the last valid frame after which a peer is replaced last: an invented one is younger."""
+"""Seconds from a peer's first to its last valid frame. After that, it is replaced last, because an invented peer is
+younger."""
 
 MEETINGS = 64
-"""Largest number of new peers of one socket per second; datagrams of further ones are dropped."""
+"""Largest number of new peers of one socket per second; datagrams of further new peers are dropped."""
 
 STALE_SECONDS = 60.0
 """Seconds without a valid frame after which a peer is forgotten; the target is never forgotten."""
@@ -58,11 +59,9 @@ class _Peer:
     """Peer of a socket; times are seconds of the loop's clock.
 
     Attributes:
-        channel: its frame codec.
-        last_received: time of its last valid frame, otherwise of its first datagram.
-        first_good: time of its first valid frame.
-        link: None until its first valid frame.
-        muted: time until which it is ignored.
+        channel: its frame codec. last_received: time of its last valid frame; before that, of its first datagram.
+        first_good: time of its first valid frame. link: None until its first valid frame. muted: time until which it is
+        ignored.
     """
 
     channel: Channel
@@ -96,7 +95,7 @@ class _Outlet:
             try:
                 self.socket.sendto(b"".join(frames[first:last]), self.address)
             except ConnectionRefusedError:
-                pass  # an earlier datagram found the port closed; the error is not about this one
+                pass  # an earlier datagram found the port closed; the error is not about this datagram
             except OSError:
                 unsent += last - first
             first = last

@@ -56,7 +56,7 @@ class CommandAcked:
 
 @dataclass(frozen=True, slots=True)
 class CommandUnanswered:
-    """Command that was not acknowledged, however often it was sent."""
+    """Command that was not acknowledged, although it was sent repeatedly."""
 
     system: int
     command: int

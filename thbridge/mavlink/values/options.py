@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 SHORTEST_TIMEOUT, LONGEST_TIMEOUT = 1.0, 600.0
-"""Bounds of the number of seconds without a heartbeat after which a ground station is lost."""
+"""Bounds of the heartbeat timeout, in seconds: without a heartbeat for this time, a ground station is lost."""
 
 
 class AutopilotIdentity(StrEnum):
@@ -23,7 +23,7 @@ class Failsafe(StrEnum):
 
 
 class VisitedRooms(StrEnum):
-    """Action of a mission whose next item leads into an already visited room."""
+    """Action of a mission when its next item leads into an already visited room."""
 
     HALT = "halt"
     SKIP = "skip"
@@ -43,12 +43,10 @@ class VehicleOptions:
     """Options of all vehicles of a study.
 
     Attributes:
-        identity: autopilot that that vehicles claim to have.
-        origin: position of the map's origin on earth.
-        lost_after: seconds without a heartbeat after which a ground station is lost.
-        failsafe: action in that case.
-        position_rate: default rate of position, attitude and speed messages, Hz.
-        visited_rooms: action of a mission at an already visited room.
+        identity: autopilot that vehicles claim to have. origin: position of the map's origin on earth. lost_after:
+        seconds without a heartbeat after which a ground station is lost. failsafe: action in that case. position_rate:
+        default rate of position, attitude and speed messages, Hz. visited_rooms: action of a mission at an already
+        visited room.
     """
 
     identity: AutopilotIdentity

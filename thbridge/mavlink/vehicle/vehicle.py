@@ -38,7 +38,7 @@ class Vehicle:
     """MAVLink vehicle of one robot.
 
     While the robot's software does not respond, the vehicle neither processes nor sends messages, so that ground
-    stations lose it like a real one.
+    stations lose it like a real vehicle.
 
     Args:
         system: its system id, 1 to 250.

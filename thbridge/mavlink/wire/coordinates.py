@@ -27,7 +27,8 @@ GLOBAL = frozenset(
 _BODY = frozenset({mav.MAV_FRAME_BODY_NED, mav.MAV_FRAME_BODY_OFFSET_NED, mav.MAV_FRAME_BODY_FRD})
 
 LOCAL = _BODY | {mav.MAV_FRAME_LOCAL_NED, mav.MAV_FRAME_LOCAL_OFFSET_NED}
-"""Frames in meters: from the map's origin or from the robot, along the axes of the map or of the robot."""
+"""Frames in meters. Their origin is that of the map or the robot, and their axes are those of the map or of the
+robot."""
 
 PER_METRE = 10_000
 """COMMAND_INT and MISSION_ITEM_INT give meters of `LOCAL` in ten-thousandths."""

@@ -71,7 +71,7 @@ class HubLink:
         )
 
     def record_frame(self, station: Station, sequence: int, tick: int) -> None:
-        """Record a frame from a sender that has room."""
+        """Record a frame from a sender whose frames are accepted."""
         last = self._stations.get(station)
         if last is None:
             if len(self._stations) >= MOST_STATIONS:

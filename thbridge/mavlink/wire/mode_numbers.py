@@ -1,6 +1,6 @@
 """Modes of a vehicle, and their numbers for ground stations.
 
-ArduPilot's rovers have one number per mode. PX4 has a main mode and a sub mode. A vehicle that claims to be ArduPilot's
+ArduPilot's rovers have one number per mode. PX4 has a main mode and a sub mode. A vehicle that claims to be ArduPilot
 uses ArduPilot's numbers. A generic vehicle uses PX4's, as MAVSDK expects of every autopilot except ArduPilot.
 
 Source: ArduPilot, Rover, `Mode::Number`; PX4, `px4_custom_mode.h`.
@@ -40,8 +40,8 @@ _ASKED_GENERIC = (
     # PX4's manual modes with different degrees of assistance.
     | {(_PX4_ALTCTL, 0): Mode.MANUAL, (_PX4_POSCTL, 0): Mode.MANUAL}
 )
-"""Modes by ArduPilot's numbers. MAVProxy and mavutil send these to every vehicle that is not PX4's; no number is
-ambiguous."""
+"""Modes by ArduPilot's numbers. MAVProxy and mavutil send these numbers to every vehicle that does not claim to be PX4.
+No number is ambiguous."""
 
 _STANDARD = {Mode.RETURN: mav.MAV_STANDARD_MODE_SAFE_RECOVERY, Mode.AUTO: mav.MAV_STANDARD_MODE_MISSION}
 

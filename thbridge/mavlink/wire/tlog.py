@@ -17,7 +17,7 @@ _STAMP = struct.Struct(">Q")
 
 
 class Tlog:
-    """Log of all vehicles, like a link that carries each message once.
+    """Log of all vehicles, like a link on which each message is sent once.
 
     The frames of vehicles get the log's own sequence numbers, so that tools report no lost frames.
     """

@@ -3,11 +3,12 @@
 Source: the MAVLink developer guide, "File Transfer Protocol (FTP)".
 Differs:
 
-* A session belongs to the station that opened it, so that stations cannot close or read the sessions of others. It has
-  the number that the station proposes, because MAVProxy identifies its transfers by it and MAVSDK accepts no other
-  number.
-* A station that proposes the number of an open session gets it if the open file was read to its end, is the same file,
-  or is idle, because the request that closes a session may be lost. Otherwise there is no room.
+* A session belongs to the station that opened it, so that stations cannot close or read the sessions of others. A
+  session has the number that the station proposes, because MAVProxy identifies its transfers by this number, and MAVSDK
+  accepts no other.
+* A station may propose the number of an open session. It gets the number if the open file was read to its end, is the
+  same file, or is idle, because the request that closes a session may be lost. Otherwise the answer is that no session
+  is free.
 * Requests to all vehicles at once are ignored: a file belongs to one vehicle, and bursts of all vehicles would be a
   flood.
 * The last piece of a file ends its burst. No EOF follows it, because MAVSDK would take the EOF for a failure if it
@@ -91,7 +92,8 @@ class _Request:
 
     @property
     def wanted(self) -> int:
-        """Number of bytes of a piece; 0 requests the largest, as mavros reads and ArduPilot's bursts do."""
+        """Number of bytes of a piece. A size of 0 requests the largest piece, as mavros does in reads and ArduPilot in
+        bursts."""
         return self.size or _MOST_DATA
 
 
@@ -181,7 +183,7 @@ class FileTransfer:
         asked = bytes(message.payload)
         request = _request_of(asked)
         if request.opcode >= mav.MAV_FTP_OPCODE_ACK:
-            # This is an answer; two servers that answered answers would never stop.
+            # This is an answer. Two servers that reply to each other's answers would never stop.
             return
         requester = link, sender
         client = self._client(requester)

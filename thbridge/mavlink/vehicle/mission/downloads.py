@@ -32,7 +32,7 @@ class MissionDownloads:
     """Downloads of one robot's plan.
 
     Args:
-        run: holder of the plan.
+        run: mission with the plan.
     """
 
     def __init__(self, run: MissionRun) -> None:

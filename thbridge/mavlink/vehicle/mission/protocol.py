@@ -1,7 +1,7 @@
 """Mission protocol without sockets and clocks: upload to a robot; `downloads` handles the other direction.
 
-Source: the MAVLink developer guide, "Mission Protocol".
-Differs: a station may send a part of the list, as in ArduPilot, but the plan changes only when all of it has arrived.
+Source: the MAVLink developer guide, "Mission Protocol". Differs: a station may send a part of the list, as in
+ArduPilot, but the plan changes only when all of that part has arrived.
 """
 
 from collections.abc import Iterator
@@ -28,7 +28,7 @@ RETRIES = 5
 """Number of repeated requests for an item before the transfer is aborted."""
 
 TRIES_OF_NEW_FORM = 4
-"""Number of requests for the first item as MISSION_ITEM_INT before it is requested as MISSION_ITEM."""
+"""Number of requests for the first item as MISSION_ITEM_INT; after these, it is requested as MISSION_ITEM."""
 
 _ItemMessage = mav.MAVLink_mission_item_message | mav.MAVLink_mission_item_int_message
 
@@ -82,8 +82,7 @@ class MissionProtocol(Microservice):
     """Transfer of one robot's plan: one upload at a time, any number of downloads.
 
     Args:
-        run: holds the plan and executes it.
-        announce: sends texts to people.
+        run: stores the plan and executes it. announce: sends texts to people.
     """
 
     def __init__(self, run: MissionRun, announce: Announce) -> None:
@@ -166,7 +165,7 @@ class MissionProtocol(Microservice):
 
     def _handle_partial(self, peer: MissionPeer, first: int, last: int, mission_type: int) -> Iterator[OutgoingMessage]:
         plan = self._run.plan
-        # -1 is the end of the list; and a station may count one item more than the list has.
+        # -1 means the end of the list. A station may also count one item more than the list has.
         last = len(plan) - 1 if last == -1 else min(last, len(plan) - 1)
         if mission_type != MISSION:
             yield peer.ack(mav.MAV_MISSION_UNSUPPORTED, mission_type)

@@ -14,9 +14,8 @@ from thbridge.mavlink.values.vehicle_interface import (
 from thbridge.mavlink.vehicle.parts import Announce, TextSeverity
 
 _AWAY = TICKS_PER_SECOND
-"""Ticks of another commander after which control counts as taken away.
-
-The readings show the game's reaction to a vehicle's request only some ticks later.
+"""Number of ticks with another commander after which control counts as taken away. It is not 0, because the readings
+show the game's reaction to a vehicle's request only some ticks later.
 """
 
 
@@ -29,8 +28,8 @@ class OperatorControl:
         announce: sends texts to people, about each change of command.
 
     Attributes:
-        lost_after: as above; can be changed.
-        station: the station in command, or None. It stays the same while a researcher drives the robot for a time.
+        lost_after: see `Args`; can be changed. station: the station in command, or None. It stays the same while a
+        researcher drives the robot for a time.
     """
 
     def __init__(self, robot: VehicleInterface, lost_after: float, announce: Announce) -> None:

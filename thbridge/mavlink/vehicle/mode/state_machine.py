@@ -53,9 +53,8 @@ class ModeStateMachine:
         announce: sends texts to people.
 
     Attributes:
-        drive: the last drive to a target that this state machine started.
-        plan: as above.
-        failsafe: as above; may be changed.
+        drive: the last drive to a target that this state machine started. plan: see `Args`. failsafe: see `Args`; may
+        be changed.
     """
 
     def __init__(
@@ -119,8 +118,8 @@ class ModeStateMachine:
     def request_mode(self, station: Station, mode: Mode) -> Denied | None:
         """Change the mode for a station.
 
-        Any station may choose HOLD. While no station is in command, other modes are only stored until one arms the
-        robot.
+        Any station may choose HOLD. While no station is in command, other modes are only stored until a station arms
+        the robot.
         """
         if mode is Mode.HOLD:
             self.stop()

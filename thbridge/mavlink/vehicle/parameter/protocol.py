@@ -50,7 +50,7 @@ class ParameterProtocol(Microservice):
         self._settings = settings
         self._announce = announce
         self._ardupilot = ardupilot
-        # Value of each parameter that was last sent to stations.
+        # For each parameter, the value that was last sent to stations.
         self._sent: dict[str, float] = {}
         self._lists: dict[LinkId, int] = {}
 
@@ -75,7 +75,7 @@ class ParameterProtocol(Microservice):
                 yield _unextended(link, message.param_id, message.param_value, message.param_type)
 
     def step(self, tick: int, readings: RobotReadings) -> Iterator[OutgoingMessage]:
-        """Continue lists, and once per second send the values changed by others to all links."""
+        """Continue lists. Once per second, send values that others have changed to all links."""
         is_whole_second = tick % TICKS_PER_SECOND == 0
         if not self._lists and not is_whole_second:
             return

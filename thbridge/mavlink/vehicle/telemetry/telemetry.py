@@ -185,7 +185,7 @@ class Telemetry:
         )
 
     def _sys_status(self, now: TelemetryState) -> Message:
-        # There is no fence, but MAVProxy reports a fence that is not healthy as breached, even if it is not present.
+        # There is no fence. But MAVProxy reports a fence that is not healthy as breached, even if it is not present.
         healthy = (_SENSORS & ~_KNOWS_WHERE if now.readings.lost else _SENSORS) | mav.MAV_SYS_STATUS_GEOFENCE
         remaining = _remaining(now.readings)
         return mav.MAVLink_sys_status_message(

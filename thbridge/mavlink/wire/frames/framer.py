@@ -69,7 +69,7 @@ class _Bad:
 
 
 class FrameParser:
-    """Parser of a byte stream; it holds back less than one frame."""
+    """Parser of a byte stream; it keeps less than one frame for the next call."""
 
     def __init__(self) -> None:
         self._held = b""
@@ -84,7 +84,7 @@ class FrameParser:
         return found
 
     def end(self) -> list[Frame | DiscardedBytes]:
-        """Return frames and discarded bytes from the bytes held back, at the end of a stream; reset the parser."""
+        """Return frames and discarded bytes from the bytes kept so far, at the end of a stream; reset the parser."""
         found, self._held = _search(self._held, ended=True)
         return found
 

@@ -2,10 +2,10 @@
 
 Source: the MAVLink developer guide, "Message Signing".
 
-Differs: no unsigned frame is accepted. Other programs accept RADIO_STATUS, which radios send without a key. Here is no
-radio in between, and a frame forwarded under our signature would look as if the key's owner had sent it. Keys are never
-accepted from the network (SETUP_SIGNING). Timestamps from the last few months of the 48-bit range are refused,
-because no later frame could have a newer one.
+Differs: no unsigned frame is accepted. Other programs accept RADIO_STATUS, which radios send without a key. Here there
+is no radio between robots and stations, and a frame forwarded with our signature would look as if the key's owner had
+sent it. Keys are never accepted from the network (SETUP_SIGNING). Timestamps from the last few months of the 48-bit
+range are refused, because no later frame could have a newer one.
 """
 
 import hashlib
@@ -30,7 +30,7 @@ FIRST_TIMESTAMP_TOLERANCE = 60 * UNITS_PER_SECOND
 """Largest number of units by which the first timestamp of a stream may be behind ours."""
 
 LATEST = (1 << 48) - (1 << 40)
-"""Latest timestamp that is accepted; the rest of the range lasts four months at 100,000 frames a second."""
+"""Latest timestamp that is accepted. At 100,000 frames per second, the rest of the range lasts four months."""
 
 MAX_STREAMS = 1024
 """Largest number of senders with stored timestamps."""
