@@ -29,7 +29,7 @@ _PLANAR = np.ix_((0, 1, 5), (0, 1, 5))
 FARTHEST = 1e6
 """Largest coordinate in meters: no map is that large, and squares of larger numbers lose precision."""
 _FLAT = elementary.cos(math.radians(10.0))
-"""Cosine of the largest tilt of a goal: move_base also treats a few degrees as noise and more as an error."""
+"""Cosine of the largest tilt of a goal: move_base also treats a few degrees as noise, and a larger tilt as an error."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -47,7 +47,8 @@ class ClockRun(Generic[Message]):
     def continues_with(self, message: Message) -> bool:
         """Return True if a message can have been stamped by the clock of this run.
 
-        A message is stamped before it is recorded, so time stamps have an upper limit ahead of the time of recording.
+        A message is stamped before it is recorded, so a time stamp can be ahead of the time of recording only by a
+        limited time.
         """
         back = message.stamp_ns < self._latest_ns - CLOCK_STEP_NS
         return not back and message.stamp_ns - message.received_ns <= self._ahead_ns + CLOCK_STEP_NS

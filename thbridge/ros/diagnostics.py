@@ -81,12 +81,13 @@ class RobotDiagnostics:
         yield from self._way_made(snapshot.tick, None if dead else output.navigation.makes_way_for)
         if dead:
             return
-        # Extrapolated output exists only for robots that know where they are, as in the tick before.
+        # Extrapolated output exists only for robots that know where they are, so this has not changed since the last
+        # tick.
         if not isinstance(output, PropagatedOutput) and output.estimate.lost != self._lost:
             self._lost = output.estimate.lost
             text = "the robot does not know where it is" if self._lost else "the robot knows where it is"
             yield LogLine(LogLevel.WARN if self._lost else LogLevel.INFO, self._localiser, text)
-        # Extrapolated output exists only for robots with a working localizer, as in the tick before.
+        # Extrapolated output exists only for robots with a working localizer, so there is no fault.
         fault = "" if isinstance(output, PropagatedOutput) else output.estimate.fault
         if fault and fault != self._fault:
             yield LogLine(LogLevel.ERROR, self._localiser, fault)

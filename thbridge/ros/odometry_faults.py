@@ -1,8 +1,8 @@
 """Odometry that cannot be true: outliers, resets of its origin, changes of its clock.
 
 A robot cannot jump. The speeds around a message in the recording show how far the robot can have driven since the
-previous message; a larger distance is not motion. If the next messages return, the message was an outlier. If they
-continue from there, the odometry was reset, and only its increments are used from then on.
+previous message; a larger distance is not motion. If the next messages return to the poses before, the message was an
+outlier. If they continue from the new pose, the odometry was reset, and only its increments are used from then on.
 
 Source: Hampel, The influence curve and its role in robust estimation (1974), for limits by median and median absolute
 deviation: they are valid while less than half of the surrounding values are wrong.
@@ -30,17 +30,17 @@ WINDOW = 51
 TOGETHER = 8192
 """Number of steps with medians computed together, to limit memory."""
 DEVIATIONS = 10.0
-"""Number of median absolute deviations above the median speed that a robot may still drive."""
+"""Largest possible speed of a robot, as a number of median absolute deviations above the median speed."""
 LEAST_ABOVE_USUAL = (2.0, 3.0)
-"""m/s and rad/s above the median speed that a robot may always drive, because a standing robot may start."""
+"""Speeds above the median, m/s and rad/s, that are always possible, because a standing robot may start."""
 FASTEST = (50.0, 50.0)
-"""m/s and rad/s that no robot exceeds, however many surrounding values are wrong."""
+"""Speeds in m/s and rad/s that no robot exceeds, even if most surrounding values are wrong."""
 RETURN_NS = 1_000_000_000
 """Time within which odometry returns from outliers."""
 LEAST_MESSAGES = 3
 """Number of consecutive messages that must continue after a jump for it to be more than an outlier."""
 AT_ORIGIN = 0.5
-"""Distance from 0 in meters and radians within which odometry that jumps counts as reset."""
+"""Largest distance from 0, in meters and radians, at which odometry counts as reset after a jump."""
 MISSED = ((0.05, 0.03), (1.0, 0.5))
 """Smallest and largest standard deviations, in meters and radians, of the unseen motion during a reset."""
 
@@ -256,7 +256,7 @@ class _Judge:
         poses: FloatArray,
         max_speed: float | None,
     ) -> None:
-        # Of equal time stamps, the last is kept, as in tf.
+        # If time stamps are equal, the last sample is kept, as in tf.
         newest = [run[len(run) - 1 - np.unique(stamps[run][::-1], return_index=True)[1]] for run in runs]
         self._begins = [int(received[run[0]]) for run in runs]
         self._index = np.concatenate(newest)
@@ -269,7 +269,8 @@ class _Judge:
         self.missed: list[MissedMotion] = []
 
     def _measure(self, max_speed: float | None) -> None:
-        """Compute the usual period, and speed and limit of each step to the next sample; cut at steps too far."""
+        """Compute the usual period, and speed and limit of each step to the next sample; cut at steps that are too
+        long."""
         same = np.diff(self._run_of) == 0
         seconds = np.maximum(np.where(same, np.diff(self._stamps), np.diff(self._received)) / 1e9, 0.0)
         # The mean is used, because messages may arrive in bursts; gaps of the recording are excluded.
@@ -342,7 +343,7 @@ class _Judge:
     def _return_within(self, piece: _Piece, last: int) -> int:
         """Return the first sample of a piece that is nearer to the last valid one than to the start of the piece.
 
-        See `_return`: a distance just too long into an outlier may not be too long out of it.
+        The step into an outlier may be just too long for a robot, but the step out of it not; see `_return`.
         """
         for later in range(piece.begin + 1, min(piece.begin + LEAST_MESSAGES, piece.end)):
             if self._effort(last, later) < min(1.0, self._effort(piece.begin, later)):
@@ -403,7 +404,7 @@ class _Judge:
 
 
 def _moving_median(values: FloatArray) -> FloatArray:
-    """Return (n, 2) medians of the values around each; the first and last medians are repeated at the ends."""
+    """Return (n, 2) medians of the values around each value; the first and last medians are repeated at the ends."""
     medians = np.empty_like(values)
     if len(values):
         padded = np.pad(values, ((WINDOW // 2, WINDOW // 2), (0, 0)), mode="edge")

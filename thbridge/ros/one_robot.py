@@ -66,7 +66,7 @@ class Motion(NamedTuple):
 
 
 class RobotPublisher:
-    """Source of one robot's messages; it keeps the last of those that are published only when they change.
+    """Source of one robot's messages. It stores the last message of each kind that is published only after a change.
 
     Args:
         robot: its index in the team.
@@ -243,7 +243,8 @@ def _moved(pose: Pose2, corners: FloatArray) -> list[tuple[float, float]]:
 
 
 def _is_rest(plan: FloatArray, last: FloatArray) -> bool:
-    """Return True if a plan is the last one, or its rest from the current pose; such a plan is not published again."""
+    """Return True if a plan equals the last one, or the rest of it from the current pose. It is then not published
+    again."""
     if plan is last:
         return True
     if not len(plan):

@@ -41,9 +41,10 @@ _DRIVES_AHEAD: Mapping[str, Tree] = {
     "TrajectoryPlannerROS": {"holonomic_robot": False},
     "DWAPlannerROS": {"max_vel_y": 0.0, "min_vel_y": 0.0, "vy_samples": 1},
 }
-"""Parameters for ROS's planners, saying that a robot cannot drive sideways; by default they assume it can."""
+"""Parameters for ROS's planners of a robot that cannot drive sideways; by default, planners assume that it can."""
 _LOWEST = -1.0
-"""Meters below the base above which readings of a laser count; rounding must not exclude the floor's plane."""
+"""Smallest height of laser readings that count, meters above the base. It is negative, because rounding must not
+exclude the floor's plane."""
 
 
 def robot_tree(software: RobotParameters, named: RobotNames, body: Sequence[Sequence[float]]) -> Tree:
@@ -159,7 +160,7 @@ def leaves(key: str, value: object) -> Iterator[tuple[str, object]]:
 
 
 def has(software: RobotParameters, path: str) -> bool:
-    """Return True if a path names a parameter, not a section or nothing."""
+    """Return True if a path names a parameter; False if it names a section, or nothing."""
     section: object = software
     for name in path.split("."):
         if not dataclasses.is_dataclass(section) or name not in {field.name for field in dataclasses.fields(section)}:

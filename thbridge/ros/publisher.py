@@ -191,7 +191,7 @@ class TeamPublisher:
         said += [(ROSOUT, pack.log(tick, line)) for line in lines]
         if changed:
             said.append((DIAGNOSTICS, pack.diagnostic_array(tick, self._diagnoses(snapshot))))
-        # The same as `RosMessage(...)`, but without its Python code, for speed.
+        # The same as `RosMessage(...)`, but faster, because the Python code of its constructor does not run.
         messages += [tuple.__new__(RosMessage, (topic, stamp, data, False)) for topic, data in said]
         for record in records:
             if isinstance(record, VehicleRecord):

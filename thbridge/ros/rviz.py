@@ -34,8 +34,8 @@ _PANELS = (
     "00790073010000004100000320000000dd00ffffff000003c00000032000000004000000040000000800000008fc0000"
     "000100000002000000010000000a0054006f006f006c00730100000000ffffffff0000000000000000"
 )
-"""Positions of the panels in Qt's format (QMainWindow::saveState): the displays at the left, 300 pixels wide. Without
-it, they would cover the map."""
+"""Positions of the panels in Qt's format (QMainWindow::saveState): the displays at the left, 300 pixels wide.
+Without this value, the displays would cover the map."""
 
 
 def configuration(software: Sequence[RobotParameters], grid: OccupancyGrid) -> str:

@@ -152,7 +152,7 @@ class RobotTopics:
         self.status = Topic(robot.topic("move_base/status"), types.GOAL_STATUS_ARRAY, latched=True)
         self.feedback = Topic(robot.topic("move_base/feedback"), types.MOVE_BASE_FEEDBACK)
         self.result = Topic(robot.topic("move_base/result"), types.MOVE_BASE_RESULT)
-        # ROS repeats its plans; ours are latched, are published only when they change, and end with an empty one.
+        # ROS repeats its plans. Ours are latched and published only when they change; the last one is empty.
         self.plan = Topic(robot.topic(f"move_base/{planners.base_global_planner}/plan"), types.PATH, latched=True)
         self.local_plan = Topic(
             robot.topic(f"move_base/{planners.base_local_planner}/local_plan"), types.PATH, latched=True

@@ -1,4 +1,4 @@
-"""Foxglove server: shows a running session in Foxglove, every message as in a bag.
+"""Foxglove server: shows a running session in Foxglove. Every message is the same as in a bag.
 
 Foxglove reads ROS 1's messages and definitions, so nothing is converted. It can only watch: its messages have no
 effect. Sockets and clients belong to foxglove-sdk, on threads of its own. A client that reads too slowly loses its
@@ -56,7 +56,7 @@ class FoxgloveServer(ServerListener):
                 capabilities=[Capability.Time],
                 server_listener=self,
                 context=self._context,
-                # Random, so that Foxglove does not mistake another session at this address for this one.
+                # Random, so that Foxglove does not take another session at this address for this session.
                 session_id=secrets.token_hex(8),
                 message_backlog_size=_MOST_WAITING,
             )
@@ -90,7 +90,7 @@ class FoxgloveServer(ServerListener):
     def on_subscribe(self, client: Client, channel: ChannelView) -> None:
         """Send the last message of a latched topic to a new subscriber, on a thread of foxglove-sdk.
 
-        All subscribers of the topic get it again, which does no harm: they have it already.
+        All other subscribers of the topic get it again, which does no harm.
         """
         latched = self._latched.get(channel.id)
         if latched is not None:

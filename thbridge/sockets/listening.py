@@ -27,7 +27,8 @@ from thbridge.sockets.tls import begin_connection
 _log = logging.getLogger(__name__)
 
 _AT_ONCE = 16
-"""Largest number of connections that one socket accepts in a round of the loop, which has other work such as ticks."""
+"""Largest number of connections that one socket accepts in a round of the loop, because the loop has other work, such
+as ticks."""
 
 _REFUSED_AT_ONCE = 64
 """Largest number of connections that are closed before one is accepted."""
@@ -36,8 +37,8 @@ _AGAIN_SECONDS = 1.0
 """Seconds until the next attempt if the system cannot accept connections."""
 
 _MOST_ARRIVING = 256
-"""Largest number of unfinished TLS handshakes at a socket; one more replaces the oldest. It is many times the number of
-connections in a round, because an honest handshake needs several rounds."""
+"""Largest number of unfinished TLS handshakes at a socket; a further one replaces the oldest. It is much larger than
+the number of connections in a round, because an honest handshake needs several rounds."""
 
 BACKLOG = 4096
 """Connections that may wait to be accepted; the system makes further ones try again after a second."""
@@ -56,8 +57,8 @@ class ServerDoor:
     """The listening sockets of one server, and its limit of connections.
 
     Args:
-        wanted: largest number of connections if there are enough descriptors.
-        weight: its share, relative to other servers of this process, if there are not.
+        wanted: largest number of connections if there are enough descriptors. weight: share of the server, relative to
+        other servers of this process, if there are too few descriptors.
     """
 
     _open: ClassVar[WeakSet[ServerDoor]] = WeakSet()
@@ -219,7 +220,7 @@ def mark() -> int:
 def check_room() -> None:
     """Check that an outgoing connection would get a descriptor below the mark.
 
-    This is needed where peers decide to which programs, and to how many, the session connects.
+    This check is needed when peers decide to which programs, and to how many, the session connects.
 
     Raises:
         OSError: there is no such descriptor (EMFILE).
@@ -234,7 +235,7 @@ def check_room() -> None:
 def fair_shares(wishes: Sequence[tuple[int, int]], room: int) -> list[int]:
     """Return each server's share of a total: its wish, but at most its fair share by weight.
 
-    What some servers do not want is shared by the others.
+    The other servers share the part that some servers do not want.
 
     Args:
         wishes: wanted number and weight of each server.

@@ -38,9 +38,9 @@ class Backoff:
     """Delays between attempts to connect, and the timeout of a connection, seconds.
 
     Attributes:
-        initial: delay before the first reconnection; doubles at each further one.
-        maximum: longest delay between two attempts.
-        timeout: time without a byte from the server until the connection counts as broken. The server pings idle
+        initial: delay before the first reconnection; it doubles at each further reconnection. maximum: longest delay
+        between two attempts. timeout: time without a byte from the server until the connection counts as broken. The
+        server pings idle
             clients every 15 s.
     """
 
@@ -82,7 +82,7 @@ class ReconnectingClient(ABC):
         self._reason: LossReason | None = None
 
     async def run(self) -> NoReturn:
-        """Stay connected, without an end."""
+        """Stay connected until cancelled."""
         delay = self._backoff.initial
         while True:
             loss = await self._converse()

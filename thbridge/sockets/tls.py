@@ -1,6 +1,6 @@
 """TLS for our programs on other machines: the session has a certificate, and its clients check the fingerprint.
 
-One port accepts both plain and encrypted connections: TLS begins with a byte with which no line of ours begins.
+One port accepts both plain and encrypted connections: the first byte of TLS never begins one of our lines.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ _SHUTDOWN_SECONDS = 1.0
 
 
 class UntrustedServer(ConnectionError):  # noqa: N818 - nothing went wrong with the program
-    """The server is not the one that the key is for; the key was not sent to it."""
+    """The key is for another server. The key was not sent."""
 
 
 def server_context(certificate: Certificate) -> ssl.SSLContext:
@@ -48,7 +48,7 @@ def client_context(key: ClientKey) -> ssl.SSLContext:
 
 
 def check_server(transport: BaseTransport, key: ClientKey) -> None:
-    """Check that a server is the one that a key is for, before the key is sent. Raises UntrustedServer."""
+    """Check that a key is for this server, before the key is sent. Raises UntrustedServer."""
     if key.fingerprint is None:
         return
     encrypted: ssl.SSLObject | None = transport.get_extra_info("ssl_object")

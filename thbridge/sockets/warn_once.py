@@ -1,9 +1,9 @@
-"""Log warnings about peers; each is logged once, however often its cause is repeated."""
+"""Log warnings about peers. Each warning is logged once, even if its cause is repeated."""
 
 import logging
 
 _REMEMBERED = 256
-"""Largest number of different warnings: peers choose parts of their text, so their number must have a limit."""
+"""Largest number of different warnings. There is a limit, because peers choose parts of the text."""
 
 
 class WarnOnce:

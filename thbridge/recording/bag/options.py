@@ -31,7 +31,8 @@ class SplitLimits:
     """Limits of a file, after which a recording continues in another one.
 
     Attributes:
-        size: bytes after which a file ends, after a whole chunk and all messages of one stamp; None for no limit.
+        size: bytes after which a file ends; None for no limit. A file always ends with a whole chunk and all messages
+        of one stamp.
             Latched messages that are repeated at a file's beginning do not count, because they alone may be larger.
         duration_ns: longest recorded time of a file; None for no limit.
     """

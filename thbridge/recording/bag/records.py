@@ -18,16 +18,16 @@ from thbridge.ros.messages.identification import DefinitionSource
 
 MAGIC = b"#ROSBAG V2.0\n"
 HEADER_BYTES = 4096
-"""Size of header and padding of the first record, without its two length words. rosbags includes these words, ROS 1
-does not, and ROS 1's `reindex` overwrites exactly as many bytes as it would have written itself."""
+"""Size of header and padding of the first record, without its two length words. rosbags includes these words; ROS 1
+does not. ROS 1's `reindex` overwrites exactly as many bytes as ROS 1 would have written."""
 
 U32 = Struct("<I")
 _U64 = Struct("<Q")
 _TIME = Struct("<II")
 _BZ2_LEVEL = 9
 _LZ4_LEVEL = 0
-"""Level of ROS's own recorder. Level 3 is the first that searches more: its recordings are at least a tenth smaller,
-for four times the processor time."""
+"""Level of ROS's own recorder. Level 3 is the first level that searches more: its recordings are at least a tenth
+smaller, but it takes four times the processor time."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -62,7 +62,7 @@ def reindex(path: Path) -> RepairResult:
     try:
         fresh.unlink(missing_ok=True)
         messages, end_ns, losses = _copy(path, fresh, compression)
-        # BagFile has synced the bytes. At each step a power failure would leave the old file or the complete new one.
+        # BagFile has synced the bytes. A power failure at any step leaves the old file or the complete new one.
         if repaired == path:
             with contextlib.suppress(OSError):  # Some file systems have no hard links.
                 backup.hardlink_to(path)
@@ -183,7 +183,7 @@ def _undefined(connections: Mapping[int, BagConnection]) -> set[int]:
 
 
 def _named(connection: BagConnection, data: bytes) -> BagConnection:
-    """Return the connection with the definition of its type's name if a message fits; otherwise unchanged."""
+    """Return the connection, with the known definition of its type's name if a message fits this definition."""
     found, known = by_name(connection.msgtype, data), known_definition(connection.msgtype)
     if found is None or known is None:
         return connection

@@ -26,14 +26,15 @@ from thbridge.recording.bag.unpacking import ALWAYS, UnpackedBytes, check_mcap, 
 
 METADATA = "metadata.yaml"
 LARGEST_METADATA = 1 << 26
-"""Largest size of metadata.yaml, in bytes. It has some hundred per file and topic, and our sessions' study."""
+"""Largest size of metadata.yaml, in bytes. It has some hundred bytes per file and topic, and the study of our
+sessions."""
 MOST_VALUES = 1 << 20
-"""Largest number of values in it, with aliases expanded."""
+"""Largest number of values in metadata.yaml, with aliases expanded."""
 _INFORMATION = "rosbag2_bagfile_information"
 
 _STEPS_ALWAYS, _STEPS_BYTE, _STEPS_ONCE = 1 << 26, 128, 1 << 16
-"""Steps of SQLite's virtual machine that are allowed for any file, in addition for each of its bytes, and between two
-counts of the steps.
+"""Steps of SQLite's virtual machine: allowed for any file, allowed in addition for each byte of the file, and made
+between two counts of the steps.
 
 A message has at least a dozen bytes, and needs some twenty steps in each of three queries.
 """
@@ -81,7 +82,7 @@ def stored_messages(path: Path, reader: AnyReader, known: list[Connection]) -> I
     storage = opened.storage
     is_packed = storage.metadata.compression_mode == "message"
     storage.metadata = storage.metadata._replace(compression_mode=None)  # rosbags would unpack without limits.
-    # An MCAP index can refer to a chunk twice. SQLite has each message once, unless its table is computed.
+    # An MCAP index can refer to a chunk twice. SQLite has each message once, unless its table is a computed view.
     sqlite = any(isinstance(file, Sqlite3Reader) for file in (storage, *getattr(storage, "storages", ())))
     stored = UnpackedBytes(0, size) if sqlite else UnpackedBytes(size)
     so_far = UnpackedBytes(size)

@@ -21,8 +21,8 @@ TIMES_PACKED = 64
 """Factor by which a chunk may expand if that is more than `ALWAYS`."""
 ALWAYS_IN_ALL = 1 << 32
 TIMES_FILE = 1000
-"""All chunks of a file may together unpack to `ALWAYS_IN_ALL` plus `TIMES_FILE` times its size, because unpacking takes
-time."""
+"""All chunks of a file may together unpack to `ALWAYS_IN_ALL` plus `TIMES_FILE` times the file's size, because
+unpacking takes time."""
 
 COMPRESSIONS = ("none", "bz2", "lz4")
 
@@ -57,7 +57,7 @@ class UnpackedBytes:
 
 
 def unpacked(compression: str, packed: bytes, size: int) -> bytes:
-    """Return the data of a chunk; for a stream that is cut off, the available data.
+    """Return the data of a chunk. If its stream is cut off, return the available data.
 
     Args:
         compression: a name of `COMPRESSIONS`.

@@ -1,6 +1,6 @@
 """Message types as defined in bags of other programs, parsed within limits.
 
-A definition of some kilobytes can stand for billions of fields, and rosbags creates classes from what it parses.
+A definition of some kilobytes can describe billions of fields, and rosbags creates classes from what it parses.
 """
 
 import math
@@ -67,14 +67,15 @@ def types_in(msgtype: str, text: str) -> Typesdict:
 
 
 def store_of(types: Typesdict) -> Typestore:
-    """Return a store with only these types. Raises ValueError: names of their fields collide."""
+    """Return a store with only these types. Raises ValueError if names of their fields collide."""
     store = get_typestore(Stores.EMPTY)
     register(store, types)
     return store
 
 
 def register(store: Typestore, types: Typesdict) -> None:
-    """Add types to a store. Raises ValueError: it has other types of these names, or names of their fields collide."""
+    """Add types to a store. Raises ValueError if it has other types of these names, or if names of their fields
+    collide."""
     try:
         store.register(types)
     except _STUMBLES:

@@ -8,7 +8,7 @@ from enum import StrEnum
 
 
 class GoalOwner(StrEnum):
-    """Party that sets goals and counts them; `WINDOW` until the session of a window has counted the goal."""
+    """Party that sets goals and counts them; `WINDOW` is used until the window's session has counted the goal."""
 
     GAME = ""
     ROS_CLIENT = "ROS client"

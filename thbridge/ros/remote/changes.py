@@ -9,7 +9,7 @@ from thbridge.ros.remote.names import RemoteNames
 State = TypeVar("State")
 
 SETTLED_NS = 1_000_000_000
-"""Time for which a change must last before it is reported, so that simultaneous failures are one line."""
+"""Time for which a change must last before it is reported, so that simultaneous failures appear in one line."""
 
 
 class RobotPart(Enum):
@@ -22,7 +22,7 @@ class RobotPart(Enum):
 
 @dataclass(slots=True)
 class SettledState(Generic[State]):
-    """A state with changes that count only after they have lasted.
+    """A state. A change of it counts only after it has lasted for some time.
 
     Attributes:
         settled: the last state that has lasted long enough.

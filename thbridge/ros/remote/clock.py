@@ -6,7 +6,8 @@ CLOCK_TIMEOUT_NS = 2_000_000_000
 A dead simulator must not stop the time of the other robots.
 """
 SET_BACK_NS = 1_000_000_000
-"""A clock that goes back by more than this was set, or its program was restarted; for less, time stands still."""
+"""A clock that goes back by more than this was set, or its program was restarted. If it goes back by less, our time
+stands still."""
 
 
 class RosClock:

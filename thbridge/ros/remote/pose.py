@@ -35,9 +35,8 @@ _REMEMBERED = 500
 _APART_NS = 1_000_000_000
 """Largest time difference between odometry and a pose that are combined."""
 _JUMP, _FASTEST = 1.0, 5.0
-"""Meters, plus m/s times the time between two odometry messages, beyond which no robot has driven.
-
-Such a message is an outlier, or the driver was restarted and counts from zero again. The next message shows which.
+"""Largest possible distance between two odometry messages: meters, plus m/s times the time between them. A message
+farther away is an outlier, or the driver was restarted and counts from zero again. The next message shows which.
 """
 _NO_PARTICLES: FloatArray = np.empty((0, 3))
 _UNKNOWN: FloatArray = np.full((3, 3), np.nan)
@@ -84,7 +83,8 @@ class RemotePose:
         return self._odom_in_map is not None
 
     def stamp_odometry_later(self, later_ns: int) -> None:
-        """Add this to the time stamps of odometry that is ahead of the scans by this time; also to stored ones."""
+        """Add this time to the time stamps of odometry, also of stored messages, because odometry is ahead of the scans
+        by it."""
         more_ns = later_ns - self._odom_later_ns
         self._odom_later_ns = later_ns
         self._stamp_ns += more_ns

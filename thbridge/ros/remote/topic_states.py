@@ -1,6 +1,6 @@
 """State of single topics of a real robot: its laser scans, its plan, the velocity commands to its base.
 
-Each gets the messages of its topics with their time of arrival.
+Each class gets the messages of its topics with their time of arrival.
 """
 
 from collections.abc import Callable

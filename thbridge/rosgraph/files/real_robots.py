@@ -1,4 +1,4 @@
-"""Recorder of real robots: their own messages unchanged, and the messages of our program.
+"""Recorder of real robots: it stores the robots' own messages unchanged, and the messages of our program.
 
 Messages of robots are not encoded again from our values: the bag contains their own bytes, types and names.
 """

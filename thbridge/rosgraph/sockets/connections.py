@@ -10,11 +10,12 @@ HANDSHAKE_SECONDS = 10.0
 """Seconds that a peer may take from the connection to the end of its header."""
 
 _LINGER = 60.0
-"""Seconds that a peer has to read the rest after the close, such as a large map over a slow radio link."""
+"""Seconds that a peer has to read the remaining data after the close, such as a large map over a slow radio link."""
 
 
 _KEEPALIVE = ((("TCP_KEEPIDLE", "TCP_KEEPALIVE"), 60), (("TCP_KEEPINTVL",), 10), (("TCP_KEEPCNT",), 9))
-"""TCP options and their values: seconds of silence, seconds between probes, probes; macOS has another name for one."""
+"""TCP options and their values: seconds of silence, seconds between probes, number of probes. macOS has another name
+for one option."""
 
 
 def keep_alive(transport: Transport) -> None:

@@ -1,4 +1,4 @@
-"""Queues of the master's notifications to nodes; some nodes may be slow, silent or invented."""
+"""Queues of the master's notifications to nodes. Some nodes may be slow or silent, or not exist."""
 
 from __future__ import annotations
 
@@ -13,7 +13,8 @@ from thbridge.rosgraph.wire.master import NodeShutdown, Notification, ParamUpdat
 from thbridge.sockets.warn_once import WarnOnce
 
 AT_ONCE = 32
-"""Largest number of calls in progress to nodes that answered the last one, and the same for all others."""
+"""Largest number of calls in progress to nodes that answered the last call. The same limit applies to all other
+nodes."""
 
 MOST_WAITING = 65_536
 """Largest number of notifications in all queues."""
@@ -60,7 +61,7 @@ class Deliveries:
         return len(self._calls)
 
     def post(self, notification: Notification) -> None:
-        """Queue a notification; if too many wait, those of an address that never answered are dropped for it."""
+        """Queue a notification. If too many wait, make room by dropping those for an address that never answered."""
         address = _address_of(notification.api)
         if self._count >= MOST_WAITING and not self._drop_some(address):
             return

@@ -1,6 +1,7 @@
 """XML-RPC documents read and written without blocking the event loop, which also runs the game.
 
-Short documents take at most some milliseconds and are processed at once; long ones on a thread, one after the other.
+Short documents take at most some milliseconds and are processed at once. Long documents are processed on a thread, one
+after the other.
 """
 
 from __future__ import annotations

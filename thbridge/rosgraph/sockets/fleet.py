@@ -45,7 +45,7 @@ CALLER = "/thbridge_fleet"
 TEAM_TOPICS = (names.TF, names.TF_STATIC, names.MAP, names.MAP_METADATA, names.ROSOUT, names.DIAGNOSTICS)
 """Recorded topics that belong to no single robot."""
 PLACEMENT_TOLERANCE = 0.5
-"""Distance in meters from its start pose within which a robot need not be moved."""
+"""Largest distance in meters of a robot from its start pose; within it, the robot need not be moved."""
 
 _log = logging.getLogger(__name__)
 
@@ -143,7 +143,7 @@ class Fleet:
 
     @property
     def joined(self) -> bool:
-        """True once a master was found; the node reports a master that is missing or gone."""
+        """True once a master was found. Later, the node itself reports if the master is missing or gone."""
         return self._clock is not None
 
     def tell_changes(self) -> None:

@@ -51,12 +51,11 @@ class HttpLimits:
     """Limits of a server.
 
     Args:
-        connections: largest number of connections. One more closes another: of the address with the most connections,
-            the one that has been idle longest.
-        header_bytes: size of a request's header, checked after each read.
-        held_bytes: bytes of requests that are not decoded yet, over all connections; the same limit for unread answers.
-        request_seconds: seconds from the first byte of a request to its last, and again to read the answer.
-        idle_seconds: seconds between two requests of a connection.
+        connections: largest number of connections. A further connection closes another one: the connection that has
+        been idle longest, of the address with the most connections. header_bytes: size of a request's header, checked
+        after each read. held_bytes: bytes of requests that are not decoded yet, over all connections; the same limit
+        applies to unread answers. request_seconds: seconds from the first byte of a request to its last; the peer has
+        the same time to read the answer. idle_seconds: seconds between two requests of a connection.
     """
 
     connections: int = 512
@@ -178,7 +177,7 @@ class XmlRpcServer:
             longest_idle = next(task for task, other in self._connections.items() if other == most)
             del self._connections[longest_idle]
             longest_idle.cancel()
-        # Drained means passed to the kernel, so no data waits in this process for a peer that does not read.
+        # After draining, all data are in the kernel, so no data waits in this process for a peer that does not read.
         writer.transport.set_write_buffer_limits(0)
         task = asyncio.get_running_loop().create_task(self._serve(reader, writer, peer))
         self._connections[task] = peer
@@ -218,7 +217,7 @@ class XmlRpcServer:
     async def _request(
         self, http: h11.Connection, reader: asyncio.StreamReader, writer: asyncio.StreamWriter
     ) -> bytes | None:
-        """Return the body of the next request, held until the caller releases it; None at the end.
+        """Return the body of the next request, which counts as held until the caller releases it; None at the end.
 
         Raises:
             TimeoutError: the peer is idle or too slow.

@@ -13,7 +13,7 @@ from thbridge.sockets.admission import OWN_MACHINE, Admission
 from thbridge.sockets.errors import CannotListen
 
 _ANSWER_TIMEOUT = 2.0
-"""Seconds that a master has to answer the first call."""
+"""Timeout in seconds for a master's answer to the first call."""
 _OURS = frozenset({"127.0.0.1", "localhost", "::1"})
 
 

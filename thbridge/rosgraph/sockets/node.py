@@ -6,8 +6,8 @@ make a node raise or wait.
 Source: https://wiki.ros.org/ROS/Technical%20Overview, Master_API, Slave_API, TCPROS; rospy for further behavior that
 ROS's tools rely on.
 
-Differs: a node registers again with a restarted master, which rospy and roscpp do not. UDPROS is not supported. Small
-messages are always sent at once (TCP_NODELAY), even if the subscriber does not ask for it.
+Differs: a node registers again with a restarted master; nodes of rospy and roscpp do not. UDPROS is not supported.
+Small messages are always sent at once (TCP_NODELAY), even if the subscriber does not ask for it.
 """
 
 from __future__ import annotations
@@ -102,9 +102,8 @@ class RosNode:
             every address, and other nodes get this machine's name.
         on_shutdown: called with the reason when the node is asked to end: another node has taken its name, or a user
             ran ``rosnode kill``. It should make the owner call `stop`.
-        on_lost: called when the master no longer answers.
-        on_found: called when all registrations with a new master are complete: with the first master, or with a
-            restarted one, whose parameters are lost.
+        on_lost: called when the master no longer answers. on_found: called when all registrations with a new master are
+        complete: with the first master, or with a restarted master, which has lost its parameters.
     """
 
     def __init__(
@@ -337,7 +336,7 @@ class RosNode:
                 self._go(reason)
 
     def _go(self, reason: str) -> None:
-        # Otherwise, the node would register again and take its name back from the node that has it now.
+        # Otherwise, this node would register again and take its name back from the node that has it now.
         if self._registering is not None:
             self._registering.cancel()
         _log.warning("%s is asked to shut down: %s", self.name, reason)

@@ -15,9 +15,8 @@ from thbridge.rosgraph.wire.tcpros import frame
 _log = logging.getLogger(__name__)
 
 WAITING_LIMIT = 1 << 20
-"""Bytes of queued messages of a subscriber, without the one being sent, above which newer messages are dropped.
-
-A single message may be longer.
+"""Limit of the bytes queued for a subscriber, without the message being sent; newer messages are dropped above it. A
+single message may be longer.
 """
 
 
@@ -96,8 +95,8 @@ class Publication:
     """Topic that this node publishes; made by `RosNode.advertise`.
 
     Attributes:
-        topic: description of the topic.
-        dropped: messages dropped because of a full queue; each counts once per such subscriber.
+        topic: description of the topic. dropped: number of messages dropped because of a full queue. A message counts
+        once for each subscriber with a full queue.
     """
 
     def __init__(self, topic: TopicHeader) -> None:

@@ -18,7 +18,7 @@ _HEARTBEAT = 1.0
 """Seconds between two checks of the master."""
 
 _FIRST_PAUSE = 0.1
-"""Seconds before a missing master is called again; each failure doubles them."""
+"""Seconds before a missing master is called again; the time doubles with each failure."""
 
 _LAST_PAUSE = 2.0
 
@@ -106,7 +106,7 @@ class MasterCallbacks:
 class Registrar:
     """Registration of a node with the master, and again with a restarted master.
 
-    Each check looks up our own name. The answer shows if the master is gone, was restarted (however quickly), or has
+    Each check looks up our own name. The answer shows if the master is gone, was restarted (even if quickly), or has
     given our name to another node.
 
     Args:
@@ -207,7 +207,7 @@ class Registrar:
     async def _register(self, addresses: NodeAddresses) -> bool:
         """Register what is not registered yet; return True if the master answered every call.
 
-        Parameters come first, so that a node that finds ours and then reads `/use_sim_time` finds it set.
+        Parameters come first: a node that finds our node and then reads `/use_sim_time` must find it set.
         """
         complete = True
         for key in list(self._unset):

@@ -29,10 +29,11 @@ _CONNECTING_LIMIT = 32
 """Largest number of publishers that are called or connected to at the same time."""
 
 _SEGMENT = 16 * 1024
-"""Largest number of bytes with messages processed in one round of the event loop; the smallest messages have four."""
+"""Largest number of bytes with messages processed in one round of the event loop; the smallest messages have 4
+bytes."""
 
 _FIRST_PAUSE = 0.25
-"""Seconds before the first reconnection; each connection that does not last doubles them."""
+"""Seconds before the first reconnection; the time doubles with each connection that does not last."""
 
 _LAST_PAUSE = 8.0
 
@@ -115,7 +116,7 @@ class Subscription:
         self._follow_named()
 
     def _follow_named(self) -> None:
-        """Follow listed publishers up to the limit; those that end make room for others."""
+        """Follow listed publishers up to the limit; when one ends, another one is followed."""
         for uri in self._named:
             if len(self._followed) >= PUBLISHER_LIMIT:
                 break

@@ -35,16 +35,18 @@ from thbridge.sockets.warn_once import WarnOnce
 CONNECTION_LIMIT = 8192
 """Largest number of connections of subscribers and clients.
 
-One address has at most three quarters of them, enough for all topics of 64 robots for four recorders.
+One address has at most three quarters of them. This is enough for four recorders of all topics of 64 robots.
 """
 _WEIGHT = 4
-"""Fraction of the file descriptors used if they are few, because a recorder has a connection for each topic."""
+"""Weight of this server when few file descriptors are shared; it is high, because a recorder has a connection for each
+topic."""
 
 TOPIC_LIMIT = 64
 """Largest number of subscribers of one topic at one address; each costs a copy of every message."""
 
 _REQUESTS_AT_ONCE = 4
-"""Largest number of requests of a connection answered per round of the loop; one segment may hold tens of thousands."""
+"""Largest number of requests of a connection answered per round of the loop; one segment may contain tens of
+thousands."""
 
 ANSWERING_LIMIT = 64
 """Largest number of pending requests; a client may disconnect and ask again before it has its answer."""

@@ -1,7 +1,7 @@
 """TCPROS links: descriptions of topics and services, events of a link, and the comparison of two headers.
 
-A link gets received bytes and returns events, which must be executed in order. No bytes can make a link raise, or hold
-more than one frame. After `LinkRefused` or `LinkEnded`, a link ignores everything.
+A link gets received bytes and returns events, which must be executed in order. No bytes can make a link raise an
+exception, or store more than one frame. After `LinkRefused` or `LinkEnded`, a link ignores everything.
 
 ===================  ======================================  ==========================================
 link                 role                                    sends first

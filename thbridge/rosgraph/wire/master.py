@@ -1,6 +1,6 @@
 """ROS master as a state machine: calls in, replies and notifications out.
 
-It holds the registrations of publishers, subscribers and services, and the parameters. It does not transport messages.
+It stores the registrations of publishers, subscribers and services, and the parameters. It does not transport messages.
 
 Source: http://wiki.ros.org/ROS/Master_API and ROS/Parameter_Server_API; ROS's rosmaster/master_api.py, from which
 status codes, texts and order of checks are taken.
@@ -321,7 +321,7 @@ class Master:
         return ApiReply(SUCCESS, f"Registered [{caller}] as publisher of [{topic}]", [*subscribers])
 
     def _learn_type(self, topic: str, type_: str) -> None:
-        # A topic's type outlives its registrations, up to twice as many types as there can be registrations.
+        # A topic's type is kept after its registrations end, up to twice as many types as there can be registrations.
         if topic not in self._types and len(self._types) >= _MAX_TYPES:
             there = self._registrations.is_topic
             self._types = {name: kept for name, kept in self._types.items() if there(name)}

@@ -19,7 +19,7 @@ _REPLY_DEPTH = 8
 """Levels that a reply may add around a value: its list, and those of a multicall."""
 
 MAX_VALUES = MAX_ELEMENTS // 4
-"""Largest number of values, including namespaces: as many as one document may hold, so that one call can return all."""
+"""Largest number of values, including namespaces: as many as fit into one document, so that one call can return all."""
 
 MAX_CHARACTERS = MAX_BYTES // 2
 """Largest number of characters of all names and values together."""
@@ -33,10 +33,9 @@ class ParameterUpdate:
     """New value of a subscribed parameter.
 
     Args:
-        subscription: the subscribed key, with a slash at its end.
-        key: the changed key, at, below or above the subscribed one, with a slash at its end.
-        value: the new value; an empty dict after a deletion.
-        own: True if the node that made the change need not be notified.
+        subscription: the subscribed key, with a slash at its end. key: the changed key, at, below or above the
+        subscribed one, with a slash at its end. value: the new value; an empty dict after a deletion. own: True if the
+        node that made the change does not have to be notified.
     """
 
     subscription: str
@@ -134,10 +133,10 @@ class ParameterTree:
         return _Measure(values - gone.values, characters - gone.characters)
 
     def search(self, space: str, key: str) -> str | None:
-        """Search for a parameter in a namespace, and then in each that encloses it.
+        """Search for a parameter in a namespace, and then in each namespace that encloses it.
 
         The first word of the key decides: if ``/robot1/map`` exists, a search for ``map/frame`` from ``/robot1/amcl``
-        finds ``/robot1/map/frame``, even if that does not exist.
+        finds ``/robot1/map/frame``, even if that parameter does not exist.
 
         Args:
             space: a global name, usually the node's.

@@ -126,7 +126,8 @@ def _wrong(message: str, value: XmlRpcValue = 0) -> SlaveReply:
 
 
 def _get_bus_stats(node: NodeDescription, _: Sequence[XmlRpcValue]) -> SlaveReply:
-    # As in rospy, which returns the number of messages for subscribers, although the specification has none.
+    # As in rospy, which returns the number of messages for subscribers, although the specification does not have this
+    # number.
     by_topic: defaultdict[tuple[str, bool], list[BusConnection]] = defaultdict(list)
     for each in node.connections():
         by_topic[each.topic, each.outgoing].append(each)

@@ -92,10 +92,10 @@ def decode_header(body: bytes) -> HeaderFields | MalformedHeader:
 
 
 class FrameBuffer:
-    """Splitter of a byte stream into frames, however the stream is cut into segments.
+    """Splitter of a byte stream into frames; the stream may be cut into segments of any size.
 
-    It holds at most one frame within the limit of the next `take`, and the segment that exceeded it, if the caller
-    takes all complete frames after each `feed`.
+    If the caller takes all complete frames after each `feed`, it stores at most one frame within the limit of the next
+    `take`, and the segment that exceeded it.
     """
 
     def __init__(self) -> None:

@@ -112,7 +112,7 @@ def encode_response(value: XmlRpcValue) -> bytes:
     """Encode a successful response.
 
     Integers beyond 32 bits become ``i8``, and None becomes ``nil``; Python nodes can read these, C++ nodes cannot.
-    Characters that XML cannot hold, such as NUL, become U+FFFD.
+    Characters that XML cannot contain, such as NUL, become U+FFFD.
 
     Raises:
         ValueError: an integer beyond 64 bits, values nested deeper than `MAX_DEPTH` or longer than `MAX_BYTES`.

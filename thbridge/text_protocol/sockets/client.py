@@ -31,7 +31,7 @@ _BACKLOG = 1024 * 1024
 _SEGMENT = 16 * 1024
 
 _LAST_WORDS = 0.1
-"""Seconds in which the last messages are sent."""
+"""Seconds that the last messages have to be sent."""
 
 
 TextClientEvent: TypeAlias = NameRegistered | TextMessage | ConnectionLost

@@ -58,12 +58,12 @@ _KEY_SECONDS = 10.0
 """Seconds that an encrypted connection has to send its key."""
 
 _WRONG_KEY_SECONDS = 1.0
-"""Seconds until a client gets the answer that its key is wrong, and may try again."""
+"""Delay in seconds before the server answers that a key is wrong; then the client may try again."""
 
 _LONGEST_KEY_LINE = 4096
 
 _MOST_WITHOUT_KEY = 64
-"""Largest number of encrypted connections without a valid key; one more replaces the oldest."""
+"""Largest number of encrypted connections without a valid key; a further one replaces the oldest."""
 
 
 class RouterInterface(Protocol):
@@ -95,12 +95,11 @@ class RouterInterface(Protocol):
 
 
 class TextServer:
-    """TCP server of one router, for plain connections, and with keys also for TLS.
+    """TCP server of one router, for plain connections; with keys, also for TLS connections.
 
     Args:
-        clock: returns seconds; must not run backwards.
-        admission: admission of plain connections, by address.
-        keys: for the admission of TLS connections from anywhere. If None, there are none.
+        clock: returns seconds; must not run backwards. admission: admission of plain connections, by address. keys:
+        keys for the admission of TLS connections from any machine. If None, there are no TLS connections.
     """
 
     def __init__(
@@ -123,7 +122,7 @@ class TextServer:
         self.complaints = WarnOnce(_log)
         """Warnings about clients."""
         self._all_closed = asyncio.Event()
-        # Connections of the router, and in addition rejected ones and those without a key.
+        # Connections of the router; in addition, rejected connections and connections without a key.
         self._door = ServerDoor(RouterLimits().clients + _MOST_LINGERING + _MOST_WITHOUT_KEY)
         self._names: dict[ConnectionId, str] = {}
         self._watch: asyncio.Task[None] | None = None
@@ -216,8 +215,8 @@ class TextServer:
     def note_game(self, name: str, over: bool) -> None:
         """Note the unique name of the present or next game, and if it is over.
 
-        Participants with keys enter this game, and their keys are then valid for no other game. A game that is over
-        admits no new participants.
+        Participants with keys enter this game. From then on, their keys are valid only for this game. A game that is
+        over admits no new participants.
         """
         if (name, over) != (self._game, self._over):
             self._game, self._over = name, over
@@ -326,8 +325,8 @@ class _Connection(BufferedProtocol):
 
     If they were left unread, closing the socket would reset the connection, and the shutdown line could be lost.
 
-    asyncio sends each write at once (TCP_NODELAY), which matters: the C++ client of 2016 treats one segment as one
-    line, and would overlook a ``%%goto`` in the same segment as an ack.
+    asyncio sends each write at once (TCP_NODELAY). This is important, because the C++ client of 2016 treats one segment
+    as one line, and would overlook a ``%%goto`` in the same segment as an ack.
     """
 
     def __init__(self, server: TextServer) -> None:
@@ -430,7 +429,8 @@ class _Connection(BufferedProtocol):
             self._timer.cancel()
         if self._transport is not None:
             self._server.lost(self, self._transport)
-            self._transport = None  # Breaks a reference cycle: a TLS transport holds much memory, and this object.
+            # Breaks a reference cycle: a TLS transport uses much memory and refers to this object.
+            self._transport = None
 
 
 def _close(transport: Transport, flush: bool) -> None:

@@ -33,7 +33,7 @@ class ServerCloseReason(Enum):
     """Reason why the server ends the connection."""
 
     REFUSED = auto()
-    """Our name is already held, or the server is full."""
+    """Another program has our name, or the server is full."""
     STOPPED = auto()
 
 

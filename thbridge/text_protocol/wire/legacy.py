@@ -5,7 +5,7 @@ here). Each value is encoded by its method `message`. `decode` uses only the com
 the sender.
 
 The programs of 2016 recognize a line by looking for ``ping``, ``error``, ``found``, ``score``, ``image`` and ``snap``,
-in about that order, anywhere in it. Treasures and pictures should not have these words in their names.
+in about that order, anywhere in it. So the names of treasures and pictures should not contain these words.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ class GotoRoom:
     room: int
 
     def message(self) -> TextMessage:
-        """Return ``%%goto TabUI SimR ROBOT ROOM ROOM 45``: the room's number is in the place of x and y."""
+        """Return ``%%goto TabUI SimR ROBOT ROOM ROOM 45``: the room's number replaces x and y."""
         return TextMessage.of(TextCommand.GOTO, TABUI, SIMR, f"{self.robot} {self.room} {self.room} {_HEADING}")
 
 

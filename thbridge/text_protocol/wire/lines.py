@@ -118,7 +118,7 @@ def tokens(line: str) -> list[str]:
 
 
 def parse_line(line: str) -> TextMessage | UnreadableText:
-    """Return the message in a line; of a ``%%send``, the message inside it."""
+    """Return the message in a line; for a ``%%send``, the message inside it."""
     return parse_tokens(tokens(line))
 
 

@@ -28,7 +28,8 @@ REFUSED = "refused"
 """The server's notice before it closes a connection because of its key: `reason`, a clause."""
 
 COUNTED = range(1, 1 << 32)
-"""Numbers of games and dialogues, which are also keys of random numbers. Other numbers come from faulty senders."""
+"""Valid numbers of games and dialogues; they are also keys of random numbers. Other numbers come from faulty
+senders."""
 
 _MARK = "thbridge"
 _REQUEST = "request"

@@ -5,8 +5,8 @@ of parties under one set of names and rules:
 
 * connections, which send bytes (`connect`, `receive_data`, `eof`, `report_backlog`) and are pinged (`advance`);
 * local endpoints, the programs of this process, which exchange `TextMessage` values (`attach`, `submit`, `take`).
-  Messages from them and to them wait for `exchange`: everything sent during one tick is received in the next one,
-  whatever the order of the programs' steps.
+  Messages from them and to them wait for `exchange`: everything sent during one tick is received in the next one; the
+  order of the programs' steps does not matter.
 
 Effect of a connection's line (T is one of the routed commands):
 
@@ -24,16 +24,17 @@ anything else, blank, binary or overlong    ack
 
 Extended clients register with ``%%setid NAME extended [TOKEN]``. Only they
 
-* get a notice of kind ``undelivered`` about a failed delivery, before the ack. (There is none about notices, so that a
-  stream of notices without a receiver causes no echo.)
-* receive the notices of other extended parties. (Notices to clients of 2016 are withheld: they would misread them.)
-* replace a dead holder of their name that has the same key, or like them no key. A holder is dead if it has not
-  answered a ping yet, or if it registered with the same TOKEN: then it is this program's own connection from before a
-  network failure.
+* get a notice of kind ``undelivered`` about a failed delivery, before the ack. (Failed notices cause no such notice, so
+  that a stream of notices without a receiver causes no echo.)
+* receive the notices of other extended parties. (Notices to clients of 2016 are withheld, because these clients would
+  misread them.)
+* replace a dead holder of their name. It must have the same key; or both must have no key. A holder is dead if it has
+  not answered a ping yet, or if it registered with the same TOKEN: then it is this program's own connection from before
+  a network failure.
 
-A connection from another machine has credentials. With a key it may hold the names for which the key has rights, and
-send only in its own name. Without a key it is never extended. A client that breaks these rules gets the reason, and its
-connection is closed.
+A connection from another machine has credentials. With a key it may register the names for which the key has rights,
+and send only in its own name. Without a key it is never extended. A client that breaks these rules gets the reason, and
+its connection is closed.
 
 For all other clients the server behaves like that of 2016.
 """
@@ -77,12 +78,11 @@ class RouterLimits:
     """Limits of one server.
 
     Attributes:
-        clients: largest number of connections at a time; one more is rejected.
-        line: length of the longest accepted line, bytes.
-        backlog: bytes (characters for a local endpoint) that may be queued for one reader.
-        ping_after: seconds without a line after which a client is pinged.
-        drop_after: seconds after an unanswered ping at which a client is dropped.
-        idle: seconds without a line after which a client without a name may be replaced by another client.
+        clients: largest number of connections at a time; a further one is rejected. line: length of the longest
+        accepted line, bytes. backlog: bytes (characters for a local endpoint) that may be queued for one reader.
+        ping_after: seconds without a line after which a client is pinged. drop_after: seconds after an unanswered ping
+        at which a client is dropped. idle: seconds without a line after which a client without a name may be replaced
+        by another client.
     """
 
     clients: int = 256
@@ -469,7 +469,8 @@ class MessageRouter:
         is_extension = extended and is_notice(message)
         withheld = _withheld(origin, message) if isinstance(origin, _Connection) else None
         if withheld is not None:
-            # Taps do not get it either: the keeper would believe that it comes from the program that it names.
+            # Taps do not get this message either: the keeper would believe that it comes from the program that it
+            # names.
             reported = extended and not is_extension
             return origin.hand_over(_undelivered(origin.name or SERVER, message, withheld)) if reported else []
         holder = self._holders.get(message.receiver)

@@ -20,7 +20,7 @@ from thbridge.recording.bag.unpacking import COMPRESSIONS, UnpackedBytes, unpack
 BYTES_KEPT = 32 * 1024 * 1024
 """Default size of the cache of unpacked chunks, in bytes."""
 WHOLE = 1024 * 1024
-"""Largest uncompressed chunk that is read as a whole; from larger ones single messages are read."""
+"""Size of the largest uncompressed chunk that is read as a whole; from larger chunks, single messages are read."""
 
 FEW = 16
 """Largest number of messages of an uncompressed chunk that are read one by one."""

@@ -49,7 +49,7 @@ class IndexedConnection:
 
 
 class MessageLocation(NamedTuple):
-    """Location of a message. Locations are ordered by time, at equal times in the order of recording.
+    """Location of a message. Locations are ordered by time, and by the order of recording if times are equal.
 
     Attributes:
         stamp_ns: stamp of recording.
@@ -204,7 +204,8 @@ class BagIndex:
         return sorted(each for entries in self._entries_of(chunk, topic) for each in self._locations(chunk, entries))
 
     def walk(self, topics: Collection[str]) -> Iterator[list[MessageLocation]]:
-        """Yield the locations of all messages of some topics in order of time, one list per chunk to allow pauses."""
+        """Yield the locations of all messages of some topics in order of time, one list per chunk, so that callers can
+        pause."""
         wanted = frozenset[tuple[int, int]]().union(*(self._of_topic.get(topic, set()) for topic in topics))
         pending: list[MessageLocation] = []
         for index, chunk in enumerate(self._chunks):
@@ -212,7 +213,8 @@ class BagIndex:
             if numbers:
                 for entries in self._entries(index, numbers):
                     pending.extend(self._locations(index, entries))
-            # Chunks are ordered by their first stamps: no message in later chunks is before the start of the next one.
+            # Chunks are ordered by their first stamps: no message in later chunks is before the start of the next
+            # chunk.
             horizon = self._chunks[index + 1].start_ns if index + 1 < len(self._chunks) else None
             pending.sort()
             ready = pending if horizon is None else [location for location in pending if location.stamp_ns < horizon]

@@ -139,17 +139,17 @@ def recorded(
 ) -> Iterator[tuple[BagConnection, int, bytes]]:
     """Yield every message, oldest first: its publisher, stamp of recording (nanoseconds), and bytes.
 
-    Messages with equal stamps come in the order of recording. Only a few chunks are in memory, whatever the recording's
+    Messages with equal stamps come in the order of recording. Only a few chunks are in memory, for recordings of any
     size.
 
     The parts of a split recording are read as one. A part repeats latched messages at its beginning, so that it can be
-    played by itself; these are left out. A publisher in several parts is one object. A publisher without a complete
-    definition gets the definition with its md5 sum, or that of its type's name if its first message fits.
+    played by itself; these repetitions are left out. A publisher in several parts is one object. A publisher without a
+    complete definition gets the definition with its md5 sum, or that of its type's name if its first message fits.
 
     Args:
-        path: the bag, or the name of a split recording.
-        topics: names of the topics to read; None for all. Chunks without them are not unpacked.
-        since_ns: stamp; from chunks that end before it, only the messages of publishers that hold (`holds`) are read.
+        path: the bag, or the name of a split recording. topics: names of the topics to read; None for all. Chunks
+        without them are not unpacked. since_ns: stamp. From chunks that end before it, only messages that stay valid
+        (see `holds`) are read.
 
     Raises:
         BadFile: there is no such file, it is not a ROS 1 bag, or it is cut off or damaged.
@@ -210,7 +210,7 @@ def _lacks(publisher: BagConnection) -> bool:
 def _named(
     publisher: BagConnection, data: bytes, known: dict[tuple[str | bool | None, ...], BagConnection]
 ) -> BagConnection:
-    """Return the publisher with the definition of its type's name if a message fits; otherwise unchanged."""
+    """Return the publisher, with the known definition of its type's name if a message fits this definition."""
     better = by_name(publisher.msgtype, data)
     return publisher if better is None else _publisher(replace(publisher, **better._asdict()), known)
 
@@ -220,7 +220,8 @@ def _in_order(
 ) -> Iterator[tuple[int, int, bytes]]:
     """Yield connection number, stamp and bytes of messages of wanted connections, from some chunks of one file."""
     chunks = sorted(chosen, key=lambda chunk: (chunk.start_ns, chunk.position))
-    # Chunks may overlap in time, so messages not before the next chunk wait: stamp, chunk, offset, number, turn.
+    # Chunks may overlap in time, so messages that are not before the next chunk wait here: stamp, chunk, offset,
+    # number, turn.
     late: list[tuple[int, int, int, int, int]] = []
     for turn, chunk in enumerate(chunks):
         numbers, stamps, offsets = reader.places(chunk, wanted(chunk))

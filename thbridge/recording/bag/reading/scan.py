@@ -141,9 +141,8 @@ class UnreadableSpan:
     """Bytes that cannot be read.
 
     Attributes:
-        position: offset in the file; for bytes inside a chunk, that of the chunk.
-        lost: number of bytes, compressed or uncompressed.
-        problem: the problem as a clause.
+        position: offset in the file; for bytes inside a chunk, the offset of the chunk. lost: number of bytes,
+        compressed or uncompressed. problem: the problem as a clause.
     """
 
     position: int
@@ -298,7 +297,8 @@ def _inner(head: bytes, body: bytes) -> ConnectionRecord | MessageRecord:
 
 
 def _usual_message(data: bytes, at: int) -> tuple[MessageRecord, int] | None:
-    """Return a message with a usual form of header, and its end; None for other forms. This saves most of the time."""
+    """Return a message whose header has a usual form, and its end; None for other forms. This makes scans much
+    faster."""
     start = at + 4 + _MESSAGE_HEADER + 4
     if start > len(data) or data[at] != _MESSAGE_HEADER:
         return None
@@ -345,7 +345,7 @@ def _uint32(data: bytes) -> int:
 
 
 def _sized(data: bytes, at: int) -> tuple[bytes, int]:
-    """Return the bytes after their length of 4 bytes, and their end."""
+    """Return the bytes that follow their own length (4 bytes), and their end."""
     if at + 4 > len(data):
         raise _Torn("a chunk ends in the middle of a record")
     start = at + 4

@@ -11,8 +11,8 @@ from thbridge.recording.bag.records import U32, BagConnection, message_head, tim
 
 CHUNK_BYTES = 768 * 1024
 CHUNK_NS = 1_000_000_000
-"""Limits of a chunk. It ends after the stamp with which it becomes larger than `CHUNK_BYTES`, or before it spans more
-time than `CHUNK_NS`. The size is rosbag's own: each chunk has an index for every topic in it."""
+"""Limits of a chunk. It ends after all messages of the stamp at which it becomes larger than `CHUNK_BYTES`, or before
+it spans more time than `CHUNK_NS`. The size is rosbag's own: each chunk has an index for every topic in it."""
 
 MOST_BYTES = 2 * CHUNK_BYTES
 """Size above which a chunk ends even between messages with equal stamps."""

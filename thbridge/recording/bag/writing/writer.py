@@ -48,8 +48,8 @@ class ForeignTopic:
 class BagWriter:
     """Writer of messages into `PATH.active`, which is renamed to `PATH` (or `NAME_0.bag`, ...) when it is closed.
 
-    Use it as a context manager: the bag is completed however the block ends. Equal messages give equal bytes. Threads
-    compress and write, so a disk that is slow for a while does not delay the session.
+    Use it as a context manager: the bag is completed even if the block ends with an error. Equal messages give equal
+    bytes. Threads compress and write, so a disk that is slow for a while does not delay the session.
 
     Args:
         path: path of the finished bag, normally `*.bag`.

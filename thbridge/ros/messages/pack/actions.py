@@ -39,7 +39,7 @@ def goal_status_array(tick: int, entries: Sequence[GoalStatus]) -> bytes:
 
 
 def move_base_feedback(tick: int, entry: GoalStatus, base: bytes) -> bytes:
-    """Encode move_base_msgs/MoveBaseActionFeedback; the pose of the base is a whole geometry_msgs/PoseStamped."""
+    """Encode move_base_msgs/MoveBaseActionFeedback; `base` is a complete geometry_msgs/PoseStamped."""
     return header(tick) + _status(entry) + base
 
 

@@ -19,23 +19,23 @@ _FLOAT64 = Struct("<d")
 
 
 def string(text: str) -> bytes:
-    """Encode a string field, which is also a whole std_msgs/String."""
+    """Encode a string field; its bytes are also a complete std_msgs/String."""
     data = text.encode()
     return UINT32.pack(len(data)) + data
 
 
 def float64(value: float) -> bytes:
-    """Encode a float64 field, which is also a whole std_msgs/Float64."""
+    """Encode a float64 field; its bytes are also a complete std_msgs/Float64."""
     return _FLOAT64.pack(value)
 
 
 def boolean(value: bool) -> bytes:
-    """Encode a bool field, which is also a whole std_msgs/Bool."""
+    """Encode a bool field; its bytes are also a complete std_msgs/Bool."""
     return b"\1" if value else b"\0"
 
 
 name = lru_cache(maxsize=1024)(string)
-"""String field of a name, cached: of a frame, which every message repeats, or of a part of a robot."""
+"""String field with the name of a frame, which every message repeats, or of a part of a robot; cached."""
 
 
 def stamp(nanoseconds: int) -> bytes:
@@ -51,7 +51,8 @@ def frame_names(frame: str, child_frame: str) -> bytes:
 
 @lru_cache(maxsize=1)
 def head(tick: int) -> bytes:
-    """Encode a header without its frame. Ticks counted from 1970 (real robots) do not fit into `seq`, so it wraps."""
+    """Encode a header without its frame. Ticks counted from 1970 (real robots) do not fit into `seq`, so `seq` wraps
+    around."""
     return _HEAD.pack(tick & 0xFFFFFFFF, *divmod(stamp_ns(tick), 1_000_000_000))
 
 

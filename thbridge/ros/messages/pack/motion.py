@@ -80,7 +80,8 @@ def odometry(
 
 
 class OdometryRows:
-    """Encoder of nav_msgs/Odometry for many robots at once, without header and child frame, which come before.
+    """Encoder of nav_msgs/Odometry for many robots at once. Header and child frame come first and are encoded
+    elsewhere.
 
     Args:
         robots: number of robots.
