@@ -104,12 +104,18 @@ async def listeners(
     """Start the listeners to a session, and stop them at the end of the context.
 
     Args:
-        options: options of the listeners. setting: the study. team: its robots. publisher: publisher of the robots'
-        messages. pacer: pacer of the session. ask: called with requests and the names of their senders; never before
-        the event loop's next turn, because the session does not exist earlier. callbacks: for the results of starting.
+        options: options of the listeners.
+        setting: the study.
+        team: its robots.
+        publisher: publisher of the robots' messages.
+        pacer: pacer of the session.
+        ask: called with requests and the names of their senders; never before the event loop's next turn, because the
+            session does not exist earlier.
+        callbacks: for the results of starting.
         receive_frame: called with MAVLink frames for one robot, also never before that turn; None if the robots are not
-        MAVLink vehicles. granted: called with the name of a watcher's key and the request that it was granted; None for
-        no callback. has_game: True when the game is in this session.
+            MAVLink vehicles.
+        granted: called with the name of a watcher's key and the request that it was granted; None for no callback.
+        has_game: True when the game is in this session.
     """
     listening: list[Listener] = []
     async with AsyncExitStack() as opened:

@@ -109,7 +109,8 @@ class HuntUnfinished(Exception):  # noqa: N818 - nothing went wrong with the pro
     """The hunt ended before the game was over, or before the participant had left. All files are closed properly.
 
     Attributes:
-        outcome: outcome at that time. stopped: True after Ctrl-C or SIGTERM; False when the time limit was reached.
+        outcome: outcome at that time.
+        stopped: True after Ctrl-C or SIGTERM; False when the time limit was reached.
     """
 
     def __init__(self, outcome: HuntOutcome, stopped: bool) -> None:
@@ -136,9 +137,9 @@ class PlayOptions:
         mavlink: ports of the MAVLink links; None for none.
         inputs: path of the log of inputs; None for no log. If the log exists, the game resumes where the log ends, and
             a simulated participant in this process repeats its decisions.
-        meter: measures the real time of this game, if there is a log of inputs; None creates one. keys: keys with which
-        programs on other machines can take part; None for no keys. run: unique name of this run, for the record of uses
-        of keys.
+        meter: measures the real time of this game, if there is a log of inputs; None creates one.
+        keys: keys with which programs on other machines can take part; None for no keys.
+        run: unique name of this run, for the record of uses of keys.
     """
 
     rate: float

@@ -63,11 +63,12 @@ async def serve(
     """Run the text server and the keeper until stopped; an interrupted game is resumed.
 
     Args:
-        setting: the study. journals: journals of the games; closed at the end. new_game: True leaves an unfinished game
-        as it is and begins the next one. ready: called with the address of the server, or the reason why it cannot
-        listen; then the function returns. keys: keys with which programs on other machines can take part; None for no
-        keys. run: unique name for the folder of the journals, if it has none yet; the record of uses of keys contains
-        it.
+        setting: the study.
+        journals: journals of the games; closed at the end.
+        new_game: True leaves an unfinished game as it is and begins the next one.
+        ready: called with the address of the server, or the reason why it cannot listen; then the function returns.
+        keys: keys with which programs on other machines can take part; None for no keys.
+        run: unique name for the folder of the journals, if it has none yet; the record of uses of keys contains it.
 
     Raises:
         BadFile: the journal cannot be read or written.

@@ -66,12 +66,16 @@ class TemplateSet:
     """The contents of a checked template folder: its files agree on the number of rooms, and no picture is missing.
 
     Attributes:
-        rooms: number of rooms in the list of treasures. costs: energy of every move on maps that have no costs of their
-        own, or None without a `mapTimes`. map: name of a map on which `costs` replace the map's own costs, or None.
-        properties: properties of the treasures. kinds: treasures with their images. dialogue: the scripted questions.
-        pictures: the treasures' image files, by name. language: language of its names and questions. If None, they
-        count as being in every study's language. words: words in further languages, by their names. warnings: contents
-        that are allowed, but look like a mistake.
+        rooms: number of rooms in the list of treasures.
+        costs: energy of every move on maps that have no costs of their own, or None without a `mapTimes`.
+        map: name of a map on which `costs` replace the map's own costs, or None.
+        properties: properties of the treasures.
+        kinds: treasures with their images.
+        dialogue: the scripted questions.
+        pictures: the treasures' image files, by name.
+        language: language of its names and questions. If None, they count as being in every study's language.
+        words: words in further languages, by their names.
+        warnings: contents that are allowed, but look like a mistake.
     """
 
     rooms: int

@@ -46,10 +46,11 @@ class Hub:
         """Open a link; an open link of the same number is closed first.
 
         Args:
-            link: its number. name: name for people. robot: index of the only vehicle on the link. The link then gets no
-            frames of other stations, because programs that support only one vehicle may take these frames for frames of
-            the vehicle. If None, all vehicles are on the
-                link.
+            link: its number.
+            name: name for people.
+            robot: index of the only vehicle on the link. The link then gets no frames of other stations, because
+                programs that support only one vehicle may take these frames for frames of the vehicle. If None, all
+                vehicles are on the link.
         """
         self.close(link)
         self._links[link] = HubLink(name, self._timeout, robot)

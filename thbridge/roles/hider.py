@@ -48,8 +48,10 @@ class Hider:
     the reply. Without a keeper (at a server that is not ours) Hider answers by itself as in 2016.
 
     Args:
-        kinds: kinds of treasures, with their pictures. seed: random seed. rooms: number of rooms to fill if there is no
-        keeper (the number in the treasures file). properties: properties of the kinds.
+        kinds: kinds of treasures, with their pictures.
+        seed: random seed.
+        rooms: number of rooms to fill if there is no keeper (the number in the treasures file).
+        properties: properties of the kinds.
     """
 
     name = legacy.HIDER

@@ -243,8 +243,10 @@ def _moved(pose: Pose2, corners: FloatArray) -> list[tuple[float, float]]:
 
 
 def _is_rest(plan: FloatArray, last: FloatArray) -> bool:
-    """Return True if a plan equals the last one, or the rest of it from the current pose. It is then not published
-    again."""
+    """Return True if a plan equals the last one, or the rest of it from the current pose.
+
+    It is then not published again.
+    """
     if plan is last:
         return True
     if not len(plan):

@@ -57,8 +57,8 @@ class ServerDoor:
     """The listening sockets of one server, and its limit of connections.
 
     Args:
-        wanted: largest number of connections if there are enough descriptors. weight: share of the server, relative to
-        other servers of this process, if there are too few descriptors.
+        wanted: largest number of connections if there are enough descriptors.
+        weight: share of the server, relative to other servers of this process, if there are too few descriptors.
     """
 
     _open: ClassVar[WeakSet[ServerDoor]] = WeakSet()

@@ -38,9 +38,9 @@ class Backoff:
     """Delays between attempts to connect, and the timeout of a connection, seconds.
 
     Attributes:
-        initial: delay before the first reconnection; it doubles at each further reconnection. maximum: longest delay
-        between two attempts. timeout: time without a byte from the server until the connection counts as broken. The
-        server pings idle
+        initial: delay before the first reconnection; it doubles at each further reconnection.
+        maximum: longest delay between two attempts.
+        timeout: time without a byte from the server until the connection counts as broken. The server pings idle
             clients every 15 s.
     """
 

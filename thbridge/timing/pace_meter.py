@@ -23,8 +23,10 @@ class PaceState:
 
     Attributes:
         wall: real time since the first tick. If another program resumed the game, the time in between is left out.
-        step: part of `wall` since the previous tick. lag: lag of simulated time behind real time. A pause is no lag.
-        most_lag: largest lag so far. late: real time in which ticks came more than `LATE` after they were due.
+        step: part of `wall` since the previous tick.
+        lag: lag of simulated time behind real time. A pause is no lag.
+        most_lag: largest lag so far.
+        late: real time in which ticks came more than `LATE` after they were due.
     """
 
     wall: float = 0.0

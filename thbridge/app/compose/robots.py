@@ -107,8 +107,9 @@ def build_game_setup(setting: StudySetting) -> GameSetup:
 
 
 def vehicle_factory(setting: StudySetting, simr: Role) -> Callable[[RequestSink], Vehicles] | None:
-    """Return the factory of the robots' MAVLink vehicles; its argument receives their requests. None if there are no
-    vehicles.
+    """Return the factory of the robots' MAVLink vehicles; its argument receives their requests.
+
+    None if there are no vehicles.
 
     Only the simulated robots of `SimR` are vehicles.
     """

@@ -50,9 +50,10 @@ def build_programs(
     """Return the programs of a session with simulated robots.
 
     Args:
-        setting: the study. participant: role of the participant. outside: names of the roles that other programs take;
-        the robots are always inside. team: the robots. If None, simulated robots are built, to which only this session
-        has access.
+        setting: the study.
+        participant: role of the participant.
+        outside: names of the roles that other programs take; the robots are always inside.
+        team: the robots. If None, simulated robots are built, to which only this session has access.
     """
     from thbridge.app.compose.robots import build_simr  # noqa: PLC0415
 

@@ -52,16 +52,21 @@ class StudySetting:
     """A study with all files that it names, read and checked; all parts of a session are built from it.
 
     Attributes:
-        study: the study. map: its map. templates: its set of templates. costs: energy of every move between places of
-        the game. by_position: True if the cost of a move depends on where the robot stands; False if `costs` applies
-        everywhere. rulebook: rulebook of the dialogue games; None if robots ask scripted questions. language: in which
-        robots argue; None if robots ask scripted questions. strategies: strategies of robots that argue, by index; the
-        key None applies to all other robots, and the value None means the robot's own strategy. author: author of other
-        wordings of robots' sentences. If None, all sentences come from the language's files. parts: parts of robots'
-        software that are plug-ins; None if the study names none. consent: text that participants have to agree to; None
-        if they are not asked. farewell: text for the end of a game; may be empty. texts: texts of the game's language,
-        for participants. doubts: warnings about map, templates and costs, for people; the game can be played
-        nevertheless.
+        study: the study.
+        map: its map.
+        templates: its set of templates.
+        costs: energy of every move between places of the game.
+        by_position: True if the cost of a move depends on where the robot stands; False if `costs` applies everywhere.
+        rulebook: rulebook of the dialogue games; None if robots ask scripted questions.
+        language: in which robots argue; None if robots ask scripted questions.
+        strategies: strategies of robots that argue, by index; the key None applies to all other robots, and the value
+            None means the robot's own strategy.
+        author: author of other wordings of robots' sentences. If None, all sentences come from the language's files.
+        parts: parts of robots' software that are plug-ins; None if the study names none.
+        consent: text that participants have to agree to; None if they are not asked.
+        farewell: text for the end of a game; may be empty.
+        texts: texts of the game's language, for participants.
+        doubts: warnings about map, templates and costs, for people; the game can be played nevertheless.
     """
 
     study: Study
@@ -292,8 +297,10 @@ class StudyKeys:
 
     @contextmanager
     def naming(self, key: str, when: bool = True) -> Iterator[None]:
-        """Convert a fault that is raised in this context to a fault in the key's line. If `when` is False, do not
-        convert it."""
+        """Convert a fault that is raised in this context to a fault in the key's line.
+
+        If `when` is False, do not convert it.
+        """
         try:
             yield
         except BadFile as fault:

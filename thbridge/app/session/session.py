@@ -130,12 +130,16 @@ class Session:
     """The roles of one process, which run in step: messages sent in one tick arrive in the next.
 
     Args:
-        keeper: keeper of the game. roles: the other roles of this process. recorders: record every tick. participant:
-        the participant's role in this process, if any; its messages are inputs. vehicles: factory that makes the robots
-        MAVLink vehicles; its argument receives their requests to robots and game. These requests follow from frames, so
-        they are not inputs. If None, the robots are not MAVLink vehicles. log: log of the game's events and of uses of
-        keys. If None, these are not logged. outlets: servers of connections and links. For the text server, the router
-        of this session decides. run: unique name of this run; it is logged with the uses of keys.
+        keeper: keeper of the game.
+        roles: the other roles of this process.
+        recorders: record every tick.
+        participant: the participant's role in this process, if any; its messages are inputs.
+        vehicles: factory that makes the robots MAVLink vehicles; its argument receives their requests to robots and
+            game. These requests follow from frames, so they are not inputs. If None, the robots are not MAVLink
+            vehicles.
+        log: log of the game's events and of uses of keys. If None, these are not logged.
+        outlets: servers of connections and links. For the text server, the router of this session decides.
+        run: unique name of this run; it is logged with the uses of keys.
 
     Attributes:
         tick: number of the next tick.

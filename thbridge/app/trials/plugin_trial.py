@@ -22,9 +22,12 @@ class PluginTrial:
     """Trial of a plug-in.
 
     Attributes:
-        what: name of the kind of plug-in. situations: number of situations in which it was tried. faults: faults by
-        their problems. digest: digest of all its results; the same in each process. own: measures the time of its
-        calls. built_in: measures the time of calls of the built-in part.
+        what: name of the kind of plug-in.
+        situations: number of situations in which it was tried.
+        faults: faults by their problems.
+        digest: digest of all its results; the same in each process.
+        own: measures the time of its calls.
+        built_in: measures the time of calls of the built-in part.
     """
 
     what: str

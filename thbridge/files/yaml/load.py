@@ -48,9 +48,11 @@ class Loaded(Generic[T]):
     """The contents of a file, with the lines of its keys.
 
     Attributes:
-        path: the file. value: the dataclass. lines: line of each key and item in the file, by its path
-        (`robot.amcl.kld_err`, `rooms[2].goal`). notices: sentences about valid keys that have no effect here, and about
-        doubts. doubts: values that are allowed, but look like mistakes.
+        path: the file.
+        value: the dataclass.
+        lines: line of each key and item in the file, by its path (`robot.amcl.kld_err`, `rooms[2].goal`).
+        notices: sentences about valid keys that have no effect here, and about doubts.
+        doubts: values that are allowed, but look like mistakes.
     """
 
     path: Path

@@ -54,9 +54,11 @@ class GameSetup:
     """Facts about the game that all pilots of a team have before it starts.
 
     Attributes:
-        floor: traversability of the map. rooms: rooms on the map. names: possible names of treasures, in alphabetical
-        order. energy: energy of each robot at the start. plans_end_apart: True if plans may end at a distance from a
-        goal that is out of reach (`default_tolerance`).
+        floor: traversability of the map.
+        rooms: rooms on the map.
+        names: possible names of treasures, in alphabetical order.
+        energy: energy of each robot at the start.
+        plans_end_apart: True if plans may end at a distance from a goal that is out of reach (`default_tolerance`).
     """
 
     floor: TraversabilityMap
@@ -92,9 +94,12 @@ class Pilot:
     """The `VehicleInterface` of one robot.
 
     Args:
-        robot: its index in the team, from 0. setup: facts about the game. start: start pose, map frame. speeds: speed
-        limit of the robot. parameters: its parameters in MAVLink. ask: queues requests to robots and game for the next
-        tick. They follow from frames, so they are not inputs.
+        robot: its index in the team, from 0.
+        setup: facts about the game.
+        start: start pose, map frame.
+        speeds: speed limit of the robot.
+        parameters: its parameters in MAVLink.
+        ask: queues requests to robots and game for the next tick. They follow from frames, so they are not inputs.
     """
 
     def __init__(

@@ -158,8 +158,10 @@ class TripDispatcher:
         return replace(trip, stage=TripStage.ASKED)
 
     def _stop_move(self) -> None:
-        """Stop the current or just requested move of the game. This takes some ticks; the request is repeated until
-        then."""
+        """Stop the current or just requested move of the game.
+
+        This takes some ticks; the request is repeated until then.
+        """
         under_way = self._game is not None and self._game.robots[self._robot].bound_for is not None
         if under_way:
             self._ask(StationStop(self._robot))

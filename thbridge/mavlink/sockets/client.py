@@ -34,9 +34,10 @@ class StationSocket:
     """Ground station with its socket.
 
     Args:
-        own: socket, connected or bound, non-blocking. peer: UDP address to send to. If None, frames go to all addresses
-        from which frames came. key: key to sign and verify frames, or None. known: timestamps of earlier stations with
-        this key.
+        own: socket, connected or bound, non-blocking.
+        peer: UDP address to send to. If None, frames go to all addresses from which frames came.
+        key: key to sign and verify frames, or None.
+        known: timestamps of earlier stations with this key.
 
     Attributes:
         station: the ground station.

@@ -137,8 +137,10 @@ class _Connection(Protocol):
         self._parse_some()
 
     def _parse_some(self) -> None:
-        """Parse a part of the received bytes. Meanwhile, a peer that sends faster is not read; none of its bytes are
-        lost."""
+        """Parse a part of the received bytes.
+
+        Meanwhile, a peer that sends faster is not read; none of its bytes are lost.
+        """
         if self._transport is None or self._transport.is_closing():
             return
         has_room = self._link is None or self._port.links.has_room(self._link)

@@ -59,9 +59,11 @@ class _Peer:
     """Peer of a socket; times are seconds of the loop's clock.
 
     Attributes:
-        channel: its frame codec. last_received: time of its last valid frame; before that, of its first datagram.
-        first_good: time of its first valid frame. link: None until its first valid frame. muted: time until which it is
-        ignored.
+        channel: its frame codec.
+        last_received: time of its last valid frame; before that, of its first datagram.
+        first_good: time of its first valid frame.
+        link: None until its first valid frame.
+        muted: time until which it is ignored.
     """
 
     channel: Channel

@@ -43,10 +43,12 @@ class VehicleOptions:
     """Options of all vehicles of a study.
 
     Attributes:
-        identity: autopilot that vehicles claim to have. origin: position of the map's origin on earth. lost_after:
-        seconds without a heartbeat after which a ground station is lost. failsafe: action in that case. position_rate:
-        default rate of position, attitude and speed messages, Hz. visited_rooms: action of a mission at an already
-        visited room.
+        identity: autopilot that vehicles claim to have.
+        origin: position of the map's origin on earth.
+        lost_after: seconds without a heartbeat after which a ground station is lost.
+        failsafe: action in that case.
+        position_rate: default rate of position, attitude and speed messages, Hz.
+        visited_rooms: action of a mission at an already visited room.
     """
 
     identity: AutopilotIdentity

@@ -169,11 +169,18 @@ class ParameterDescription:
     """Description of a numeric parameter, for people who set it.
 
     Attributes:
-        name: its name. meaning: one sentence. details: further explanation. section: section of the study file that
-        contains it. group: name of the group of parameters it belongs to. unit: SI; empty for a pure number. default:
-        initial value; None if it differs between robots. minimum: smallest value; None if unlimited. maximum: largest
-        value. whole: True for whole numbers. words: meanings of the values 0, 1, 2...; empty for plain numbers. fixed:
-        True if it cannot be changed.
+        name: its name.
+        meaning: one sentence.
+        details: further explanation.
+        section: section of the study file that contains it.
+        group: name of the group of parameters it belongs to.
+        unit: SI; empty for a pure number.
+        default: initial value; None if it differs between robots.
+        minimum: smallest value; None if unlimited.
+        maximum: largest value.
+        whole: True for whole numbers.
+        words: meanings of the values 0, 1, 2...; empty for plain numbers.
+        fixed: True if it cannot be changed.
     """
 
     name: str

@@ -32,8 +32,8 @@ class SplitLimits:
 
     Attributes:
         size: bytes after which a file ends; None for no limit. A file always ends with a whole chunk and all messages
-        of one stamp.
-            Latched messages that are repeated at a file's beginning do not count, because they alone may be larger.
+            of one stamp. Latched messages that are repeated at a file's beginning do not count, because they alone may
+            be larger.
         duration_ns: longest recorded time of a file; None for no limit.
     """
 

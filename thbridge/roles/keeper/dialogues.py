@@ -64,11 +64,14 @@ class GameDialogues:
         room_names: names of the map's rooms.
 
     Attributes:
-        puppets: robots for which a person speaks now. argues: True if dialogues need the facts of robots.
+        puppets: robots for which a person speaks now.
+        argues: True if dialogues need the facts of robots.
         asked_for_advice: puppets that the participant has asked where to go, in order; their dialogues begin later.
-        under_way: the open dialogues. agreements: agreements that are not carried out yet. last_words: last words of
-        dialogues that have ended. memories: memories of the robots. not_restored: numbers of dialogues that were open
-        when the game was interrupted, and could not be resumed.
+        under_way: the open dialogues.
+        agreements: agreements that are not carried out yet.
+        last_words: last words of dialogues that have ended.
+        memories: memories of the robots.
+        not_restored: numbers of dialogues that were open when the game was interrupted, and could not be resumed.
     """
 
     def __init__(

@@ -160,9 +160,10 @@ class KeeperDecisions:
     """Decisions of one step of the keeper.
 
     Attributes:
-        entries: entries for the journal: the events of the game and the utterances between them, in order. utterances:
-        utterances of its dialogues, in order. wizard: the turns that wait for a wizard. refusals: refused requests of
-        programs, in order.
+        entries: entries for the journal: the events of the game and the utterances between them, in order.
+        utterances: utterances of its dialogues, in order.
+        wizard: the turns that wait for a wizard.
+        refusals: refused requests of programs, in order.
     """
 
     entries: tuple[JournalEntry, ...]
@@ -180,11 +181,13 @@ class Keeper:
     """The game's authority; see the module's description.
 
     Args:
-        rules: rules of the game. engine: factory of the dialogue engine of a game, given the game's number. history:
-        entries of the game in progress from its journal, oldest first; empty for a new game. last_game: number of the
-        last game so far; the next game gets the number after it. briefing: data for participants in addition to the
-        state of the game. adviser: suggests rooms in the place of robots. attention_timeout: ticks without the
-        participant's attention after which a robot decides by itself. If None, it
+        rules: rules of the game.
+        engine: factory of the dialogue engine of a game, given the game's number.
+        history: entries of the game in progress from its journal, oldest first; empty for a new game.
+        last_game: number of the last game so far; the next game gets the number after it.
+        briefing: data for participants in addition to the state of the game.
+        adviser: suggests rooms in the place of robots.
+        attention_timeout: ticks without the participant's attention after which a robot decides by itself. If None, it
             waits for an unlimited time.
         tells_refusals: True sends refusals to programs of 2016, by `%%error`.
 

@@ -29,8 +29,9 @@ from thbridge.roles.shared.view import RefusalView
 
 
 class OpenGame:
-    """The game in progress in the keeper. Every change of the game passes through this class and is an entry of the
-    journal.
+    """The game in progress in the keeper.
+
+    Every change of the game passes through this class and is an entry of the journal.
 
     Args:
         engine: factory of the dialogue engine of a game, given the game's number.
@@ -39,11 +40,15 @@ class OpenGame:
         knowledge: knowledge of robots.
 
     Attributes:
-        state: state of the game; None before the first. last_game: number of the current game, or of the last one.
+        state: state of the game; None before the first.
+        last_game: number of the current game, or of the last one.
         tick: present tick. After an interruption of the game ticks continue, so that earlier utterances stay older.
-        attended: by robot, the tick of the last event or request that concerned it. dialogues: dialogues of the game.
-        moves: moves of the robots. handbacks: robots that the participant has recently asked for. knowledge: knowledge
-        of robots. refusal: the last refusal in this game, for the view.
+        attended: by robot, the tick of the last event or request that concerned it.
+        dialogues: dialogues of the game.
+        moves: moves of the robots.
+        handbacks: robots that the participant has recently asked for.
+        knowledge: knowledge of robots.
+        refusal: the last refusal in this game, for the view.
     """
 
     def __init__(

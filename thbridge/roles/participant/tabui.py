@@ -78,10 +78,11 @@ class TabUI:
             as a window that is opened again, so that the keeper does not mistake new requests for repetitions.
 
     Attributes:
-        view: the latest view, None before the first. room_names: room names of the game's map; empty until the keeper
-        has sent them. texts: texts of the game's language; None until the keeper has sent them. run: mark of this run
-        of the program; see `ParticipantReady`. declined: True when the participant has declined to take part; then this
-        program must leave.
+        view: the latest view, None before the first.
+        room_names: room names of the game's map; empty until the keeper has sent them.
+        texts: texts of the game's language; None until the keeper has sent them.
+        run: mark of this run of the program; see `ParticipantReady`.
+        declined: True when the participant has declined to take part; then this program must leave.
     """
 
     name = legacy.TABUI

@@ -50,11 +50,12 @@ class Orders(NoticeValue, frozen=True, tag="Orders"):
     """Keeper to SimR: the move and the energy of each robot.
 
     Attributes:
-        game: number of the game; a new game begins with every robot at its start. moves: one entry per robot; None for
-        a robot that has to stand still. energy: one entry per robot. at: room in which each robot stands, from 1, or 0
-        for the corridor; for a moving robot, where it started. poses: last known x, y, theta of every robot, for a SimR
-        that is restarted during a game. taken: robots that are not commanded by the participant; text lines of 2016 do
-        not drive them.
+        game: number of the game; a new game begins with every robot at its start.
+        moves: one entry per robot; None for a robot that has to stand still.
+        energy: one entry per robot.
+        at: room in which each robot stands, from 1, or 0 for the corridor; for a moving robot, where it started.
+        poses: last known x, y, theta of every robot, for a SimR that is restarted during a game.
+        taken: robots that are not commanded by the participant; text lines of 2016 do not drive them.
     """
 
     game: int

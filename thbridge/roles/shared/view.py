@@ -22,14 +22,16 @@ class RobotView:
     """One robot in the game.
 
     Attributes:
-        robot: index in the team, from 0; people count from 1. place: room in which it stands, from 1, or 0 for the
-        corridor; while it moves, the room where it started. moving_to: room to which it drives; None at rest. energy:
-        energy left. blocked: True if it has no energy left and can do nothing more. condition: well, lost or silent; a
-        silent robot can do nothing until it responds again. commander: commander of the robot. Unless it is the
-        participant, they can neither send nor stop the robot. commander_name: name of the ground station that commands
-        it, for people; otherwise empty. asked_back: True if the participant has recently asked for it back; until it is
-        False they cannot ask again. costs: energy to each place from where it stands, like a row of the view's costs;
-        if empty, the row of `place`.
+        robot: index in the team, from 0; people count from 1.
+        place: room in which it stands, from 1, or 0 for the corridor; while it moves, the room where it started.
+        moving_to: room to which it drives; None at rest.
+        energy: energy left.
+        blocked: True if it has no energy left and can do nothing more.
+        condition: well, lost or silent; a silent robot can do nothing until it responds again.
+        commander: commander of the robot. Unless it is the participant, they can neither send nor stop the robot.
+        commander_name: name of the ground station that commands it, for people; otherwise empty.
+        asked_back: True if the participant has recently asked for it back; until it is False they cannot ask again.
+        costs: energy to each place from where it stands, like a row of the view's costs; if empty, the row of `place`.
     """
 
     robot: int
@@ -111,9 +113,9 @@ class Debrief:
     """Debrief of participants after the game.
 
     Attributes:
-        rooms: the treasure of each room; empty if the study does not show it, or the keeper does not know it. best:
-        most points that could have been won with the same energy; None if not shown or unknown. farewell: thanks, and
-        the next steps; if empty, the window's own words are used.
+        rooms: the treasure of each room; empty if the study does not show it, or the keeper does not know it.
+        best: most points that could have been won with the same energy; None if not shown or unknown.
+        farewell: thanks, and the next steps; if empty, the window's own words are used.
     """
 
     rooms: tuple[RoomDebrief, ...] = ()
@@ -156,8 +158,9 @@ class DialogueView:
 
 @dataclass(frozen=True, slots=True)
 class LastWords:
-    """A dialogue that has ended. It is shown until the participant talks with its robot again, or the agreement is
-    carried out.
+    """A dialogue that has ended.
+
+    It is shown until the participant talks with its robot again, or the agreement is carried out.
 
     Attributes:
         dialogue: its number.
@@ -185,7 +188,9 @@ class Consent:
     """Agreement of participant and robot, on which the participant may now act.
 
     Attributes:
-        robot: index of the robot, from 0. matter: matter that they agreed on. room: number of the room it is about.
+        robot: index of the robot, from 0.
+        matter: matter that they agreed on.
+        room: number of the room it is about.
         name: name of the treasure, if they agreed on one; empty for any name.
     """
 
@@ -200,8 +205,10 @@ class RefusalView:
     """The participant's last request that was refused.
 
     Attributes:
-        number: count of refusals; it distinguishes two equal refusals. wish: kind of the request. reason: a code for
-        programs. sentence: the reason, for people.
+        number: count of refusals; it distinguishes two equal refusals.
+        wish: kind of the request.
+        reason: a code for programs.
+        sentence: the reason, for people.
     """
 
     number: int
@@ -214,16 +221,24 @@ class View(NoticeValue, frozen=True, tag="View"):
     """The game as the participant may see it.
 
     Attributes:
-        game: number of the game, from 1; 0 before the first begins. ready: True when the robots are connected; until
-        then every request is refused. costs: energy of a move, [from][to], by room numbers, 0 for the corridor; None
-        where there is no move. robots: in the team's order. rooms: room 1 first. dialogues: open dialogues. consents:
-        agreements on which the participant has not acted yet. score: points so far. over: reason for the game's end;
-        None while it continues. picture_cost: energy of taking a picture. identify_cost: energy of naming a treasure.
-        refusal: the last refused request. names: possible names of treasures, in alphabetical order; empty until the
-        first one was sensed. called: words for the shown names, in the participant's language; see `word_for`. consent:
-        text to which the participant has to agree first; None when that is done, or not needed. thinking: robots that
-        were asked where to go and have not answered yet. debrief: shown once the game is over. worth: points of the
-        treasure of each name in `names`, None if treasures of that name differ; empty if the study
+        game: number of the game, from 1; 0 before the first begins.
+        ready: True when the robots are connected; until then every request is refused.
+        costs: energy of a move, [from][to], by room numbers, 0 for the corridor; None where there is no move.
+        robots: in the team's order.
+        rooms: room 1 first.
+        dialogues: open dialogues.
+        consents: agreements on which the participant has not acted yet.
+        score: points so far.
+        over: reason for the game's end; None while it continues.
+        picture_cost: energy of taking a picture.
+        identify_cost: energy of naming a treasure.
+        refusal: the last refused request.
+        names: possible names of treasures, in alphabetical order; empty until the first one was sensed.
+        called: words for the shown names, in the participant's language; see `word_for`.
+        consent: text to which the participant has to agree first; None when that is done, or not needed.
+        thinking: robots that were asked where to go and have not answered yet.
+        debrief: shown once the game is over.
+        worth: points of the treasure of each name in `names`, None if treasures of that name differ; empty if the study
             does not show points.
         wrong_share: share of a treasure's points that a wrong name costs; None if the study does not show it.
         sound: True if the window may play sounds.

@@ -171,8 +171,9 @@ def _motion(output: RobotOutput, condition: Condition, progress: float) -> Robot
 
 
 class _Plan:
-    """A robot's plan, reduced to few points. It is thinned when it is new, and then only shortened while the robot
-    drives.
+    """A robot's plan, reduced to few points.
+
+    It is thinned when it is new, and then only shortened while the robot drives.
 
     Thinning the plan again at each step would make it jump on the map.
 

@@ -131,8 +131,10 @@ def _direction(points: FloatArray, steps: FloatArray) -> float:
 
 
 def _fitted(known: Sequence[tuple[Sequence[_Way], float]]) -> FloatArray:
-    """Return (3,) seconds per unit of each part, fitted to known seconds. If there are several paths, their mean is
-    used."""
+    """Return (3,) seconds per unit of each part, fitted to known seconds.
+
+    If there are several paths, their mean is used.
+    """
     rows = [(np.mean(ways, axis=0), seconds) for ways, seconds in known if ways]
     if not rows:
         return np.zeros(3)

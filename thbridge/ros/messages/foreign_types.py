@@ -74,8 +74,10 @@ def store_of(types: Typesdict) -> Typestore:
 
 
 def register(store: Typestore, types: Typesdict) -> None:
-    """Add types to a store. Raises ValueError if it has other types of these names, or if names of their fields
-    collide."""
+    """Add types to a store.
+
+    Raises ValueError if it has other types of these names, or if names of their fields collide.
+    """
     try:
         store.register(types)
     except _STUMBLES:

@@ -56,9 +56,11 @@ class GoalRequest:
     """A goal set by a client at a robot's action server move_base.
 
     Attributes:
-        robot: the robot. goal_id: the client's id of the goal; empty if the server has to choose one. stamp_ns: the
-        client's time stamp, nanoseconds of ROS time; 0 means now. base_in_map: goal of the base; None if it cannot be
-        used. number: its `Goal.id` in the simulation, unique among the goals of its owner (here, clients of ROS).
+        robot: the robot.
+        goal_id: the client's id of the goal; empty if the server has to choose one.
+        stamp_ns: the client's time stamp, nanoseconds of ROS time; 0 means now.
+        base_in_map: goal of the base; None if it cannot be used.
+        number: its `Goal.id` in the simulation, unique among the goals of its owner (here, clients of ROS).
         refusal: reason why it cannot be used, for people.
     """
 

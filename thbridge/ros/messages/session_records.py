@@ -92,15 +92,22 @@ class DialogueMoveRecord:
     """One move in a dialogue game, in sessions where robots argue.
 
     Attributes:
-        talk: number of the dialogue of utterances that it belongs to. dialogue: number of the dialogue game, from 1,
-        unique among those of its robot. parent: number of the game that waits for this one, or None. index: position of
-        the move in its game, from 0. robot: the robot that speaks or is addressed. speaker: "robot" or "human". author:
-        as in `UtteranceRecord`. game: name of the game, for example "persuasion". locution: for example "challenge".
-        content: what it is about, written as in Sklar and Azhar (2015). before: state of the game in which it was made.
-        after: state, or end, after it. is_booked: True if it followed automatically from the move before it. text: the
-        sentence; empty for a move that followed automatically. heard: sentence of the move that the robot understood
-        instead; empty if the robot understood the move correctly. fault: why the robot's own strategy chose the move
-        after the study's strategy failed; empty if that did not
+        talk: number of the dialogue of utterances that it belongs to.
+        dialogue: number of the dialogue game, from 1, unique among those of its robot.
+        parent: number of the game that waits for this one, or None.
+        index: position of the move in its game, from 0.
+        robot: the robot that speaks or is addressed.
+        speaker: "robot" or "human".
+        author: as in `UtteranceRecord`.
+        game: name of the game, for example "persuasion".
+        locution: for example "challenge".
+        content: what it is about, written as in Sklar and Azhar (2015).
+        before: state of the game in which it was made.
+        after: state, or end, after it.
+        is_booked: True if it followed automatically from the move before it.
+        text: the sentence; empty for a move that followed automatically.
+        heard: sentence of the move that the robot understood instead; empty if the robot understood the move correctly.
+        fault: why the robot's own strategy chose the move after the study's strategy failed; empty if that did not
             fail.
     """
 

@@ -52,10 +52,13 @@ class HttpLimits:
 
     Args:
         connections: largest number of connections. A further connection closes another one: the connection that has
-        been idle longest, of the address with the most connections. header_bytes: size of a request's header, checked
-        after each read. held_bytes: bytes of requests that are not decoded yet, over all connections; the same limit
-        applies to unread answers. request_seconds: seconds from the first byte of a request to its last; the peer has
-        the same time to read the answer. idle_seconds: seconds between two requests of a connection.
+            been idle longest, of the address with the most connections.
+        header_bytes: size of a request's header, checked after each read.
+        held_bytes: bytes of requests that are not decoded yet, over all connections; the same limit applies to unread
+            answers.
+        request_seconds: seconds from the first byte of a request to its last; the peer has the same time to read the
+            answer.
+        idle_seconds: seconds between two requests of a connection.
     """
 
     connections: int = 512

@@ -102,8 +102,9 @@ class RosNode:
             every address, and other nodes get this machine's name.
         on_shutdown: called with the reason when the node is asked to end: another node has taken its name, or a user
             ran ``rosnode kill``. It should make the owner call `stop`.
-        on_lost: called when the master no longer answers. on_found: called when all registrations with a new master are
-        complete: with the first master, or with a restarted master, which has lost its parameters.
+        on_lost: called when the master no longer answers.
+        on_found: called when all registrations with a new master are complete: with the first master, or with a
+            restarted master, which has lost its parameters.
     """
 
     def __init__(

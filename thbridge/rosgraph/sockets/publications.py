@@ -95,8 +95,9 @@ class Publication:
     """Topic that this node publishes; made by `RosNode.advertise`.
 
     Attributes:
-        topic: description of the topic. dropped: number of messages dropped because of a full queue. A message counts
-        once for each subscriber with a full queue.
+        topic: description of the topic.
+        dropped: number of messages dropped because of a full queue. A message counts once for each subscriber with a
+            full queue.
     """
 
     def __init__(self, topic: TopicHeader) -> None:

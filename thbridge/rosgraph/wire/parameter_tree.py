@@ -33,9 +33,10 @@ class ParameterUpdate:
     """New value of a subscribed parameter.
 
     Args:
-        subscription: the subscribed key, with a slash at its end. key: the changed key, at, below or above the
-        subscribed one, with a slash at its end. value: the new value; an empty dict after a deletion. own: True if the
-        node that made the change does not have to be notified.
+        subscription: the subscribed key, with a slash at its end.
+        key: the changed key, at, below or above the subscribed one, with a slash at its end.
+        value: the new value; an empty dict after a deletion.
+        own: True if the node that made the change does not have to be notified.
     """
 
     subscription: str

@@ -98,8 +98,9 @@ class TextServer:
     """TCP server of one router, for plain connections; with keys, also for TLS connections.
 
     Args:
-        clock: returns seconds; must not run backwards. admission: admission of plain connections, by address. keys:
-        keys for the admission of TLS connections from any machine. If None, there are no TLS connections.
+        clock: returns seconds; must not run backwards.
+        admission: admission of plain connections, by address.
+        keys: keys for the admission of TLS connections from any machine. If None, there are no TLS connections.
     """
 
     def __init__(

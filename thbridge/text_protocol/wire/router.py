@@ -78,11 +78,12 @@ class RouterLimits:
     """Limits of one server.
 
     Attributes:
-        clients: largest number of connections at a time; a further one is rejected. line: length of the longest
-        accepted line, bytes. backlog: bytes (characters for a local endpoint) that may be queued for one reader.
-        ping_after: seconds without a line after which a client is pinged. drop_after: seconds after an unanswered ping
-        at which a client is dropped. idle: seconds without a line after which a client without a name may be replaced
-        by another client.
+        clients: largest number of connections at a time; a further one is rejected.
+        line: length of the longest accepted line, bytes.
+        backlog: bytes (characters for a local endpoint) that may be queued for one reader.
+        ping_after: seconds without a line after which a client is pinged.
+        drop_after: seconds after an unanswered ping at which a client is dropped.
+        idle: seconds without a line after which a client without a name may be replaced by another client.
     """
 
     clients: int = 256

@@ -76,8 +76,10 @@ class WatchedSession(Protocol):
     """Session behind the server."""
 
     def ask(self, watcher: str, wish: Mapping[str, object], key: str = "") -> str | None:
-        """Carry out a watcher's request; `key` is the key it was made with, if any. Return None, or the reason for a
-        refusal."""
+        """Carry out a watcher's request; `key` is the key it was made with, if any.
+
+        Return None, or the reason for a refusal.
+        """
 
     def pace(self) -> SessionPace:
         """Return the session's pace."""
@@ -90,9 +92,11 @@ class WatchServer:
     """Server of a session's messages to all watchers, which passes on their requests.
 
     Args:
-        session: carries out requests. keys: checks the keys that watchers must present; watchers on other machines
-        connect over TLS. If None, every program of this machine is admitted. definitions: message definitions; None
-        uses those of an installed ROS, if there is one. bag: path of the session's bag; None if it records none.
+        session: carries out requests.
+        keys: checks the keys that watchers must present; watchers on other machines connect over TLS. If None, every
+            program of this machine is admitted.
+        definitions: message definitions; None uses those of an installed ROS, if there is one.
+        bag: path of the session's bag; None if it records none.
     """
 
     def __init__(

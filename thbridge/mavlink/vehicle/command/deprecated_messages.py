@@ -32,8 +32,12 @@ class DeprecatedMessages(Microservice):
     """Deprecated messages to one vehicle.
 
     Args:
-        commands: command table; it knows the numbers of modes. modes: the robot's mode state machine. control: the
-        station in command of the robot. home: home position. earth: map projection. announce: sends texts to people.
+        commands: command table; it knows the numbers of modes.
+        modes: the robot's mode state machine.
+        control: the station in command of the robot.
+        home: home position.
+        earth: map projection.
+        announce: sends texts to people.
     """
 
     def __init__(

@@ -2,10 +2,11 @@
 
 Each command is answered by one COMMAND_ACK to its sender, or by several with IN_PROGRESS and a final one.
 
-Source: the MAVLink developer guide, "Command Protocol". Differs: a station that repeats a completed command does not
-always increase `confirmation` (MAVSDK never does). So, for commands that have a new effect at each execution, an equal
-command within a second also counts as a repetition. Commands that any station may send are executed at each repetition:
-a stop must never be mistaken for a repetition of an earlier stop.
+Source: the MAVLink developer guide, "Command Protocol".
+Differs: a station that repeats a completed command does not always increase `confirmation` (MAVSDK never does). So, for
+commands that have a new effect at each execution, an equal command within a second also counts as a repetition.
+Commands that any station may send are executed at each repetition: a stop must never be mistaken for a repetition of an
+earlier stop.
 """
 
 import math

@@ -71,9 +71,10 @@ class CommandReply:
     """Reply to a command.
 
     Attributes:
-        result: result in the acknowledgement. messages: messages that follow it, to the sender of the command.
-        sentence: reason of a refusal, for people. leg: number of the drive; the command ends when this drive ends. None
-        if the command ends at once.
+        result: result in the acknowledgement.
+        messages: messages that follow it, to the sender of the command.
+        sentence: reason of a refusal, for people.
+        leg: number of the drive; the command ends when this drive ends. None if the command ends at once.
     """
 
     result: CommandResult

@@ -92,8 +92,10 @@ class _Request:
 
     @property
     def wanted(self) -> int:
-        """Number of bytes of a piece. A size of 0 requests the largest piece, as mavros does in reads and ArduPilot in
-        bursts."""
+        """Number of bytes of a piece.
+
+        A size of 0 requests the largest piece, as mavros does in reads and ArduPilot in bursts.
+        """
         return self.size or _MOST_DATA
 
 

@@ -1,7 +1,8 @@
 """Mission protocol without sockets and clocks: upload to a robot; `downloads` handles the other direction.
 
-Source: the MAVLink developer guide, "Mission Protocol". Differs: a station may send a part of the list, as in
-ArduPilot, but the plan changes only when all of that part has arrived.
+Source: the MAVLink developer guide, "Mission Protocol".
+Differs: a station may send a part of the list, as in ArduPilot, but the plan changes only when all of that part has
+arrived.
 """
 
 from collections.abc import Iterator
@@ -82,7 +83,8 @@ class MissionProtocol(Microservice):
     """Transfer of one robot's plan: one upload at a time, any number of downloads.
 
     Args:
-        run: stores the plan and executes it. announce: sends texts to people.
+        run: stores the plan and executes it.
+        announce: sends texts to people.
     """
 
     def __init__(self, run: MissionRun, announce: Announce) -> None:

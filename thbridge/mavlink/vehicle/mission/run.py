@@ -36,10 +36,13 @@ class MissionRun:
     """Mission of one robot, and its state.
 
     Args:
-        robot: interface to the robot. home: home position. earth: map projection. announce: sends texts about the
-        mission to people. ardupilot: treat plans as ArduPilot does: the first item is home, even if a station sends
-        another item; headings at waypoints are free; a mission continues automatically, even if `autocontinue` is
-        False. visited_rooms: action at an item that leads into an already visited room.
+        robot: interface to the robot.
+        home: home position.
+        earth: map projection.
+        announce: sends texts about the mission to people.
+        ardupilot: treat plans as ArduPilot does: the first item is home, even if a station sends another item; headings
+            at waypoints are free; a mission continues automatically, even if `autocontinue` is False.
+        visited_rooms: action at an item that leads into an already visited room.
 
     Attributes:
         plan: all items; the first of an ArduPilot plan is a placeholder for home.

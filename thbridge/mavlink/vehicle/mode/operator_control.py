@@ -28,8 +28,8 @@ class OperatorControl:
         announce: sends texts to people, about each change of command.
 
     Attributes:
-        lost_after: see `Args`; can be changed. station: the station in command, or None. It stays the same while a
-        researcher drives the robot for a time.
+        lost_after: see `Args`; can be changed.
+        station: the station in command, or None. It stays the same while a researcher drives the robot for a time.
     """
 
     def __init__(self, robot: VehicleInterface, lost_after: float, announce: Announce) -> None:

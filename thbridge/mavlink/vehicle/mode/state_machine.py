@@ -53,8 +53,9 @@ class ModeStateMachine:
         announce: sends texts to people.
 
     Attributes:
-        drive: the last drive to a target that this state machine started. plan: see `Args`. failsafe: see `Args`; may
-        be changed.
+        drive: the last drive to a target that this state machine started.
+        plan: see `Args`.
+        failsafe: see `Args`; may be changed.
     """
 
     def __init__(

@@ -147,9 +147,9 @@ def recorded(
     complete definition gets the definition with its md5 sum, or that of its type's name if its first message fits.
 
     Args:
-        path: the bag, or the name of a split recording. topics: names of the topics to read; None for all. Chunks
-        without them are not unpacked. since_ns: stamp. From chunks that end before it, only messages that stay valid
-        (see `holds`) are read.
+        path: the bag, or the name of a split recording.
+        topics: names of the topics to read; None for all. Chunks without them are not unpacked.
+        since_ns: stamp. From chunks that end before it, only messages that stay valid (see `holds`) are read.
 
     Raises:
         BadFile: there is no such file, it is not a ROS 1 bag, or it is cut off or damaged.

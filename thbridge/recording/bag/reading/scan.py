@@ -141,8 +141,9 @@ class UnreadableSpan:
     """Bytes that cannot be read.
 
     Attributes:
-        position: offset in the file; for bytes inside a chunk, the offset of the chunk. lost: number of bytes,
-        compressed or uncompressed. problem: the problem as a clause.
+        position: offset in the file; for bytes inside a chunk, the offset of the chunk.
+        lost: number of bytes, compressed or uncompressed.
+        problem: the problem as a clause.
     """
 
     position: int
@@ -297,8 +298,10 @@ def _inner(head: bytes, body: bytes) -> ConnectionRecord | MessageRecord:
 
 
 def _usual_message(data: bytes, at: int) -> tuple[MessageRecord, int] | None:
-    """Return a message whose header has a usual form, and its end; None for other forms. This makes scans much
-    faster."""
+    """Return a message whose header has a usual form, and its end; None for other forms.
+
+    This makes scans much faster.
+    """
     start = at + 4 + _MESSAGE_HEADER + 4
     if start > len(data) or data[at] != _MESSAGE_HEADER:
         return None

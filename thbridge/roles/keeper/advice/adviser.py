@@ -37,9 +37,12 @@ class Advice:
     """A room that a robot suggests, with reason and confidence.
 
     Attributes:
-        room: the suggested room. reason: reason, as part of a sentence: "no other room costs me less". number: number
-        of the robot's advice in this game, from 1. planned: the room that the planner chose. erred: True when the robot
-        suggests another room instead. confidence: to be stated, 0 to 1; None if none is stated.
+        room: the suggested room.
+        reason: reason, as part of a sentence: "no other room costs me less".
+        number: number of the robot's advice in this game, from 1.
+        planned: the room that the planner chose.
+        erred: True when the robot suggests another room instead.
+        confidence: to be stated, 0 to 1; None if none is stated.
     """
 
     room: Room
@@ -72,7 +75,8 @@ class Adviser:
         confidence_bias: added to the confidence of a calibrated adviser, which only knows the probability that its
             advice is wrong.
         confidence_spread: largest distance of that probability from its mean, the error rate. For each advice the
-        probability is drawn again, uniformly. texts: texts of the game's language, for reasons.
+            probability is drawn again, uniformly.
+        texts: texts of the game's language, for reasons.
     """
 
     planner: TeamPlanner = TeamPlanner.JOINT

@@ -86,8 +86,10 @@ def return_robots(game: OpenGame) -> None:
 
 
 def _stop(game: OpenGame, state: GameState, robot: int) -> None:
-    """Stop a robot. If it is not stopping yet and the participant commands it, a refusal names the ground station as
-    the cause."""
+    """Stop a robot.
+
+    If it is not stopping yet and the participant commands it, a refusal names the ground station as the cause.
+    """
     if not game.moves.is_stopping(robot) and state.robots[robot].command.by is Commander.PARTICIPANT:
         sentence = f"A ground station has stopped {robot_name(robot)}."
         game.refuse(kind_of(SendRobot), RequestRefused(KeeperReason.STOPPED, sentence))

@@ -51,8 +51,10 @@ def frame_names(frame: str, child_frame: str) -> bytes:
 
 @lru_cache(maxsize=1)
 def head(tick: int) -> bytes:
-    """Encode a header without its frame. Ticks counted from 1970 (real robots) do not fit into `seq`, so `seq` wraps
-    around."""
+    """Encode a header without its frame.
+
+    Ticks counted from 1970 (real robots) do not fit into `seq`, so `seq` wraps around.
+    """
     return _HEAD.pack(tick & 0xFFFFFFFF, *divmod(stamp_ns(tick), 1_000_000_000))
 
 

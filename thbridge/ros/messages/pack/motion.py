@@ -80,8 +80,9 @@ def odometry(
 
 
 class OdometryRows:
-    """Encoder of nav_msgs/Odometry for many robots at once. Header and child frame come first and are encoded
-    elsewhere.
+    """Encoder of nav_msgs/Odometry for many robots at once.
+
+    Header and child frame come first and are encoded elsewhere.
 
     Args:
         robots: number of robots.
