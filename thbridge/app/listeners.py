@@ -51,15 +51,15 @@ class ListenerOptions(Protocol):
 
     @property
     def graph(self) -> GraphAddress | None:
-        """The ROS graph to take part in; None for none."""
+        """The ROS graph to take part in; None if there is none."""
 
     @property
     def watch(self) -> WatchAddress | None:
-        """Address of the watch server; None for none."""
+        """Address of the watch server; None if there is none."""
 
     @property
     def foxglove(self) -> int | None:
-        """TCP port of this machine for Foxglove, 0 for any free port; None for none."""
+        """TCP port of this machine for Foxglove, 0 for any free port; None if there is none."""
 
 
 def _ignore(outcome: object) -> None:

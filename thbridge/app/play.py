@@ -129,12 +129,12 @@ class PlayOptions:
         outside: names of the roles that other programs take.
         participant: description for the record, for example "person" or "suggestion".
         max_seconds: simulated time after which an unfinished game is stopped.
-        graph: the ROS graph to take part in; None for none.
+        graph: the ROS graph to take part in; None if there is none.
         left: called after every tick; returns True once the participant's own window is closed. Only then does the hunt
             end, because participants may look at the result and play again. If None, the hunt ends with the game.
-        watch: address of the watch server; None for none.
-        foxglove: TCP port of this machine for Foxglove; None for none.
-        mavlink: ports of the MAVLink links; None for none.
+        watch: address of the watch server; None if there is none.
+        foxglove: TCP port of this machine for Foxglove; None if there is none.
+        mavlink: ports of the MAVLink links; None if there is none.
         inputs: path of the log of inputs; None for no log. If the log exists, the game resumes where the log ends, and
             a simulated participant in this process repeats its decisions.
         meter: measures the real time of this game, if there is a log of inputs; None creates one.
@@ -176,7 +176,7 @@ async def play(
         options: options of the hunt.
         ready: called with the address of the text server, or the reason why it cannot listen.
         progress: called with every tick.
-        callbacks: for the results of starting graph, watch server and links.
+        callbacks: callbacks for the results of starting graph, watch server and links.
 
     Raises:
         ParticipantDeclined: the participant did not agree to take part, or left before an answer.

@@ -213,10 +213,10 @@ class SimrOptions:
         token: identifies this run of the program.
         rate: simulated seconds per second.
         bag: path of the recording; None for no recording.
-        graph: the ROS graph to take part in; None for none.
-        watch: address of the watch server; None for none.
-        foxglove: TCP port of this machine for Foxglove; None for none.
-        key: key to present to the text server; None for none.
+        graph: the ROS graph to take part in; None if there is none.
+        watch: address of the watch server; None if there is none.
+        foxglove: TCP port of this machine for Foxglove; None if there is none.
+        key: key to present to the text server; None if there is none.
     """
 
     host: str
@@ -245,7 +245,7 @@ async def simr(
         setting: the study.
         options: options of the program.
         lost: called with the reason when the connection is lost.
-        callbacks: for the results of starting graph and watch server.
+        callbacks: callbacks for the results of starting graph and watch server.
 
     Returns:
         The keeper's reason for rejecting these robots, or None when stopped.
@@ -324,7 +324,7 @@ async def tabui(
         token: identifies this run of the program.
         lost: called with the reason when the connection is lost.
         shown: called with every new view.
-        key: key to present to the server; None for none.
+        key: key to present to the server; None if there is none.
 
     Returns:
         The last view; its game is over unless the participant declined. None when stopped.

@@ -36,7 +36,7 @@ from thbridge.timing.pacer import Pacer
 class HeldTraffic:
     """Recorder of a fleet's messages that holds them back until they may be recorded, and then passes them on.
 
-    Before that it keeps only the last message of each latched topic, such as fixed transforms: a bag needs these
+    Before that it keeps only the last message of each latched topic, such as fixed transforms. A bag needs these
     messages, and robots send them only once.
 
     Attributes:

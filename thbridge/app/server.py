@@ -37,7 +37,10 @@ class ConsentedLog:
         self._open = False
 
     def append(self, entries: Sequence[JournalEntry]) -> None:
-        """Write the entries, or hold them back; must be called in every tick. Raises BadFile as the journals do."""
+        """Write the entries, or hold them back; must be called in every tick.
+
+        Raises BadFile if the journals raise it.
+        """
         for entry in entries:
             if isinstance(entry, GameStarted):
                 self._write()

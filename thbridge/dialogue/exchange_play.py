@@ -111,7 +111,7 @@ class CourseFollower:
     _next: int = 0
 
     def choose(self, conversation: Conversation, possible: tuple[ExchangeAct, ...]) -> ExchangeAct | None:
-        """Return one of the possible acts, or None for none of them."""
+        """Return one of the possible acts, or None if there is none of them."""
         # If a move and an opening have the same text, the move is meant.
         by_text = {str(act.move): act for act in reversed(possible)}
         course = self.exchange.course

@@ -1,8 +1,8 @@
 """Reading of argumentation frameworks in the formats of solvers.
 
 APX has a fact for each argument and each attack (`arg(a).`, `att(a,b).`). TGF has a line for each argument, then a line
-`#`, then a line for each attack. The numeric format of the competitions since 2023 (AF) gives the number of arguments
-in its first line (`p af 3`), and then has a line for each attack (`1 2`).
+`#`, then a line for each attack. AF is the numeric format of the competitions since 2023. Its first line gives the
+number of arguments (`p af 3`); then it has a line for each attack (`1 2`).
 """
 
 import re

@@ -72,7 +72,7 @@ class _GameYaml:
 
 
 def read_rulebook(folders: Iterable[Path] = (SHIPPED_GAMES,)) -> Rulebook:
-    """Read the locutions and games of folders; those of a later folder replace earlier ones with the same name.
+    """Read the locutions and games of folders. Later folders replace locutions and games of the same name.
 
     Raises:
         BadFile: a fault of a file, or all faults together.
@@ -201,7 +201,7 @@ def _table(written: _GameYaml) -> GameTable:
 
 
 def _check(loaded: Loaded[_GameYaml], forms: _Forms) -> None:
-    """Raise the faults of a game: first those of its words, and, if there are none, those of its course."""
+    """Raise the faults in a game's words. If there are none, raise the faults in its course."""
     for find in (_faults, _course_faults):
         if faults := tuple(find(loaded, forms)):
             raise BadFiles(faults)

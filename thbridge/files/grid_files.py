@@ -76,8 +76,10 @@ class UnseenWalls:
 
 
 def unseen_walls(cells: Cells, pixels: NDArray[np.uint8], negate: bool) -> UnseenWalls | None:
-    """Return the fault of a map without walls around its floor; None if it has walls, or unknown cells in map savers'
-    shade."""
+    """Return the fault of a map without walls around its floor.
+
+    Return None if there are walls, or unknown cells in the shade that map savers use for them.
+    """
     free = np.pad(cells == FREE, 1)
     beside = free[:-2, 1:-1] | free[2:, 1:-1] | free[1:-1, :-2] | free[1:-1, 2:]
     edge = beside & ~free[1:-1, 1:-1]

@@ -88,7 +88,7 @@ def missing_texts(folders: Sequence[Path], language: str) -> tuple[str, ...]:
 
 
 def advice_on_texts(folders: Sequence[Path], language: str) -> str | None:
-    """Return a sentence about the texts that a language lacks, and where to write them, or None if it has all.
+    """Return a sentence about the texts that a language lacks, with the file to write; None if no text is missing.
 
     Raises:
         BadFile: a fault of a file, or all faults together.

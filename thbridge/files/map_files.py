@@ -2,9 +2,8 @@
 
 For each further language, such as `de`, a subfolder has the names of the rooms in a `words.yaml`.
 
-A folder is checked as a whole: on a map that loads, every robot can stand at its start, drive to the goal of every
-    room,
-and turn there.
+A folder is checked as a whole. On a map that loads, every robot can stand at its start, drive to the goal of every
+room, and turn there.
 """
 
 import json

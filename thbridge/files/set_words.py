@@ -155,7 +155,7 @@ def _faults(loaded: Loaded[_WordsYaml], treasures: TreasureList) -> Iterator[Bad
 
 
 def languages_beside(folder: Path, names: Collection[str]) -> tuple[str, ...]:
-    """Return the languages in which a map or a set has words: its subfolders that have a file of one of these names."""
+    """Return the languages of a map's or set's words: the subfolders that have a file of one of these names."""
     return tuple(sorted({path.parent.name for name in names for path in folder.glob(f"*/{name}")}))
 
 

@@ -2,10 +2,10 @@
 
 A folder has `treasures` as in 2016 or `treasures.yaml`, `DialogueText` and `pictures/`. It may have
 `treasures.participant` for the participant's machine, which must not know which picture belongs to which treasure. It
-may have a `mapTimes` for maps without one, and a `set.yaml` with the language of the set, the one map on which
-`mapTimes` replaces the map's own costs, and the answers to questions. A subfolder for each further language has its
-words; see `thbridge.files.set_words`. All files are UTF-8 text; Windows line ends, a byte order mark and blank lines
-are accepted.
+may have a `mapTimes` for maps without one. It may have a `set.yaml` with the language of the set, the answers to
+questions, and the name of the only map on which `mapTimes` replaces the map's own costs. A subfolder for each further
+language has its words; see `thbridge.files.set_words`. All files are UTF-8 text; Windows line ends, a byte order mark
+and blank lines are accepted.
 """
 
 import difflib
@@ -194,8 +194,7 @@ def _confusion(one: TreasureKind, other: TreasureKind) -> tuple[str, str] | None
 
 
 def missing_words(templates: TemplateSet, folder: Path, language: str) -> Iterator[BadFile]:
-    """Yield faults about words that a set lacks in a language, if the set is in another one; each names the file to
-    write.
+    """Yield faults about words that a set in another language lacks in this language; each names the file to write.
 
     Args:
         templates: the set.

@@ -114,7 +114,7 @@ def languages_in(folder: Path) -> tuple[str, ...]:
 def read_language(
     folders: Iterable[Path] = (SHIPPED_LANGUAGES,), name: str = "en", *, locutions: Sequence[Locution] | None = None
 ) -> Language:
-    """Read a language, and those that it falls back on.
+    """Read a language, and the languages that it falls back on.
 
     Args:
         folders: folders with a subfolder for each language; wordings of a later folder replace those for the same case.

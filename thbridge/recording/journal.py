@@ -2,7 +2,7 @@
 
 A game that was interrupted by a crash or a power failure is recovered from its journal. The last line may be incomplete
 and is then dropped. Damage anywhere else is an error: each line has its length and a checksum, chained to all lines
-before (`checked_lines`). Journals of 0.1.0 have no checksums, and are read without.
+before (`checked_lines`). Journals of 0.1.0 have no checksums, and are read without a check.
 """
 
 import contextlib

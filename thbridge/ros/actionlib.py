@@ -2,15 +2,15 @@
 
 Clients set and cancel goals; the game is one of these clients. The newest goal wins. The server is called twice per
 tick: `take` turns the requests of clients into inputs of the navigator, and `follow` reads the actions of the navigator
-and returns the messages to publish. The same requests and the same navigation give the same messages, so the program
-that moves the robot and the program that records it may each have a server of their own.
+and returns the messages to publish. The same requests and the same navigation give the same messages. So the program
+that moves the robot and the program that records it may each have their own server.
 
 Source: actionlib, action_server.py, simple_action_server.py and server_goal_handle.py; ros-planning/navigation,
 move_base.cpp.
 Differs: there are no threads; within a tick, requests are read first, then the newest goal is accepted. A goal of the
-game is active whatever its time stamp is, because the navigator has accepted it. A simple goal (a pose without an id)
-gets its id before it is published, so that its result can be found. While a robot is dead, its server is dead too;
-active goals end when the robot is revived. The list of ended goals has a limit, even if clients set very many goals.
+game is active with any time stamp, because the navigator has accepted it. A simple goal (a pose without an id) gets its
+id before it is published, so that its result can be found. While a robot is dead, its server is dead too; active goals
+end when the robot is revived. The list of ended goals has a limit, even if clients set very many goals.
 """
 
 from collections.abc import Iterable

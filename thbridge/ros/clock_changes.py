@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 CLOCK_STEP_NS = 1_000_000_000
-"""Smallest change of a clock that counts. Smaller ones are reordered or delayed messages."""
+"""Smallest change that counts as a change of the clock. Smaller changes come from reordered or delayed messages."""
 
 
 class Stamped(Protocol):
@@ -103,7 +103,7 @@ class StampedIndex(NamedTuple):
 def stamps_by_clock(
     stamps: NDArray[np.int64], received: NDArray[np.int64]
 ) -> tuple[list[tuple[NDArray[np.int64], int]], NDArray[np.int64]]:
-    """Return the indices of each run of a clock with the change before it, and those of wrong stamps: `split_by_clock`.
+    """Return the indices of each run of a clock with the change before it, and of wrong stamps; see `split_by_clock`.
 
     Args:
         stamps: (n,) nanoseconds, in the order of recording.

@@ -1,7 +1,7 @@
 """Odometry that cannot be true: outliers, resets of its origin, changes of its clock.
 
 A robot cannot jump. The speeds around a message in the recording show how far the robot can have driven since the
-previous message; a larger distance is not motion. If the next messages return to the poses before, the message was an
+previous message. A larger distance is not motion. If the next messages return to the poses before, the message was an
 outlier. If they continue from the new pose, the odometry was reset, and only its increments are used from then on.
 
 Source: Hampel, The influence curve and its role in robust estimation (1974), for limits by median and median absolute
@@ -269,8 +269,7 @@ class _Judge:
         self.missed: list[MissedMotion] = []
 
     def _measure(self, max_speed: float | None) -> None:
-        """Compute the usual period, and speed and limit of each step to the next sample; cut at steps that are too
-        long."""
+        """Compute the usual period, and speed and limit of each step to the next sample; cut at too long steps."""
         same = np.diff(self._run_of) == 0
         seconds = np.maximum(np.where(same, np.diff(self._stamps), np.diff(self._received)) / 1e9, 0.0)
         # The mean is used, because messages may arrive in bursts; gaps of the recording are excluded.

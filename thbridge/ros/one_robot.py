@@ -256,7 +256,7 @@ def _is_rest(plan: FloatArray, last: FloatArray) -> bool:
 
 
 def _equal(poses: FloatArray, others: FloatArray) -> bool:
-    """Return True if (n, 3) and (m, 3) poses are equal; most unequal ones differ in the last pose."""
+    """Return True if (n, 3) and (m, 3) poses are equal; most unequal arrays differ in the last pose."""
     if len(poses) != len(others):
         return False
     return not len(poses) or (poses[-1, 0] == others[-1, 0] and bool((poses == others).all()))

@@ -101,7 +101,7 @@ def _costmap(own: Tree, named: RobotNames, body: Sequence[Sequence[float]], roll
 
 
 def _navigator(own: Tree) -> Tree:
-    """Return move_base's own parameters, without those of the parts inside it."""
+    """Return move_base's own parameters, without the parameters of the parts inside it."""
     tree = dict(own)
     names = [cast(str, cast(Tree, each)["name"]) for each in cast("list[ParameterValue]", own["recovery_behaviors"])]
     if tuple(names) == DEFAULT_RECOVERY:

@@ -298,7 +298,7 @@ class TeamPublisher:
 
 
 def messages_of(stamp: int, tick: int, record: Record) -> Iterator[RosMessage]:
-    """Yield the message of a record that follows those of the robots; `tick` is for its header."""
+    """Yield the message of a record; it follows the messages of the robots. `tick` is for the header."""
     match record:
         case GameEvent():
             yield RosMessage(GAME_EVENTS, stamp, pack.game_event(tick, record))

@@ -6,5 +6,5 @@ _REQUEST = re.compile(rb"(GET|HEAD|POST|PUT|DELETE|CONNECT|OPTIONS|TRACE|PATCH|P
 
 
 def begins_http(first: bytes) -> bool:
-    """Return True for the first bytes of a connection that can only be those of an HTTP request."""
+    """Return True if the first bytes of a connection can only come from an HTTP request."""
     return _REQUEST.match(first) is not None

@@ -1,10 +1,10 @@
 """Listening sockets of a session's servers, which leave the session the file descriptors that it needs to record.
 
-A process has a limited number of descriptors (RLIMIT_NOFILE). Connections from outside must not use up the last ones,
-or the next journal, bag or part of a bag could not be opened. So all servers of a process stay below a common mark. The
-system gives a new connection the lowest free number. If that number is at the mark, all descriptors below are in use,
-and the connection is closed at once. If there are few descriptors below the mark, the servers share them, so that a
-flood of connections at one server leaves room for the others.
+A process has a limited number of descriptors (RLIMIT_NOFILE). Connections from outside must not use up the last
+descriptors; otherwise the next journal, bag or part of a bag could not be opened. So all servers of a process stay
+below a common mark. The system gives a new connection the lowest free number. If that number is at the mark, all
+descriptors below are in use, and the connection is closed at once. If there are few descriptors below the mark, the
+servers share them. So a flood of connections at one server leaves room for the others.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ _MOST_ARRIVING = 256
 the number of connections in a round, because an honest handshake needs several rounds."""
 
 BACKLOG = 4096
-"""Connections that may wait to be accepted; the system makes further ones try again after a second."""
+"""Connections that may wait to be accepted; further clients try again after a second."""
 
 DESCRIPTORS = 12_288
 """Wanted limit of descriptors of a process."""

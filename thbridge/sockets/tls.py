@@ -95,7 +95,7 @@ async def begin_connection(
 
 
 async def _begins_tls(accepted: socket.socket) -> bool:
-    """Return True if a connection's first byte is that of a handshake; the byte is left for the protocol to read."""
+    """Return True if a connection's first byte begins a handshake; the byte is left for the protocol to read."""
     loop = asyncio.get_running_loop()
     readable = asyncio.Event()
     loop.add_reader(accepted, readable.set)

@@ -99,7 +99,8 @@ def _short_turns() -> Iterator[None]:
     try:
         yield
     finally:
-        # Later loops found the short interval, so the largest entry is the original one, whichever loop ends first.
+        # Later loops found the short interval, so the largest entry is the original interval, even if the loops end in
+        # another order.
         before = _turns_before.pop()
         if not _turns_before:
             sys.setswitchinterval(before)

@@ -64,7 +64,7 @@ class PaceMeter:
         clock: monotonic clock, seconds.
 
     Attributes:
-        state: after the last measured tick.
+        state: state after the last measured tick.
     """
 
     def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:

@@ -256,9 +256,9 @@ class WatcherSession:
             needed.
 
     Attributes:
-        credentials: credentials of the watcher; without meaning before it is admitted.
+        credentials: credentials of the watcher; not valid before it is admitted.
         admitted: True when it may receive messages and make requests.
-        rejected: True when it must be disconnected: its key is wrong, its first line is not of this protocol (for
+        rejected: True when it must be disconnected. Its key is wrong, its first line is not of this protocol (for
             example a browser's), or too many requests in a row were refused.
     """
 

@@ -117,7 +117,7 @@ def build_briefing(setting: StudySetting) -> Briefing:
 
 
 def _alphabetical(word: str) -> str:
-    """Return the sort key of a word; letters with accents sort like those without."""
+    """Return the sort key of a word; letters with accents sort like letters without accents."""
     return unicodedata.normalize("NFKD", word).casefold()
 
 

@@ -57,7 +57,7 @@ class WatchedStrategy:
 
 @dataclass(frozen=True, slots=True)
 class ImpatientStrategy:
-    """Strategy of a lab whose calls have a timeout.
+    """Strategy of a lab, called with a timeout.
 
     Attributes:
         factory: factory of the strategy.
@@ -152,7 +152,7 @@ def installed_participant(
         name: name of the participant.
         knowledge: knowledge of treasures.
         seed: random seed.
-        attitude: toward what robots say.
+        attitude: attitude toward what robots say.
         call: calls the participant in a trial, in which no fault is logged. If None, the game waits for each call.
 
     Raises:

@@ -325,8 +325,7 @@ class GuardedPlanner:
         return Path(headings(line, goal.theta))
 
     def reached(self, costs: Costs, frame: CostFrame, start: Pose2) -> NDArray[np.bool_]:
-        """Return an array (rows, cols) that is True in all free cells: only a plan shows which cells a lab's planner
-        reaches."""
+        """Return (rows, cols) True in all free cells, because only a plan shows which cells a lab's planner reaches."""
         return costs < INSCRIBED
 
 

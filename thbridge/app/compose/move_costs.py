@@ -21,7 +21,7 @@ ROUNDING = 1.0
 def costs_file(
     study: Study, beside: Path, place: Map, folder: Path, templates: TemplateSet, resources: Resources
 ) -> Path:
-    """Return the study's own cost file, or that of the templates for this map, or that of the map.
+    """Return the study's own cost file. If it has none, return that of the templates for this map, or that of the map.
 
     If the templates do not name a map, their cost file is for any map.
 
@@ -68,7 +68,7 @@ def _names(name: str | None, of_map: Path, place: Map, resources: Resources) -> 
 
 
 def read_costs(path: Path, place: Map) -> CostMatrix:
-    """Return the costs in a file. Raises BadFile, also if they do not fit the map."""
+    """Return the costs in a file. Raises BadFile if they cannot be read or do not fit the map."""
     costs = read_map_times(path)
     if len(costs.rooms) != len(place.rooms):
         raise BadFile(
@@ -119,8 +119,7 @@ def doubts_of_costs(
 
 
 def _faster_than_robots(costs: CostMatrix, study: Study, place: Map) -> Iterator[tuple[Room, Room, float]]:
-    """Yield each trip that is faster than a straight drive at the highest speed: start, goal, seconds of the straight
-    drive."""
+    """Yield each trip faster than a straight drive at the highest speed: start, goal, seconds of the straight drive."""
     planned = max(map(_greatest_speed, (study.robot, *study.each.values())))
     fastest = min(planned, study.world.max_vel_x)
     goals = {entry.room: (entry.goal,) for entry in place.rooms}

@@ -53,7 +53,7 @@ class TeamDescription:
     """Description of a team for a ROS graph.
 
     Attributes:
-        topics: to advertise.
+        topics: topics to advertise.
         grid: the map.
         rest: parameters of the study other than the robots'.
         body: corners of a robot's body, meters in its base frame.
@@ -186,7 +186,7 @@ class LiveGraph:
         return self._external.amcl and word in OF_AMCL
 
     def _without_corrections(self, data: bytes) -> bytes:
-        """Return a message of transforms without those of the map, which the external amcl publishes."""
+        """Return a message of transforms without those of the map, because the external amcl publishes them."""
         return pack.stamped_transforms(
             [piece for parent, piece in unpack.transform_pieces(data) if parent != MAP_FRAME]
         )

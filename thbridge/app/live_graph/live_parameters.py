@@ -96,8 +96,7 @@ class LiveParameters:
         return cast(dict[str, ParameterValue], dict(leaves(named.namespace, tree)))
 
     def follow(self, software: Sequence[RobotParameters]) -> None:
-        """Publish the parameters that any client has changed in the last tick, and those whose change a dead robot did
-        not accept."""
+        """Publish changed parameters of the last tick, also if a dead robot did not accept the change."""
         for robot, now in enumerate(software):
             before, self._software[robot] = self._software[robot], now
             if now is not before and now != before:

@@ -47,7 +47,7 @@ class FramesOptions:
 
     Attributes:
         rate: simulated seconds per second; 0 runs as fast as possible.
-        to: path of a new recording; None for none.
+        to: path of a new recording; None if there is none.
         longer: seconds to continue after the end of the recording.
     """
 
@@ -76,7 +76,7 @@ class HuntResult:
     """Result of a game.
 
     Attributes:
-        arrivals: in order.
+        arrivals: arrivals in order.
         score: points; 0 before the first.
     """
 

@@ -108,7 +108,7 @@ class ReplayOptions:
     Attributes:
         rate: simulated seconds per second; 0 runs as fast as possible.
         start: session time up to which the replay runs as fast as possible at any rate, seconds.
-        to: path of a new recording; None for none.
+        to: path of a new recording; None if there is none.
         to_the_end: True to continue after a difference.
         participant: name of a simulated participant that replaces the recorded one. If None, the recorded
             participant's messages are sent again, even if they no longer fit.
@@ -167,7 +167,7 @@ def recorded_study(path: Path, record: SessionRecord) -> Study:
 
 
 def _recorded_by(path: Path, record: SessionRecord) -> MessageFilter:
-    """Return the filter of the messages that a session recorded, also for studies from before its keys existed."""
+    """Return the filter of the messages that a session recorded, also for studies that are older than its keys."""
     loaded = load_study_tree(path, parse(path, record.study))
     chosen, written = loaded.value.recording, loaded.lines
     detail = chosen.detail if "recording.detail" in written else RecordingDetail.ALL
@@ -292,7 +292,7 @@ async def replay(
 def _replayed_session(
     setting: StudySetting, record: SessionRecord, participant: str | None, recorders: Sequence[TickRecorder]
 ) -> tuple[Session | SimrSession, Callable[[inputs.Input], None]]:
-    """Return a fresh session like the recorded one, and the function that gives it inputs, also the participant's."""
+    """Return a fresh session like the recorded one, and a function that gives it all inputs, also the participant's."""
     if record.program == SIMR:
         alone = SimrSession(build_simr(setting), recorders)
         return alone, partial(_give_to_simr, alone)

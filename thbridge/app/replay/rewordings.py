@@ -1,8 +1,8 @@
 """Recorded texts that have been reworded since, so that recordings with the old wording still replay as equal.
 
 A session records sentences for people: reasons of failed moves, log lines, diagnostics, descriptions of inputs. A fresh
-session writes them in today's words. Where such a text is reworded, its old wording gets a row in `_ROWS`, which stays
-for as long as recordings with the old wording are replayed. Recordings keep their bytes: `reworded` returns a copy.
+session writes them in today's words. When such a text is reworded, its old wording gets a row in `_ROWS`. The row stays
+as long as recordings with the old wording are replayed. Recordings keep their bytes: `reworded` returns a copy.
 
 Texts inside MAVLink frames are not covered. A frame has a checksum, and a longer sentence needs more frames.
 """
@@ -95,7 +95,7 @@ def in_present_words(text: str) -> str:
 
 
 def reworded(msgtype: str, was: bytes, now: bytes) -> bytes:
-    """Return a recorded message with today's words in those of its strings that differ from a replayed message.
+    """Return a recorded message with today's words in all strings that differ from a replayed message.
 
     A string that is equal in both stays as it is: it came from outside, or has not been reworded.
 

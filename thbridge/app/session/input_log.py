@@ -4,7 +4,7 @@ The effects of an input can be computed again, so only the inputs must not be lo
 tick in which it acts sends any message. A resumed game is run again from its study with the logged inputs, as fast as
 possible, up to the last logged tick.
 
-The first line of the file identifies the game. Then the file has one line for each tick with inputs, events or
+The first line of the file identifies the game. The further lines are one for each tick with inputs, events or
 utterances, one for each tick that took long, and one for each second of simulated time. The lines of seconds contain a
 digest of the robots' poses and the score, so a game that differs from the first run is noticed. All lines contain the
 real time of their tick; no game depends on it. A partly written last line, which remains when the program dies, is

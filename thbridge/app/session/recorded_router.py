@@ -42,7 +42,7 @@ class RecordedRouter:
         return self._noted(self._router.make_room(now))
 
     def connect(self, now: float, credentials: Credentials = LOCAL) -> ConnectionId | TurnedAway:
-        """See the router, also for the methods below; only calls with an effect are recorded as inputs."""
+        """See the router, also for the methods below. Only calls that have an effect are recorded as inputs."""
         connection = self._router.connect(now, credentials)
         if not isinstance(connection, TurnedAway):
             self._inputs.add(inputs.ConnectionOpened(connection, now, credentials))
@@ -66,7 +66,8 @@ class RecordedRouter:
         """Return True when a connection may send another line before the next tick.
 
         Until the next tick, lines are kept in memory, during a pause for a long time. They are also recorded. Therefore
-        their amount is limited. The few lines of a well-behaved program are accepted whatever others send.
+        their amount is limited. The few lines of a well-behaved program are always accepted, even if other programs
+        send many lines.
         """
         said = self._said.get(connection, 0)
         return said < _FEW_LINES or (said < _MOST_OF_ONE and self._said_by_all < _MOST_OF_ALL)

@@ -1,7 +1,7 @@
 """The session: the roles of this process around one router, and the tick they share.
 
 Inputs from outside arrive between two ticks, through the methods of `Session`, its router and its links. (For robots at
-a server of another process it is `SimrSession`.) Each is recorded as an `Input` of the next tick.
+a server of another process it is `SimrSession`.) Each input is recorded as an `Input` of the next tick.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -42,13 +42,13 @@ class TickRecord:
 
     Attributes:
         tick: its number.
-        inputs: from outside, in order.
+        inputs: inputs from outside, in order.
         snapshot: snapshot of the robots; None if another program runs them.
         forwarded: the lines that were passed on, in order.
         events: events of the game.
         utterances: utterances of its dialogues.
         wizard: robots for which a person speaks, and the turns that wait for that person.
-        game: after this tick; None before the first.
+        game: state of the game after this tick; None before the first game.
         traffic: frames that vehicles received since the last tick, and sent since then and in this tick, in order.
         vehicles: status of each vehicle; empty if the robots are not vehicles.
         refusals: requests of programs that the keeper has refused, in order.
@@ -143,8 +143,8 @@ class Session:
 
     Attributes:
         tick: number of the next tick.
-        router: for a server of outside connections.
-        links: for a server of ground stations' links.
+        router: router for a server of outside connections.
+        links: links for a server of ground stations.
         keys: uses of keys, for the log.
 
     Raises:

@@ -201,7 +201,7 @@ class WatchRequestHandler:
         return None
 
     def _numbered(self, request: WatchRequest) -> WatchRequest:
-        """Return the request; a goal in it gets a new number and the researcher as owner, whatever the watcher sent."""
+        """Return the request. A goal in it always gets a new number, and the researcher becomes its owner."""
         match request:
             case SendGoal(_, goal):
                 return replace(request, goal=replace(goal, id=next(self._goals), owner=GoalOwner.RESEARCHER))

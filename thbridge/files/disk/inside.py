@@ -17,7 +17,7 @@ def path_inside(folder: Path, *names: str) -> Path:
     """Return the path of a file or folder inside a folder.
 
     Args:
-        folder: the trusted folder; it may itself be reached through a link, and need not exist.
+        folder: the trusted folder; its path may contain a link, and it does not have to exist.
         names: one untrusted name for each level below the folder.
 
     Raises:

@@ -12,7 +12,9 @@ MOST = 64 << 20
 
 
 def mapped(arrays: Iterable[NDArray[np.float32]], size: int) -> list[NDArray[np.float32]]:
-    """Return small arrays unchanged, and large ones as parts of a temporary file that is deleted with the last of them.
+    """Return small arrays unchanged, and large arrays as parts of a temporary file.
+
+    The file is deleted with the last array.
 
     Args:
         arrays: the arrays; they are read one at a time.

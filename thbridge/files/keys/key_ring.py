@@ -67,7 +67,7 @@ class KeyRing:
     """Keys in a folder. Changes by other programs take effect at once.
 
     Args:
-        folder: folder of the ring; it need not exist yet.
+        folder: folder of the ring; it does not have to exist yet.
         clock: returns the time of day, UTC, in the ring's format.
 
     Raises:
@@ -214,7 +214,10 @@ class KeyRing:
 
 
 def _lock(opened: int) -> bool:
-    """Lock a folder. Others hold the lock for milliseconds; give up after a while, so that a session never hangs."""
+    """Lock a folder.
+
+    Other programs keep the lock for milliseconds. Give up after a while, so that a session never hangs.
+    """
     for _ in range(_LOCK_TRIES):
         with contextlib.suppress(BlockingIOError):
             fcntl.flock(opened, fcntl.LOCK_EX | fcntl.LOCK_NB)

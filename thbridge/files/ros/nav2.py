@@ -215,7 +215,7 @@ def _nested(section: Section) -> Section:
 
 
 def _dotted(section: Section, prefix: str = "") -> Iterator[Entry]:
-    """Yield the entries of a section, with those of inner sections under their full names, `PathDist.scale`."""
+    """Yield the entries of a section; entries of inner sections have their full names, such as `PathDist.scale`."""
     for key, child in section.entries:
         name = Scalar(f"{prefix}{key.text}", plain=True, line=key.line)
         if isinstance(child, Section):
@@ -272,7 +272,7 @@ class _Translation:
     def _renamed(
         self, node: str, parameters: Section, names: Mapping[str, str], defaults: Mapping[str, str]
     ) -> list[Entry]:
-        """Return a node's parameters under the names of ROS 1, with Nav2's defaults for those that are left out."""
+        """Return a node's parameters under the names of ROS 1, with Nav2's defaults for omitted parameters."""
         entries: list[Entry] = []
         written = set()
         for key, child in _dotted(parameters):

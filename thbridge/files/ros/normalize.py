@@ -69,7 +69,7 @@ class RosYamlNormalizer:
                 return Section(line, list(written.values()))
 
     def merged(self, entries: Sequence[Entry]) -> list[Entry]:
-        """Return the entries, with those of merge keys (`<<: *common`) that they do not override."""
+        """Return the entries, and all entries of merge keys (`<<: *common`) that they do not override."""
         own = [entry for entry in entries if entry[0].text != "<<"]
         names = {key.text for key, _ in own}
         for key, child in entries:

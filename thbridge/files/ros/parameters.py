@@ -258,7 +258,10 @@ def _normal(path: Path, notices: list[str]) -> Section:
 
 
 def _of_one_robot(path: Path, tree: Section) -> Section:
-    """Return the entries of a file; those in a robot's namespace, as in a dump of all parameters, move out of it."""
+    """Return the entries of a file.
+
+    Entries in a robot's namespace, as in a dump of all parameters, are moved out of it.
+    """
     robots = [(key, child) for key, child in tree.entries if isinstance(child, Section) and _has_nodes(child)]
     if not robots or any(key.text in SECTIONS for key, _ in tree.entries):
         return tree
@@ -335,7 +338,9 @@ class _Sorter:
         return Section(tree.line, whole)
 
     def homes(self, flat: list[Entry], by_node: bool) -> dict[str, list[Entry]]:
-        """Assign parameters without a section to the section that fits most of them, or else to another that has them.
+        """Assign sections to parameters without one.
+
+        It is the section that has most of them, or for the rest any section that has them.
 
         Unknown sections are under an empty name.
 

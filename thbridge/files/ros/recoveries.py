@@ -1,5 +1,4 @@
-"""Recovery behaviors in ROS files: each has a name that people choose, the type of a plugin, and a section of
-settings."""
+"""Recovery behaviors in ROS files: each has a freely chosen name, the type of a plugin, and a section of settings."""
 
 from thbridge.files.plugins import RECOVERIES
 from thbridge.files.ros.normalize import Entry

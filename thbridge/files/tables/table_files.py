@@ -25,7 +25,8 @@ Array: TypeAlias = "np.ndarray[tuple[int, ...], np.dtype[np.generic[object]]]"
 _ELEMENTS = {pa.list_(pa.string()): ".list.element"}
 """Path of the elements in columns of lists of words."""
 _PAGE_BYTES = 1 << 18
-"""Size of a page in bytes: a quarter of the usual size, because every open file holds a page of each column."""
+"""Size of a page in bytes: a quarter of the usual size, because every open file keeps a page of each column in
+memory."""
 _ELEMENTS_AT_ONCE = 1 << 17
 """Elements of a column of lists in a row group, because every open file keeps some 10 bytes for each."""
 

@@ -125,7 +125,7 @@ def keys_of(into: type) -> str:
 
 
 def paths(into: type, key: str = "") -> Iterator[str]:
-    """Yield the key paths of a dataclass and of those inside it."""
+    """Yield the key paths of a dataclass and of the dataclasses inside it."""
     for name, hint in get_type_hints(into).items():
         place = f"{key}.{name}" if key else name
         yield place

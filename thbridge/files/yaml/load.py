@@ -1,8 +1,8 @@
 """Reading of YAML files into dataclasses; all faults of a file are reported together.
 
 A file is read in two steps: `parse` turns its text into a tree with line numbers, `load` turns the tree into a
-dataclass. The type of a dataclass's field decides how a plain word is read, not YAML's guesses: `no` is text in a text
-field, `1e3` is a number in a number field.
+dataclass. The type of a dataclass's field decides how a plain word is read, not YAML's guesses. So `no` is text in a
+text field, and `1e3` is a number in a number field.
 """
 
 import dataclasses
@@ -73,12 +73,12 @@ def load(path: Path, into: type[T]) -> Loaded[T]:
     """Read a YAML file into a dataclass, with fields that are declared with `sim.parameters.param` or without it.
 
     If a field has a dataclass as its default, a section in the file changes only the values that it has. The names in a
-    class's `ros_only` are accepted, with a notice; those in its `renamed` are read as their present names.
+    class's `ros_only` are accepted, with a notice; names in its `renamed` are read as their present names.
 
     Fields may be bool, int, float, str, Literal, StrEnum, Path, tuples, dataclasses, and any of these or None. A field
     without a default must be in the file. An empty section keeps its defaults. A field may also be a mapping from
-    numbers, counted from 1, to dataclasses; if its metadata has `like`, values that they leave out come from the field
-    of that name. A mapping from text to text accepts any names.
+    numbers, counted from 1, to dataclasses. If its metadata has `like`, omitted values come from the field of that
+    name. A mapping from text to text accepts any names.
 
     Raises:
         BadFiles: all faults of the file; or one BadFile if it cannot be read at all.

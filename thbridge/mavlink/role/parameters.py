@@ -1,8 +1,8 @@
 """A robot's parameters in MAVLink: numbers under short names, which a ground station may change at any time.
 
-MAVLink sends 32-bit floats. The number sent is the 32-bit float nearest to the current value. A received number stands
-for the shortest decimal with the same 32-bit float. The parameter does not change if its value is already sent as this
-32-bit float. So 0.1 stays 0.1, however often ground stations send back the values they read.
+MAVLink sends 32-bit floats. The number sent is the 32-bit float nearest to the current value. A received number means
+the shortest decimal with the same 32-bit float. The parameter does not change if its value is already sent as this
+32-bit float. So 0.1 stays 0.1, even if ground stations send back the values they read many times.
 """
 
 import math
@@ -26,7 +26,7 @@ class VehicleParameter:
     """A parameter of the study that MAVLink can represent.
 
     Attributes:
-        name: at most 16 characters of A-Z, 0-9 and _.
+        name: its name, at most 16 characters of A-Z, 0-9 and _.
         declaration: its path, type, unit, bounds and choices.
     """
 

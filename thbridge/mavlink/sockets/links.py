@@ -142,7 +142,8 @@ class MavlinkLinks:
         self._window = -1
         self._spent = 0.0
         self._answers = 0
-        # Links with waiting frames: those that still have a turn in this tick, and those that have used their share.
+        # Links with waiting frames: first the links that still have a turn in this tick, then the links that have used
+        # their share.
         self._turns: deque[LinkId] = deque()
         self._served: deque[LinkId] = deque()
         self._timer: asyncio.TimerHandle | None = None

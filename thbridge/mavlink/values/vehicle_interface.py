@@ -156,7 +156,7 @@ class ParameterSetting:
     """Numeric parameter in MAVLink's form.
 
     Attributes:
-        name: at most 16 characters of A-Z, 0-9 and _.
+        name: its name, at most 16 characters of A-Z, 0-9 and _.
         value: value that a 32-bit float can hold.
     """
 

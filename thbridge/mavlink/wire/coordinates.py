@@ -94,7 +94,7 @@ def twist_towards(
 
 
 def bounded(twist: Twist, fastest: Twist) -> Twist:
-    """Clamp both speeds of a twist to the largest ones."""
+    """Clamp both speeds of a twist to the largest allowed speeds."""
     return Twist(
         max(-fastest.linear, min(twist.linear, fastest.linear)),
         max(-fastest.angular, min(twist.angular, fastest.angular)),

@@ -93,7 +93,7 @@ def stored_messages(path: Path, reader: AnyReader, known: list[Connection]) -> I
 
 def open_reader(path: Path) -> AnyReader:
     """Return a reader of a ROS 2 recording, not yet open; open and use it inside `bounded_sqlite`."""
-    # Older recordings have no definitions; those of Humble fit all types that have not changed.
+    # Older recordings have no definitions; the definitions of Humble fit all types that have not changed.
     return AnyReader([path], default_typestore=get_typestore(Stores.ROS2_HUMBLE))
 
 

@@ -136,8 +136,7 @@ def still_open(state: GameState, robot: int, matter: DialogueMatter, room: Room)
 
 
 def _still_matters(state: GameState, words: LastWords) -> bool:
-    """Return True until the agreement is carried out; without an agreement, until the robot moves or the treasure is
-    decided."""
+    """Return True until the agreement is carried out; without one, until the robot moves or the treasure is decided."""
     if state.ended is not None:
         return False
     robot, room = state.robots[words.robot], Room(words.room)

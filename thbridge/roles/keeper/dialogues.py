@@ -125,7 +125,7 @@ class GameDialogues:
             robot: index in the team.
             room: the room that it is about.
             reason: reason of a suggestion, as part of a sentence.
-            confidence: to be stated in a suggestion, 0 to 1, or None.
+            confidence: confidence to be stated in a suggestion, 0 to 1, or None.
             facts: facts of an arguing robot.
             opener: the side that opens it.
             name: proposed name of the treasure.

@@ -1,7 +1,7 @@
 """The keeper of the game: the only authority for treasures, visited rooms, energy and score.
 
 It runs next to the router, reads every forwarded line (a *tap*), and receives requests as notices. Its decisions are
-events. The caller must write them to the journal before it passes on the messages of the same step, so that no program
+events. The caller must write them to the journal before it passes on the messages of the same step. So no program
 learns of an event that a crash could lose.
 """
 
@@ -278,7 +278,8 @@ class Keeper:
     def _handle_line(self, item: Forwarded) -> None:
         if self.state is None:
             return
-        # Only for our own programs: those of 2016 hold dialogues internally, and the keeper does not see agreements.
+        # Only for our own programs: programs of 2016 have dialogues internally, and the keeper does not see their
+        # agreements.
         ours = item.sender_extended and item.message.sender in self._participants
         request = decode_request_line(item)
         if ours and request is not None and self._consent.awaited(self.state):
@@ -327,7 +328,7 @@ class Keeper:
             if self.state is not None:
                 sense_for_stations(self._game, self.state)
             if self.state is not None:
-                # Decisions are awaited only from our own programs: those of 2016 never give a treasure up.
+                # Decisions are awaited only from our own programs: programs of 2016 never give a treasure up.
                 awaits = not self._participants.is_empty
                 self._game.record(rules.ending(self.state, wait_for_decisions=awaits))
             self._send_notices()

@@ -98,7 +98,7 @@ class OpenGame:
         """Apply entries, and queue them for the journal."""
         for entry in entries:
             self._gather_utterances()
-            # Utterances are queued first, so that the journal has those of a dialogue right after its opening.
+            # Utterances are queued first, so that the journal has the utterances of a dialogue right after its opening.
             self._entries.append(entry)
             self._apply(entry)
         if entries and self.state is not None:

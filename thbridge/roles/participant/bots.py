@@ -81,7 +81,7 @@ class Bot:
         strategy: chooses rooms.
         knowledge: knowledge of treasures.
         seed: random seed; only `random` and the sceptical attitude use random numbers.
-        attitude: toward what robots say.
+        attitude: attitude toward what robots say.
     """
 
     def __init__(
@@ -105,7 +105,7 @@ class Bot:
         self._asked: dict[int, _TalkRequest] = {}
         self._talking: set[int] = set()
         self._refusals = 0
-        # By robot: rooms of failed talks since it last drove; None stands for advice.
+        # By robot: rooms of failed talks since it last drove; None means a talk about advice.
         self._vain: dict[int, list[int | None]] = {}
         self._vain_matters: Counter[tuple[str, int]] = Counter()
 

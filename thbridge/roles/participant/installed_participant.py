@@ -30,7 +30,7 @@ class ParticipantFactory(Protocol):
 
         Args:
             knowledge: all treasures, and what a picture of each shows.
-            attitude: toward what robots say, as the study sets it.
+            attitude: attitude toward what robots say, as the study sets it.
             seed: random seed of the study. The same seed and views must give the same requests.
         """
         ...
@@ -69,7 +69,7 @@ class InstalledParticipant:
         try:
             requests = self._call(lambda: _checked(self._player.requests(given)))
         except RAISED as error:
-            # The game must continue, whatever the lab's program raises.
+            # The game must continue, even if the lab's program raises an error of any kind.
             self.fault = str(error) if isinstance(error, _NotARequest) else told_error(error)
         else:
             self.fault = ""

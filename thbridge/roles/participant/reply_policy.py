@@ -40,11 +40,11 @@ class ReplyPolicy:
 
     The credulous make the first choice, which is the most agreeable one. The cautious agree to what they would choose
     themselves. They challenge anything else, and accept the reasons; if they cannot ask for reasons, they stop what
-    costs too much. The sceptical challenge whatever they can, reject half of what is justified to them, insist on their
-    own choices, sometimes ask questions, and in the end give in or leave.
+    costs too much. The sceptical challenge everything they can, and reject half of what is justified to them. They
+    insist on their own choices, and sometimes ask questions. In the end they give in or leave.
 
     Attributes:
-        attitude: toward what robots say.
+        attitude: attitude toward what robots say.
         seed: random seed; only the sceptical use random numbers.
     """
 

@@ -75,7 +75,7 @@ class TabUI:
         observer: receives all notices; without one TabUI does not subscribe to pose telemetry.
         consent: consent of a participant who agreed to take part before this program joined; it is sent first.
         first_number: number of its first request. It is random if another program with the same mark may follow, such
-            as a window that is opened again, so that the keeper does not mistake new requests for repetitions.
+            as a window that is opened again. So the keeper does not take new requests for repetitions.
 
     Attributes:
         view: the latest view, None before the first.
@@ -104,8 +104,8 @@ class TabUI:
         self.declined = False
         self._introduce = False
         self._renew_at: int | None = None
-        # For each current request of the player: its number, the tick up to which this number is used, and the tick in
-        # which the request was last sent.
+        # For each current request of the player: its number, the last tick of this number, the tick of the last
+        # sending.
         self._numbers: dict[ParticipantRequest, tuple[int, int]] = {}
         self._sent: dict[ParticipantRequest, int] = {}
         self._last_number = first_number - 1

@@ -197,7 +197,7 @@ class Ellipse:
 
 
 class PoseTelemetry(NoticeValue, frozen=True, tag="Whereabouts"):
-    """SimR to subscribers: estimated poses of the robots, and all else that the study shows; many times a second.
+    """SimR to subscribers: estimated poses of the robots, and everything else that the study shows; sent often.
 
     Attributes:
         tick: tick of the simulation, 50 per second.
@@ -232,7 +232,7 @@ class RoomOutline:
 
     Attributes:
         room: its number, from 1.
-        name: for people.
+        name: name for people.
         region: x, y of the corners of its floor, map frame, meters.
         goal: x, y, theta of the robots' goal pose in it.
     """

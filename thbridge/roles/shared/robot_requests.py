@@ -27,7 +27,8 @@ class SetParameters:
 
     Attributes:
         robot: index in the team, from 0.
-        values: by path, such as `amcl.kld_err` or `world.laser.range_noise`. Either all are changed, or none.
+        values: new values by path, such as `amcl.kld_err` or `world.laser.range_noise`. Either all are changed, or
+            none.
     """
 
     robot: int
@@ -112,7 +113,7 @@ class StationSend:
 
 @dataclass(frozen=True, slots=True)
 class StationStop:
-    """Stop a robot that drives for the game. Any ground station may request that, also one without command of it."""
+    """Stop a robot that drives for the game. Any ground station may request that, even without command of the robot."""
 
     robot: int
 

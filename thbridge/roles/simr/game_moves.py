@@ -168,7 +168,7 @@ class MovePrices:
         self._priced = [None] * len(self._priced)
 
     def update(self, snapshot: TeamSnapshot, busy: Collection[int]) -> bool:
-        """Price the moves of robots that have come to rest elsewhere; return True if any prices are new.
+        """Price the moves of robots that have come to rest at another place; return True if any prices are new.
 
         Args:
             snapshot: snapshot of the team.

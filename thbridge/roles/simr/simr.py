@@ -262,7 +262,7 @@ class SimR(RobotsRole):
         return lines
 
     def _price(self, snapshot: TeamSnapshot) -> bool:
-        """Price the moves of robots that have come to rest elsewhere; return True if any prices are new."""
+        """Price the moves of robots that have come to rest at another place; return True if any prices are new."""
         robots = range(self._team.size)
         moving = {robot for robot in robots if robot in self._moves or self._controls.is_driven(robot)}
         return self._prices.update(snapshot, moving | self._silent(snapshot))

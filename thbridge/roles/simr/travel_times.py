@@ -1,9 +1,9 @@
 """Travel times from any place of a map to its rooms, planned on the static map and scaled to the map's known times.
 
 A wavefront of navfn from each room's goal gives a path to that goal from every place. The duration of a path has three
-parts: a constant, a part by its length, and a part by the turns on the spot at both ends, which take as long as some
-meters. The three weights are fitted to the known times between places (least squares, none negative). So a room costs
-about the same from a robot's position as from the nearest place with a row in the matrix.
+parts: a constant, a part by its length, and a part by the turns on the spot at both ends. Turns take as long as driving
+some meters. The three weights are fitted to the known times between places (least squares, none negative). So a room
+costs about the same from a robot's position as from the nearest place with a row in the matrix.
 """
 
 import math

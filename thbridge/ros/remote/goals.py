@@ -2,10 +2,10 @@
 
 Source: actionlib, simple_action_client.py and comm_state_machine.py, for the order of the server's messages;
 move_base.cpp for the texts of its results.
-Differs: one goal at a time. Both results and status lists give the state of a goal, because a result is sent only once
-and may get lost when the network breaks, while status lists are repeated. A goal that the server does not list is sent
-once more, because the server may have been restarted. Our goals that are no longer wanted, including those of an
-earlier run, are cancelled until the server ends them.
+Differs: one goal at a time. Both results and status lists give the state of a goal: a result is sent only once and may
+get lost when the network breaks, but status lists are repeated. A goal that the server does not list is sent once more,
+because the server may have been restarted. Our goals that are no longer wanted, including those of an earlier run, are
+cancelled until the server ends them.
 """
 
 from collections.abc import Sequence

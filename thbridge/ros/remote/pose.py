@@ -1,7 +1,7 @@
 """The pose of a real robot, from its own localization and odometry.
 
-amcl corrects odometry from time to time, by map -> odom on tf and by the pose of the base, at the stamp of the scan, on
-amcl_pose. Between corrections, the pose follows odometry, as for every tf listener.
+amcl corrects odometry from time to time. It sends map -> odom on tf, and the pose of the base at the time of the scan
+on amcl_pose. Between corrections, the pose follows odometry, as for every tf listener.
 """
 
 import math
@@ -83,8 +83,7 @@ class RemotePose:
         return self._odom_in_map is not None
 
     def stamp_odometry_later(self, later_ns: int) -> None:
-        """Add this time to the time stamps of odometry, also of stored messages, because odometry is ahead of the scans
-        by it."""
+        """Add a time to the stamps of odometry, also of stored messages, because odometry is ahead of the scans."""
         more_ns = later_ns - self._odom_later_ns
         self._odom_later_ns = later_ns
         self._stamp_ns += more_ns

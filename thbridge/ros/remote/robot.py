@@ -1,5 +1,4 @@
-"""One real robot of a team: its messages become an output like that of a simulated robot, and inputs become messages to
-the robot.
+"""One real robot of a team: its messages become the output of a robot in the team; inputs become messages to the robot.
 
 Time stamps within messages are times of the robot's own clock, and are only compared with each other. Times of arrival
 are of our clock. The charge is that of the real battery, not the game's energy. The turn rate is that of odometry.

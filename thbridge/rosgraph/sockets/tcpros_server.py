@@ -140,7 +140,7 @@ class TcprosServer:
         return [connection for each in self.publications.values() for connection in each.connections()]
 
     def admit(self, connection: _Inbound) -> bool:
-        """Accept a new connection if there is room, or if another one, not a subscriber's, can be closed."""
+        """Accept a new connection if there is room, or if a connection that is not a subscriber's can be closed."""
         most = self._door.most
         crowded = self._addresses[connection.address] >= most * 3 // 4
         if crowded or len(self._connections) >= most:

@@ -5,8 +5,8 @@ It stores the registrations of publishers, subscribers and services, and the par
 Source: http://wiki.ros.org/ROS/Master_API and ROS/Parameter_Server_API; ROS's rosmaster/master_api.py, from which
 status codes, texts and order of checks are taken.
 
-Differs: the number of nodes and registrations, the length of names and the size of all parameters have limits; beyond
-them, a call is answered with an error status. A node that answers a parameter update with an error loses its
+Differs: the number of nodes and registrations, the length of names and the size of all parameters have limits. Beyond a
+limit, a call is answered with an error status. A node that answers a parameter update with an error loses its
 subscription, as rosmaster intends. Caller ids are treated as global names.
 """
 

@@ -1,8 +1,8 @@
 """XML-RPC as in ROS 1: bytes to values and back, without sockets.
 
-Input may be hostile. A document type is refused at its start, before any entity of it is declared, so that neither the
-billion laughs attack nor external entities work. Size, nesting and number of elements have limits. Invalid input gives
-a `MalformedDocument`; decoding never raises.
+Input may be hostile. A document type is refused at its start, before any entity of it is declared. This prevents the
+billion laughs attack and external entities. Size, nesting and number of elements have limits. Invalid input gives a
+`MalformedDocument`; decoding never raises.
 
 Source: http://xmlrpc.com/spec.md; Python's xmlrpc.client and ROS's xmlrpcpp for the forms that ROS nodes send: untyped
 ``<value>text</value>``, white space between elements, ``<i8>`` and ``<nil/>``.

@@ -326,8 +326,8 @@ class _Connection(BufferedProtocol):
 
     If they were left unread, closing the socket would reset the connection, and the shutdown line could be lost.
 
-    asyncio sends each write at once (TCP_NODELAY). This is important, because the C++ client of 2016 treats one segment
-    as one line, and would overlook a ``%%goto`` in the same segment as an ack.
+    asyncio sends each write at once (TCP_NODELAY). This is important: the C++ client of 2016 treats one segment as one
+    line, and would overlook a ``%%goto`` in the same segment as an ack.
     """
 
     def __init__(self, server: TextServer) -> None:

@@ -1,7 +1,7 @@
 """Lines of the text protocol: framing, tokens and the routed message.
 
-The protocol is that of the HRTeam server (2015) as the treasure hunt of 2016 used it: one message per line, UTF-8,
-tokens separated by ASCII white space. The first token is the command.
+The protocol is that of the HRTeam server (2015), as the treasure hunt of 2016 used it. It has one message per line, in
+UTF-8, with tokens separated by ASCII white space. The first token is the command.
 """
 
 from __future__ import annotations
@@ -106,8 +106,8 @@ class TextMessage:
     def line(self) -> str:
         """Return the message as it is sent, without the line feed.
 
-        It always ends with one blank, because the Java clients of 2016 cut a fixed number of characters off the end and
-        rely on that blank.
+        It always ends with one blank: the Java clients of 2016 cut a fixed number of characters off the end, and rely
+        on that blank.
         """
         return " ".join((self.command, self.sender, self.receiver, *self.content, ""))
 

@@ -29,8 +29,8 @@ Extended clients register with ``%%setid NAME extended [TOKEN]``. Only they
 * receive the notices of other extended parties. (Notices to clients of 2016 are withheld, because these clients would
   misread them.)
 * replace a dead holder of their name. It must have the same key; or both must have no key. A holder is dead if it has
-  not answered a ping yet, or if it registered with the same TOKEN: then it is this program's own connection from before
-  a network failure.
+  not answered a ping yet, or if it registered with the same TOKEN. In the latter case, it is this program's own
+  connection from before a network failure.
 
 A connection from another machine has credentials. With a key it may register the names for which the key has rights,
 and send only in its own name. Without a key it is never extended. A client that breaks these rules gets the reason, and
@@ -158,7 +158,7 @@ class LineSkipped:
 
 @dataclass(frozen=True, slots=True)
 class ClientJoined:
-    """A connection holds a name from now on; for logs, and for recorders of the names that can be reached."""
+    """A connection has a name from now on. This is for logs, and for recorders of the names that can be reached."""
 
     connection: ConnectionId
     name: str
@@ -168,7 +168,7 @@ class ClientJoined:
 
 @dataclass(frozen=True, slots=True)
 class ClientLeft:
-    """A connection no longer holds its name."""
+    """A connection no longer has its name."""
 
     connection: ConnectionId
     name: str
@@ -186,7 +186,7 @@ class TurnedAway:
 
 @dataclass(frozen=True, slots=True)
 class NameTaken:
-    """A local endpoint cannot have this name: another party holds it."""
+    """A local endpoint cannot have this name: another party has it."""
 
     name: str
 
@@ -247,7 +247,7 @@ class LocalEndpoints:
         self._submitted: list[tuple[_Endpoint, TextMessage]] = []
 
     def attach(self, name: str) -> NameTaken | None:
-        """Hold a name for a program of this process; it counts as extended and is never pinged.
+        """Register a name for a program of this process; the program counts as extended and is never pinged.
 
         Raises:
             ValueError: the name is not one token.
@@ -534,12 +534,12 @@ PLAY_AGAIN = "PlayAgain"
 
 
 def right_of(name: str) -> Right:
-    """Return the right that is required to hold a name."""
+    """Return the right that is required to register a name."""
     return _RIGHTS.get(name, Right.PARTICIPANT)
 
 
 def _not_entitled(credentials: Credentials, name: str, extended: bool) -> str | None:
-    """Return the reason why a connection may not hold a name, as a clause; None if it may."""
+    """Return the reason why a connection may not have a name, as a clause; None if it may."""
     if extended and not credentials.extended:
         return _NEEDS_KEY
     if credentials.may(right_of(name)):

@@ -36,7 +36,7 @@ class WatchClient(ReconnectingClient):
     Args:
         host: host of the watch server.
         port: port of the watch server.
-        key: key of the watch server; None for none.
+        key: key of the watch server; None if there is none.
         backoff: delays between two attempts.
     """
 

@@ -65,7 +65,7 @@ be dropped."""
 
 @dataclass(frozen=True, slots=True)
 class SessionPace:
-    """Pace of the session; attributes as those of `WatchStatus`."""
+    """Pace of the session; the attributes are as in `WatchStatus`."""
 
     paused: bool
     rate: float

@@ -84,7 +84,7 @@ class CommandReply:
 
 
 class CommandCarrier(Enum):
-    """Messages that may carry a command."""
+    """Messages that may contain a command."""
 
     LONG = "COMMAND_LONG"
     INT = "COMMAND_INT"
@@ -105,7 +105,7 @@ class CommandSpec:
 
     Attributes:
         do: function that executes it.
-        carrier: messages that may carry it.
+        carrier: messages that may contain it.
         frames: frames in which its place may be given; empty if it has no place.
         access: stations that may send it.
         once: True if each execution has a new effect.
@@ -135,7 +135,7 @@ def reply_to(denied: Denied | None) -> CommandReply:
 
 
 def parse_command(link: LinkId, station: Station, message: Message) -> ReceivedCommand | None:
-    """Return the command in a message, or None if it carries none."""
+    """Return the command in a message, or None if it contains no command."""
     if isinstance(message, mav.MAVLink_command_long_message):
         params = (
             message.param1,

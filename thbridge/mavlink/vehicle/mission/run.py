@@ -74,7 +74,7 @@ class MissionRun:
 
     @property
     def readable(self) -> tuple[MissionItem, ...]:
-        """Items for download: those of the plan, with ArduPilot's home even if the plan is empty."""
+        """Items for download: the items of the plan; for ArduPilot, the home item even if the plan is empty."""
         return (self._home_item(), *self.plan[1:]) if self._ardupilot else self.plan
 
     @property

@@ -1,4 +1,4 @@
-"""Parameters of the vehicle itself, system id and failsafe, under ArduPilot's names; those of its robot follow.
+"""Parameters of the vehicle itself, system id and failsafe, under ArduPilot's names; its robot's parameters follow.
 
 Source: ArduPilot's parameter list of Rover: SYSID_THISMAV, FS_GCS_TIMEOUT, FS_ACTION.
 Differs: FS_ACTION has only the three values in `ACTIONS`, and 0 means to continue. There is no FS_GCS_ENABLE.
@@ -30,7 +30,7 @@ _SECTION, _GROUP = "mavlink", "vehicle"
 
 
 class FailsafeParameters:
-    """Parameters of one vehicle, followed by those of its robot; `ParameterSettings`.
+    """Parameters of one vehicle, followed by the parameters of its robot; implements `ParameterSettings`.
 
     Args:
         system: its system id, which is its robot's number and does not change.

@@ -3,9 +3,9 @@
 Source: the MAVLink developer guide, "Message Signing".
 
 Differs: no unsigned frame is accepted. Other programs accept RADIO_STATUS, which radios send without a key. Here there
-is no radio between robots and stations, and a frame forwarded with our signature would look as if the key's owner had
-sent it. Keys are never accepted from the network (SETUP_SIGNING). Timestamps from the last few months of the 48-bit
-range are refused, because no later frame could have a newer one.
+is no radio between robots and stations. A frame forwarded with our signature would look as if the key's owner had sent
+it. Keys are never accepted from the network (SETUP_SIGNING). Timestamps from the last few months of the 48-bit range
+are refused, because no later frame could have a newer one.
 """
 
 import hashlib
@@ -137,7 +137,7 @@ class SignatureTimestamps:
         self._latest = 0 if known is None else known.latest
         self._streams: dict[tuple[int, int, int], int] = {}
         if known is not None:
-            # If there are too many senders, drop those whose frames would be refused even as frames of new senders.
+            # If there are too many senders, drop senders whose frames would be refused even if they were new senders.
             kept = 0 if len(known.streams) <= MAX_STREAMS // 2 else known.latest - FIRST_TIMESTAMP_TOLERANCE
             self._streams = {stream: last for stream, last in known.streams.items() if last >= kept}
         self._not_before = _timestamp_at(not_before)
@@ -148,7 +148,7 @@ class SignatureTimestamps:
         return KnownTimestamps(self._latest, dict(self._streams))
 
     def next(self, now: float) -> int:
-        """Return a timestamp for signing; it is newer than all earlier ones, our own and the accepted ones."""
+        """Return a timestamp for signing; it is newer than all earlier timestamps, both our own and accepted ones."""
         self._latest = max(self._latest + 1, _timestamp_at(now))
         return self._latest
 

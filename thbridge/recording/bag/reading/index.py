@@ -204,8 +204,10 @@ class BagIndex:
         return sorted(each for entries in self._entries_of(chunk, topic) for each in self._locations(chunk, entries))
 
     def walk(self, topics: Collection[str]) -> Iterator[list[MessageLocation]]:
-        """Yield the locations of all messages of some topics in order of time, one list per chunk, so that callers can
-        pause."""
+        """Yield the locations of all messages of some topics in order of time.
+
+        Each list is for one chunk, so that callers can pause between chunks.
+        """
         wanted = frozenset[tuple[int, int]]().union(*(self._of_topic.get(topic, set()) for topic in topics))
         pending: list[MessageLocation] = []
         for index, chunk in enumerate(self._chunks):

@@ -27,7 +27,8 @@ _MESSAGE_HEADER = 38
 """Length of the usual header of a message record: the fields op, conn and time, each with its length before it."""
 _OP_CONN_TIME = Struct("<II3sBI5sII5sII")
 _CONN_OP_TIME = Struct("<II5sII3sBI5sII")
-"""The first form has the order of rosbags' fields, the second that of ROS 1; other headers are read field by field."""
+"""The first form has the field order of rosbags, the second form that of ROS 1. Other headers are read field by
+field."""
 
 
 @dataclass(frozen=True, slots=True)

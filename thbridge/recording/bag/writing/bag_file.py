@@ -155,7 +155,7 @@ def _records(head: bytes, chunk: Chunk, compression: Compression) -> bytes:
 
 
 class BagFile:
-    """A bag that one thread writes message by message; stamps need not be in order.
+    """A bag that one thread writes message by message; stamps do not have to be in order.
 
     Args:
         path: path of the file, which must not exist.

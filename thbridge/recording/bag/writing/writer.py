@@ -18,8 +18,8 @@ from thbridge.ros.names import CALLER
 from thbridge.ros.topics import MessageFilter, RosMessage, Topic
 
 SYNC_SECONDS = 0.5
-"""Wall time after which all messages so far are forced onto the disk: half of the second that may be lost, because a
-busy machine may be late."""
+"""Wall time after which all messages so far are forced onto the disk. It is half of the second that may be lost,
+because a busy machine may be late."""
 
 WHOLE = SplitLimits()
 

@@ -42,7 +42,7 @@ class Advice:
         number: number of the robot's advice in this game, from 1.
         planned: the room that the planner chose.
         erred: True when the robot suggests another room instead.
-        confidence: to be stated, 0 to 1; None if none is stated.
+        confidence: confidence to be stated, 0 to 1; None if none is stated.
     """
 
     room: Room

@@ -116,8 +116,7 @@ def what_facts(
 
 
 def _against(state: GameState, room: Room, kinds: Sequence[TreasureKind], name: str) -> tuple[Misfit, ...]:
-    """Return the properties that contradict a name: no treasure of this name has the value that is known in the
-    room."""
+    """Return the properties that contradict a name: no treasure of this name has the value known in the room."""
     found = state.room(room)
     listed = [kind.properties for kind in kinds if kind.name == name]
     return tuple(

@@ -67,7 +67,7 @@ class LegacyLines:
         Args:
             state: state of the game.
             line: the line.
-            needs_consent: True when the sender holds its dialogues with this keeper, and so needs an agreement.
+            needs_consent: True when the sender has its dialogues with this keeper, and so needs an agreement.
 
         Returns:
             The message that our own Hider shall send to the participant now, or None.

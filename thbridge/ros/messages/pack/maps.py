@@ -91,7 +91,7 @@ def costmap(frame: str, view: CostmapView) -> bytes:
 
 
 def outlines(tick: int, frame: str, bodies: Iterable[tuple[str, FloatArray]]) -> bytes:
-    """Encode visualization_msgs/MarkerArray with the outlines of bodies; it deletes all earlier ones.
+    """Encode visualization_msgs/MarkerArray with the outlines of bodies; it deletes all earlier outlines.
 
     Args:
         tick: time stamp of the bodies.
