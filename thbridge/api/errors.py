@@ -8,9 +8,9 @@ from thbridge.files.errors import BadFile, reason_of
 
 
 class HuntError(Exception):
-    """Error that the caller can correct: in a study, a recording, an argument or a request.
+    """Error in a study, a recording, an argument or a request, which the caller can correct.
 
-    `str()` of it gives the location (file, line, key), the problem and the remedy, one line for each problem.
+    `str(error)` gives the location (file, line, key), the problem and the remedy, one line for each problem.
 
     Attributes:
         file: the file or folder with the problem, or None.
@@ -26,7 +26,7 @@ class HuntError(Exception):
 
 
 class HuntWarning(UserWarning):
-    """Warning about something in a study that is allowed but is probably a mistake: location, problem and remedy."""
+    """Warning about a probable mistake in a valid study; it gives location, problem and remedy."""
 
 
 @contextmanager

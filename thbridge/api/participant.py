@@ -72,10 +72,10 @@ class HuntParticipant:
         self._ask(RequestSuggestion(self._index(robot)))
 
     def answer(self, robot: int, choice: int = 0) -> None:
-        """Answer a robot that waits for an answer; `choice` counts from 0, the answer that agrees most.
+        """Answer a robot that waits for an answer; `choice` is an index from 0, and 0 agrees most.
 
         Raises:
-            HuntError: there is no such answer.
+            HuntError: the robot does not wait for an answer, or has no such choice.
         """
         view = self._view()
         dialogues = () if view is None else view.dialogues
@@ -109,7 +109,7 @@ class HuntParticipant:
     def discuss(
         self, robot: int, matter: Literal["take-picture", "take-treasure"], room: int, name: str | None = None
     ) -> None:
-        """Open a dialogue with a robot about taking a picture or about the treasure's name, given as `name`."""
+        """Open a dialogue with a robot about taking a picture, or about `name` as the name of the treasure."""
         self._ask(OpenDialogue(self._index(robot), matter, whole("room", room), name))
 
     def take_picture(self, room: int) -> None:
@@ -125,7 +125,7 @@ class HuntParticipant:
         self._ask(LeaveTreasure(whole("room", room)))
 
     def take_up(self, room: int) -> None:
-        """Take up again a treasure that was left, while its robot still stands there."""
+        """Return to a treasure that was left undecided, while its robot still stands there."""
         self._ask(TakeUpTreasure(whole("room", room)))
 
     def end_game(self) -> None:

@@ -79,7 +79,7 @@ class HuntRecording:
 
     @property
     def participant(self) -> str:
-        """Participant in a recording by thbridge: "person", a strategy, "program"; empty if connected from outside."""
+        """Participant in thbridge's recordings ("person", a strategy, "program"); empty if connected from outside."""
         with as_hunt_errors():
             return session_of(self.path).participant
 
@@ -109,7 +109,7 @@ class HuntRecording:
         return {column: table[column].to_numpy() for column in table.column_names}
 
     def messages(self, *topics: str) -> Iterator[tuple[float, str, Mapping[str, object]]]:
-        """Yield messages, oldest first: seconds from the beginning, topic, and the fields by their ROS names.
+        """Yield each message, oldest first, as seconds from the beginning, topic, and fields by their ROS names.
 
         Args:
             topics: names of topics. Without any, all topics are read.
@@ -139,7 +139,7 @@ class HuntRecording:
             participant: name of a simulated participant that replaces the recorded one.
             to: path of the new recording. If None, nothing is recorded.
 
-        A replay without changes stops at the first difference, unless it is recorded.
+        A replay without changes stops at the first difference, unless `to` is given.
         """
         study, bag = self.study.changed(changes) if changes else self.study, None if to is None else Path(to)
         setting = setting_of(study) if participant is None else with_strategy(setting_of(study), participant)

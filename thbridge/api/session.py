@@ -80,7 +80,7 @@ class HuntEvent:
         room: number of the room, from 1; None if the event concerns no room.
         text: the sentence said, or the reason of a refusal. For a goal: "reached", "cancelled", or the reason of the
             failure. Otherwise empty.
-        data: other fields of the game's event, as a recording holds them.
+        data: other fields of the game's event, as in a recording.
     """
 
     seconds: float
@@ -92,10 +92,10 @@ class HuntEvent:
 
 
 class HuntSession:
-    """A hunt, stepped tick by tick, without windows, clocks or sockets. Same study and inputs give the same hunt.
+    """Hunt that the caller steps, without windows, clocks or sockets. The same study and inputs give the same hunt.
 
     Requests of the caller take effect in the next tick. A recording contains them, and `thbridge replay` replays it.
-    Close the session by `with` or `close`.
+    Close the session with `close`, or use it in a `with` statement.
 
     Args:
         study: the study.
@@ -176,7 +176,7 @@ class HuntSession:
         return self.snapshot
 
     def run(self, seconds: float) -> HuntSnapshot:
-        """Run for some seconds of simulated time, and return the state then. Raises the same as `step`."""
+        """Run for some seconds of simulated time, and return the state after them. Raises the same errors as `step`."""
         return self.step(max(round(seconds * TICKS_PER_SECOND), 1))
 
     def run_until(self, condition: "str | Callable[[HuntSession], bool]", at_most: float = AN_HOUR) -> bool:
@@ -335,7 +335,7 @@ class HuntSession:
         self._ask(CancelGoal(self._index(robot)))
 
     def drive(self, robot: int, linear: float, angular: float) -> None:
-        """Drive a robot for half a second, or until the next such command: m/s and rad/s (ROS: cmd_vel)."""
+        """Drive a robot (m/s, rad/s) for half a second, or until the next such command (ROS: cmd_vel)."""
         self._ask(VelocityCommand(self._index(robot), Twist(float(linear), float(angular))))
 
     def set_pose(
@@ -372,7 +372,7 @@ class HuntSession:
         self._ask(RemoveThing(name))
 
     def set_parameters(self, robot: int, values: Mapping[str, ParameterValue]) -> None:
-        """Change parameters of a running robot together: `{"amcl.kld_err": 0.05}`. Names in `world.` set the truth."""
+        """Change several parameters of a running robot: `{"amcl.kld_err": 0.05}`. Names in `world.` set the truth."""
         given = ((key, value.item() if isinstance(value, np.generic) else value) for key, value in values.items())
         self._ask(SetParameters(self._index(robot), tuple(given)))
 
@@ -418,7 +418,7 @@ class HuntSession:
 
 
 def noted(seconds: float, event: Event) -> HuntEvent:
-    """Return an event of the game in the form that callers get."""
+    """Return an event of the game as a `HuntEvent`."""
     data: dict[str, object] = json.loads(to_json(event))
     for key in ("v", "event", "robot", "room"):
         data.pop(key, None)
@@ -434,7 +434,7 @@ def noted(seconds: float, event: Event) -> HuntEvent:
 
 
 def _events_in(record: TickRecord, seconds: float) -> Iterator[HuntEvent]:
-    """Yield the events of a tick for callers: of the game, sentences of dialogues, and refused requests."""
+    """Yield the events of a tick: events of the game, sentences of dialogues, and refused requests."""
     for event in record.events:
         yield noted(seconds, event)
     for said in record.utterances:
@@ -470,7 +470,7 @@ def with_strategy(setting: StudySetting, strategy: str) -> StudySetting:
 
 
 def _pose(x: float, y: float, theta: float) -> Pose2:
-    """Return a pose of any numbers, also those of NumPy."""
+    """Return a pose from numbers of any type, including those of NumPy."""
     return Pose2(float(x), float(y), float(theta))
 
 

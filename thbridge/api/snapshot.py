@@ -29,9 +29,9 @@ class HuntSnapshot:
         tick: ticks of 20 ms since the session began.
         seconds: simulated time since the session began.
         true_poses: (n, 3) poses.
-        true_twists: (n, 2) velocities: m/s forward, rad/s anti-clockwise.
+        true_twists: (n, 2) velocities: forward (m/s) and counterclockwise (rad/s).
         true_collisions: (n,) number of contacts that each robot has begun.
-        commands: (n, 2) velocities commanded to the motors: m/s, rad/s.
+        commands: (n, 2) velocities commanded to the motors (m/s, rad/s).
         game: number of the game; 0 before the first game.
         score: points.
         over: reason of the game's end: "all-visited", "no-move-left", "given-up"; None while it goes on.
@@ -65,7 +65,7 @@ class HuntSnapshot:
 
     @cached_property
     def covariances(self) -> Floats:
-        """(n, 3, 3) covariances of the estimated poses: m^2, m rad, rad^2."""
+        """(n, 3, 3) covariances of the estimated poses (m^2, m rad, rad^2)."""
         return np.stack([output.estimate.covariance for output in self._team.robots])
 
     @property
@@ -91,13 +91,13 @@ class HuntSnapshot:
 
     @cached_property
     def twists(self) -> Floats:
-        """(n, 2) velocities measured by the wheels: m/s, rad/s."""
+        """(n, 2) velocities measured by the wheels (m/s, rad/s)."""
         twists = [output.observations.odometry.twist for output in self._team.robots]
         return np.array([(twist.linear, twist.angular) for twist in twists])
 
     @cached_property
     def scans(self) -> Ranges:
-        """(n, beams) ranges of each robot's last scan, meters; infinite beyond the largest range, NaN if lost."""
+        """(n, beams) each robot's last ranges, meters; infinite beyond the largest range, NaN for lost beams."""
         return np.stack(self._scans)
 
     # Actions of robots
@@ -110,7 +110,7 @@ class HuntSnapshot:
 
     @property
     def states(self) -> tuple[str, ...]:
-        """State of each robot's move_base: "idle", "planning", "controlling", "clearing"; "dead" for a dead robot."""
+        """State of each robot's move_base ("idle", "planning", "controlling", "clearing"); "dead" for a dead robot."""
         dead = self._team.dead
         return tuple("dead" if robot in dead else each.navigation.state for robot, each in enumerate(self._team.robots))
 

@@ -20,7 +20,7 @@ StudyValue: TypeAlias = bool | int | float | str | Path | Sequence["StudyValue"]
 """Value of a key of a study, as in YAML. A mapping changes keys of a section and leaves its other keys as they are."""
 
 Simulated: TypeAlias = str
-"""Name of a simulated participant: `suggestion`, `nearest`, `random`, or one that is installed."""
+"""Name of a simulated participant (`suggestion`, `nearest`, `random`, or one that is installed)."""
 
 CHANGES = Path("changes")
 """Source shown in errors about keys that are given as arguments."""
@@ -33,7 +33,7 @@ class HuntStudy:
         file: a study file, or the name of a built-in study: `standard` (the study of `thbridge play`) or
             `original-2016`. If None, every key has its default value, as in `original-2016`.
         changes: other values by dotted key, such as `{"robot.amcl.max_particles": 500}`.
-        keys: the same for top-level keys: `robots=4`, `map="office"`, `game={"energy": 50}`.
+        keys: other values of top-level keys, such as `robots=4`, `map="office"`, `game={"energy": 50}`.
 
     Raises:
         HuntError: the file cannot be read, a key is unknown, a value is out of bounds, or a file that the study

@@ -47,7 +47,7 @@ class HuntAgreement:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class HuntView:
-    """The game as a person may know it, as arrays. Robots have one row each, robot 1 first; so do rooms.
+    """Part of the game that a person may know, as arrays. Robots have one row each, robot 1 first; so do rooms.
 
     Attributes:
         ready: True once robots accept requests.
@@ -83,7 +83,7 @@ class HuntView:
 
     @property
     def conditions(self) -> tuple[str, ...]:
-        """Condition of each robot: "well", "lost", "silent", or "blocked" (no energy left)."""
+        """Condition of each robot ("well", "lost", "silent", or "blocked" without energy)."""
         return tuple("blocked" if robot.blocked else robot.condition.value for robot in self._view.robots)
 
     @cached_property
@@ -140,6 +140,6 @@ class HuntView:
 
 
 def view_of(view: View) -> HuntView:
-    """Return the public view of the view that the participant was sent."""
+    """Return the public form of a view that was sent to the participant."""
     refusal = None if view.refusal is None else view.refusal.sentence
     return HuntView(view.ready, view.consent, view.score, view.over, view.names, refusal, view)

@@ -61,5 +61,5 @@ def chunks_of(conditions: int, seeds: Sequence[int], size: int) -> tuple[GameChu
 
 
 def is_drawn(purpose: str, one_in: int, condition: int, seed: int) -> bool:
-    """Return True for one game in `one_in`, chosen by its condition and seed; 0 chooses none, 1 chooses all."""
+    """Return True for about one game in `one_in`, chosen at random by condition and seed; 0 chooses none, 1 all."""
     return one_in > 0 and noise.uniform(noise.key(condition, "sweep", purpose), seed, 0) * one_in < 1.0

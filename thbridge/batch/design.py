@@ -1,4 +1,4 @@
-"""The design of a sweep: a study, the differences between conditions, and the number of games of each."""
+"""The design of a sweep: a study, the differences between conditions, and the number of games in each condition."""
 
 import math
 import re
@@ -26,12 +26,12 @@ LARGEST_SEED = 2**31 - 1
 MOST_CONDITIONS = 10_000
 _ONE_IN = re.compile(r"1 in ([1-9]\d{0,8})")
 _OWN_READING = ("base", "factors", "conditions")
-"""Keys with contents that are keys of studies."""
+"""Keys of a design that contain keys of studies."""
 
 
 @dataclass(frozen=True, slots=True)
 class SweepFile:
-    """A design as people write it."""
+    """Contents of the file of a design."""
 
     study: Path | None = param(None, "path of the study file of all games, from this file's folder; if null, defaults")
     base: Mapping[str, str] = field(default_factory=dict, metadata={"help": "keys of the study, overriding its file"})
@@ -60,7 +60,7 @@ class SweepCondition:
 
     Attributes:
         number: number from 1.
-        levels: the level of each factor, as it is written; for explicit conditions, the keys that they name.
+        levels: the level of each factor, as written in the file; for explicit conditions, the keys that they name.
         study: the study. Its own seed is replaced by the seeds of the games.
     """
 
@@ -82,14 +82,14 @@ class SweepDesign:
         `beside`: the folder that paths in its studies are relative to.
         conditions: conditions in their order.
         factors: names of all factors.
-        seeds: seeds of the games in each condition: the same in all conditions, which therefore share their random
+        seeds: seeds of the games in each condition. All conditions have the same seeds, so they share their random
             numbers.
         max_seconds: simulated time after which an unfinished game is stopped.
-        measures: names of the measures that are kept of a game.
-        one_bag_in: one game in this number is recorded; 0: none.
-        one_verified_in: one game in this number is played again; 0: none.
+        measures: names of the measures that are kept for each game.
+        one_bag_in: N if one game in N is recorded; 0 if none is.
+        one_verified_in: N if one game in N is played again; 0 if none is.
         chunk: greatest number of games in one file.
-        doubts: possible slips in the files that conditions name.
+        doubts: possible mistakes in the files that conditions name.
     """
 
     path: Path
@@ -119,7 +119,7 @@ def read_design(path: Path) -> SweepDesign:
     """Read a design, and check the study of every condition with all files that it names.
 
     Raises:
-        BadFile: it cannot be read, or a study is faulty; as BadFiles, with all faults at once.
+        BadFile: the design cannot be read, or a study has faults. BadFiles reports all faults at once.
     """
     whole = parse(path, read_text(path))
     entries = dict(_named(whole))
@@ -166,7 +166,7 @@ def read_design(path: Path) -> SweepDesign:
 
 
 MOST_GAMES = 10_000_000
-"""Largest number of games of a sweep: a year on some twenty cores."""
+"""Largest number of games of a sweep. They take a year on about twenty cores."""
 MOST_FAULTS = 10
 """Number of faults of conditions after which reading stops."""
 
@@ -203,7 +203,7 @@ def _levels(path: Path, factor: Scalar, node: Node) -> list[Level]:
 
 
 def _explicit(path: Path, node: Node | None) -> Iterator[dict[str, Level]]:
-    """Yield the conditions that are written one by one."""
+    """Yield the conditions that the file lists explicitly."""
     if node is None:
         return
     if not isinstance(node, Listing):

@@ -18,7 +18,7 @@ _LARGEST = 1 << 28
 
 
 def read_ended(folder: SweepFolder, path: Path, plugins: Iterable[str] = ()) -> Mapping[int, GameResult]:
-    """Return the ended games of a chunk, by seed. They are of this program's version, and their bags exist.
+    """Return the ended games of a chunk, by seed, without games of other versions or with missing bags.
 
     Args:
         folder: folder of the sweep.
@@ -52,7 +52,7 @@ def keep_ended(path: Path, game: GameResult, plugins: Iterable[str] = ()) -> Non
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         with own_target(path).open("ab", buffering=0) as file:
-            # The line end before it closes a line that a killed writer left incomplete.
+            # The newline in front ends a line that a killed writer left incomplete.
             head = _head(plugins) if file.tell() == 0 else b""
             append_whole(file, head + b"\n" + msgspec.json.encode(game) + b"\n", synced=False)
     except OSError as error:

@@ -1,4 +1,4 @@
-"""Figures of a sweep: the mean of a measure against a factor, with confidence bands. Equal games give equal bytes."""
+"""Figures of a sweep: the mean of a measure over a factor, with confidence bands. Equal games give equal files."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -27,7 +27,7 @@ MARKS = ("o", "s", "^", "D", "v", "P", "X", "*")
 
 @dataclass(frozen=True, slots=True)
 class MeanBand:
-    """The mean of some games.
+    """Mean of a measure over some games.
 
     Attributes:
         level: level of the factor on the x axis.
@@ -45,7 +45,7 @@ class MeanBand:
 
 
 Curves = Mapping[tuple[str, str], Sequence[MeanBand]]
-"""Points of each curve, by the level of its panel and the level of its line; "" if there is no such factor."""
+"""Points of each curve, by the level of its panel and that of its line. Without such a factor, the level is ""."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,8 +55,8 @@ class FigureAxes:
     Attributes:
         measure: measure on the y axis.
         x: the factor on the x axis.
-        lines: the factor with a line for each level. If None, there is one line.
-        panels: the factor with a panel for each level. If None, there is one panel.
+        lines: the factor whose levels each get a line. If None, there is one line.
+        panels: the factor whose levels each get a panel. If None, there is one panel.
         band: method for confidence intervals.
         is_log: True for a logarithmic x axis.
     """
@@ -106,7 +106,7 @@ def _band(level: str | float | int, values: FloatArray, kind: BandKind, stream: 
 
 
 def _resampled_means(values: FloatArray, stream: str) -> FloatArray:
-    """Return the means of samples with replacement; the name of a stream gives the random numbers."""
+    """Return the means of bootstrap samples; `stream` is the name of the stream of random numbers."""
     drawn = NoiseStream.named(0, "bootstrap", stream).uniforms(0, RESAMPLES * len(values))
     samples: FloatArray = values[(drawn * len(values)).astype(int)].reshape(RESAMPLES, len(values))
     return np.asarray(samples.mean(axis=1), dtype=float)

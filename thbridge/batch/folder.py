@@ -24,7 +24,7 @@ from thbridge.study.study_file import Study
 from thbridge.study.text import resolved
 
 LAYOUT = 1
-"""Layout of the folder; other releases may have another number."""
+"""Number of the folder's layout; other releases may use another one."""
 LARGEST_MANIFEST = 1 << 28
 MOST_CHUNKS = 10_000_000
 """Largest number of chunks of a readable manifest."""
@@ -38,31 +38,31 @@ class SweepFolder:
 
     @property
     def manifest(self) -> Path:
-        """The resolved design, and the programs and machine that began the sweep."""
+        """Path of the file with the resolved design, and with the programs and machine that began the sweep."""
         return self.root / "sweep.json"
 
     def study(self, condition: int) -> Path:
-        """The resolved study of a condition; `thbridge play` plays it with the seed of a game."""
+        """Return the path of a condition's resolved study, which `thbridge play` plays with the seed of a game."""
         return self.root / "conditions" / f"{condition}.yaml"
 
     def games(self, chunk: GameChunk) -> Path:
-        """The results of a chunk."""
+        """Return the path of a chunk's results."""
         return self._of("games", chunk) / f"chunk-{chunk.number}.parquet"
 
     def verified(self, chunk: GameChunk) -> Path:
-        """The games of a chunk that were played again."""
+        """Return the path of the list of a chunk's games that were played again."""
         return self._of("verified", chunk) / f"chunk-{chunk.number}.parquet"
 
     def attempts(self, chunk: GameChunk) -> Path:
-        """The games of a chunk that workers have begun; it exists only until the chunk's results do."""
+        """Return the path of the journal of a chunk's begun games; it exists only until the chunk has results."""
         return self.root / "attempts" / f"chunk-{chunk.number}"
 
     def ended(self, chunk: GameChunk) -> Path:
-        """The games of a chunk that have ended; it exists only until the chunk's results do."""
+        """Return the path of the list of a chunk's ended games; it exists only until the chunk has results."""
         return self.root / "ended" / f"chunk-{chunk.number}"
 
     def bag(self, condition: int, seed: int) -> Path:
-        """The recording of a game."""
+        """Return the path of a game's recording."""
         return self.root / "bags" / f"condition={condition}" / f"seed-{seed}.bag"
 
     def _of(self, kind: str, chunk: GameChunk) -> Path:
@@ -78,11 +78,11 @@ class SweepFolder:
 
 @dataclass(frozen=True, slots=True)
 class SweepManifest:
-    """A folder's record of its sweep; attributes as in `SweepDesign`.
+    """A folder's record of its sweep. The other attributes are those of `SweepDesign`.
 
     Attributes:
         levels: the level of each factor, by condition.
-        versions: versions of the programs that began it.
+        versions: versions of the programs that began the sweep.
     """
 
     factors: tuple[str, ...]
@@ -122,7 +122,7 @@ def open_folder(design: SweepDesign, root: Path) -> SweepFolder:
             "machine": machine(),
             "design": here,
         }
-        # If several programs begin at once, one of them wins.
+        # If several programs begin at once, only the first one writes the manifest.
         with suppress(FileExistsError), whole_file(folder.manifest, folders=True, exclusive=True) as file:
             file.write((json.dumps(contents, indent=1) + "\n").encode())
     _, there = _read(folder)
@@ -204,7 +204,7 @@ def _digest(path: Path) -> str:
 
 
 class _ManifestDesign(msgspec.Struct):
-    """Design of a manifest, as far as readers rely on it; the rest is only compared with a new design."""
+    """The part of a manifest's design that readers use. All other fields are only compared with a new design."""
 
     factors: list[str]
     levels: dict[Annotated[int, Meta(ge=1, le=MOST_CONDITIONS)], dict[str, str]]
@@ -215,7 +215,7 @@ class _ManifestDesign(msgspec.Struct):
 
 
 class _ManifestFile(msgspec.Struct):
-    """A manifest as its file has it."""
+    """Contents of the file of a manifest."""
 
     layout: int
     design: _ManifestDesign
@@ -223,7 +223,7 @@ class _ManifestFile(msgspec.Struct):
 
 
 def _read(folder: SweepFolder) -> tuple[_ManifestFile, Mapping[str, object]]:
-    """Return the contents of a manifest, and its design unparsed. Raises BadFile."""
+    """Return the contents of a manifest, and its design as plain JSON values. Raises BadFile."""
     path, remedy = folder.manifest, "name the folder of a sweep, or restore this file"
     try:
         text = read_text(path, LARGEST_MANIFEST)
@@ -277,4 +277,4 @@ def _shortened(value: object) -> str:
 
 
 LONGEST_TOLD = 60
-"""Largest number of characters of a value in the difference between two designs."""
+"""Largest number of characters of a value in a message about the difference between two designs."""

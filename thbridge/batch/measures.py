@@ -72,7 +72,7 @@ MEASURES = tuple(field.name for field in dataclasses.fields(GameMeasures))
 
 
 class GameObserver:
-    """Counter of what happens in a game, tick by tick, as far as the outcome of `play` does not contain it."""
+    """Counter of those events of a game that the outcome of `play` does not contain."""
 
     def __init__(self) -> None:
         self._errors = array("d")

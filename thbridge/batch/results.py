@@ -23,7 +23,7 @@ from thbridge.files.disk.whole import whole_file
 from thbridge.files.errors import BadFile
 
 MOST_GAMES, LARGEST_TABLE = 1_000_000, 1 << 30
-"""Largest number of games of a chunk that is read, and of bytes that it unpacks to: a small file can unpack to many."""
+"""Limits for reading a chunk: number of games, and number of unpacked bytes. A small file can unpack to many bytes."""
 
 VERSIONS = "thbridge.versions"
 """Metadata key of the versions of programs that played a file's games, as JSON."""
@@ -39,9 +39,9 @@ class GameStatus(StrEnum):
     ENDED = "ended"
     OUT_OF_TIME = "out of time"
     FAILED = "failed"
-    """An exception ended it; see its fault."""
+    """An exception ended the game; see `GameResult.fault`."""
     CRASHED = "crashed"
-    """Two workers died while they played it."""
+    """Two workers died while they played the game."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,7 +111,7 @@ class FactorColumns:
 
     @classmethod
     def of(cls, factors: Sequence[str], written: Mapping[int, Mapping[str, str]]) -> "FactorColumns":
-        """Return the columns of levels as they are written: numbers if all levels of a factor are numbers."""
+        """Return the columns for levels in written form. A column has numbers if all its levels are numbers."""
         kinds = {factor: _kind([each[factor] for each in written.values() if factor in each]) for factor in factors}
         readers: Mapping[str, Callable[[str], Level]] = {"int64": int, "double": float, "string": str}
         levels: dict[int, Mapping[str, Level]] = {
@@ -148,7 +148,7 @@ def write_games(
     measures: Collection[str],
     plugins: Iterable[str] = (),
 ) -> None:
-    """Write the games of a chunk with the measures that are named.
+    """Write the games of a chunk with the named measures.
 
     Args:
         path: path of the file.
@@ -219,7 +219,7 @@ def _arrow(hint: object) -> pa.DataType:
 
 
 def read_digests(path: Path) -> Mapping[int, tuple[str | None, str]]:
-    """Return the digest of the messages of each game of a chunk, by seed, and its worker. Raises BadFile."""
+    """Return, by seed, the message digest and the worker of each game of a chunk. Raises BadFile."""
     table = read_table(path, ["seed", "messages", "worker"])
     return {row["seed"]: (row["messages"], row["worker"]) for row in table.to_pylist()}
 
@@ -256,7 +256,7 @@ def read_table(path: Path, columns: Sequence[str] | None = None) -> pa.Table:
         content = content_of(path, LARGEST_TABLE)
         if _is_damaged(content):
             raise BadFile(path, "it is damaged: its checksum is wrong", remedy)
-        # Only its own columns: Arrow would add one from the folder's name.
+        # Read only the file's own columns; Arrow would add one from the folder's name.
         file = parquet.ParquetFile(pa.BufferReader(content))
         groups = range(file.num_row_groups)
         unpacked = sum(file.metadata.row_group(number).total_byte_size for number in groups)  # of integers
@@ -287,7 +287,7 @@ def _known_columns() -> tuple[Mapping[str, pa.DataType], frozenset[str]]:
 
 
 def _is_damaged(content: bytes) -> bool:
-    """Return True if a file is not what was written. Parquet itself detects little of that."""
+    """Return True if a file has changed since it was written. Parquet itself detects few such changes."""
     found = _WITH_SUM.search(content)
     if found is None:
         return False

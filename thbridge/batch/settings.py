@@ -12,7 +12,7 @@ from thbridge.study.study_file import ParticipantSection, RecordingSection, Stud
 
 
 class SettingCache:
-    """Settings by what studies name. Studies that differ only in seed, software or noise share their files.
+    """Settings that were read. Studies that differ only in seed, software or noise share the files of one setting.
 
     Args:
         `beside`: the folder that paths in studies are relative to.
@@ -31,7 +31,7 @@ class SettingCache:
 
     @property
     def doubts(self) -> tuple[BadFile, ...]:
-        """Possible slips in the files of all studies so far, each once."""
+        """Possible mistakes in the files of all studies so far, each listed once."""
         found = {str(doubt): doubt for setting in self._settings.values() for doubt in setting.doubts}
         return tuple(found.values())
 

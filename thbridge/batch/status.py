@@ -1,4 +1,4 @@
-"""Status of a sweep, read from its folder, whether programs are working on it or not."""
+"""Status of a sweep, read from its folder. Programs may be working on the sweep at the same time."""
 
 import math
 import os
@@ -26,7 +26,7 @@ class SweepStatus:
         games: number of games of the design.
         done: number of games with a result of any kind.
         missing: number of games without a result.
-        running: number of missing games that workers have begun, without those of dead workers of this machine.
+        running: number of missing games that workers have begun, except workers of this machine that have died.
         by_status: number of games by `GameStatus`.
         faults: sentences about games without a result.
         drawn: number of games to play again.
@@ -56,7 +56,7 @@ class SweepStatus:
 
 
 RECENT = 50
-"""Number of files that give the rate."""
+"""Number of most recent files from which the rate is computed."""
 A_BREAK = 600.0
 """Seconds without a new file after which the sweep counts as interrupted."""
 
@@ -128,7 +128,7 @@ def _is_running(journal: Path, ended: Container[int]) -> bool:
 
 
 def _rate(written: list[tuple[float, int]]) -> float | None:
-    """Return games per second, given the times and numbers of games of files, oldest first."""
+    """Return the games per second, given the time and the number of games of each file, oldest first."""
     recent = written[-RECENT:]
     for place in range(len(recent) - 1, 0, -1):
         if recent[place][0] - recent[place - 1][0] > A_BREAK:

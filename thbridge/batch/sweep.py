@@ -23,7 +23,7 @@ class SweepProgress:
     """Progress of a run.
 
     Attributes:
-        games: number of games of this run's part.
+        games: number of games in the part that this run plays.
         before: number of games that already had results.
         played: number of games played by this run.
         failed: number of played games without a result.
@@ -59,12 +59,12 @@ def run_sweep(
         folder: its folder, opened with this design.
         engine: the engine, within its context.
         shard: the part to play.
-        retry: True to replay chunks with games that failed or crashed.
+        retry: True to play chunks again if games in them failed or crashed.
         progress: receives the progress whenever it changes, with sentences about errors.
 
     Raises:
         BadFile: the folder cannot be written.
-        EngineFailed: the engine cannot continue, or its workers die for a reason that lies in no single game.
+        EngineFailed: the engine cannot continue, or more workers die than single games can explain.
     """
     done, deaths = SweepProgress(), Counter[Path]()
     for task in tasks_of(design, folder, shard.has):
@@ -129,7 +129,7 @@ def _verify(engine: Engine[SweepTask], played: SweepTask, worker: str | None) ->
 
 def _try_again(engine: Engine[SweepTask], ended: FinishedTask[SweepTask], deaths: int) -> None:
     """Submit a task again after its worker died. Raise EngineFailed after too many deaths."""
-    # While a chunk is played, each of its games may kill some workers before it is left out.
+    # Each game of a chunk may kill up to MOST_DEATHS workers before it is left out.
     most = MOST_DEATHS if ended.task.again else MOST_DEATHS * len(ended.task.chunk.seeds)
     if deaths > most:
         chunk = ended.task.chunk

@@ -21,7 +21,7 @@ VARYING = ("worker", "cpu_seconds")
 def collect(root: Path) -> pa.Table:
     """Return all games that have been played so far, by condition and seed.
 
-    In the column `verified`, true means the same result when repeated, false another one, null not repeated.
+    The column `verified` is true if a repetition gave the same result, false if not, and null without a repetition.
 
     Raises:
         BadFile: the folder is not a sweep's, no game has been played, or a file cannot be read.
@@ -72,7 +72,7 @@ def _plain(table: pa.Table) -> pa.Table:
 
 
 def numbers_of(table: pa.Table, names: Sequence[str]) -> Sequence[str]:
-    """Return those of the named columns of a table that hold numbers."""
+    """Return the named columns of a table that contain numbers."""
     return [name for name in names if name in table.column_names and _is_number(table.schema.field(name).type)]
 
 

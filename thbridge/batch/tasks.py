@@ -1,4 +1,4 @@
-"""Tasks of a sweep: each plays a chunk, or plays drawn games of a chunk again."""
+"""Tasks of a sweep: each plays a chunk, or plays randomly chosen games of a chunk again."""
 
 import time
 import traceback
@@ -35,10 +35,10 @@ from thbridge.recording.recordings import active_of
 from thbridge.study.study_file import Study
 
 MOST_DEATHS = 2
-"""Number of workers that may die while they play a game. Then the game is left out and marked as crashed."""
+"""Number of workers that may die while playing the same game. After that, it is left out and marked as crashed."""
 
 _playing = Lock()
-"""Lock by which a process plays one game at a time, whatever threads it has."""
+"""Lock that lets a process play only one game at a time, even if it has several threads."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,9 +53,9 @@ class SweepTask:
         factors: columns of the results for the factors.
         measures: names of the measures to keep.
         max_seconds: simulated time after which an unfinished game is stopped.
-        one_bag_in: one game in this number is recorded; 0: none.
-        one_verified_in: one game in this number is played again; 0: none.
-        again: True to play drawn games again, and compare.
+        one_bag_in: N if one game in N is recorded; 0 if none is.
+        one_verified_in: N if one game in N is played again; 0 if none is.
+        again: True to play the randomly chosen games again, and compare.
         plugins: keys of the plug-ins that the sweep's studies name; their versions are recorded.
     """
 
@@ -140,7 +140,7 @@ def _play(task: SweepTask, most: int | None) -> int:
 
 
 def _verify(task: SweepTask) -> None:
-    """Play drawn games of a chunk again."""
+    """Play the randomly chosen games of a chunk again."""
     folder = SweepFolder(task.folder)
     first = read_digests(folder.games(task.chunk))
     games = []
@@ -196,9 +196,9 @@ def _settings(beside: Path) -> SettingCache:
 
 
 ATTEMPT = "attempt"
-"""First word of a line that begins an attempt, with its worker; other lines are seeds of games that were begun."""
+"""First word of a line that begins an attempt and names its worker. Other lines are seeds of begun games."""
 ENDED = "ended"
-"""Line of an attempt that left the remaining games to further attempts."""
+"""Last line of an attempt that left the remaining games to further attempts."""
 
 
 _LARGEST_JOURNAL = 1 << 24
@@ -216,7 +216,7 @@ def _note(journal: Path, line: str) -> None:
 
 
 def begun_game(journal: Path) -> tuple[str, int] | None:
-    """Return the worker and seed of the game begun last, or None if the attempt has begun no game or has ended.
+    """Return the worker and seed of the game begun last, or None if the last attempt has begun no game or has ended.
 
     Raises:
         BadFile: the file is not a journal.
@@ -231,7 +231,7 @@ def begun_game(journal: Path) -> tuple[str, int] | None:
 
 
 def _deaths(journal: Path) -> Mapping[int, int]:
-    """Return the number of attempts that ended during a game, by its seed.
+    """Return the number of attempts that broke off during each game, by seed.
 
     Raises:
         BadFile: the file is not a journal.

@@ -128,7 +128,7 @@ def _spread(fields: Mapping[str, object]) -> dict[str, object]:
 
 
 def _gathered(fields: Mapping[str, object], others: Collection[str]) -> dict[str, object]:
-    """Return the fields; all except the others are collected as properties."""
+    """Return the fields. Those that are not among `others` are collected as properties."""
     properties = {name: value for name, value in fields.items() if name not in others}
     return {name: value for name, value in fields.items() if name in others} | {"properties": properties}
 

@@ -43,7 +43,7 @@ def event_in_words(kind: str, fields: Mapping[str, object], besides: str = "") -
 
 
 def _value_in_words(kind: str, name: str, value: str | float) -> str:
-    """A value within a list: a sentence without its full stop, a number with at most six digits."""
+    """Return a value for use in a list: a sentence without its full stop, a number with at most six digits."""
     if not isinstance(value, str):
         return f"{value:g}"
     match kind, name:

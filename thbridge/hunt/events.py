@@ -37,8 +37,8 @@ class Condition(StrEnum):
 class Commander(StrEnum):
     """Commander of a robot: the participant, unless another party has taken command.
 
-    A ground station commands a robot until it gives it back. A researcher, or a program outside the game, commands it
-    while a goal or manual driving of theirs lasts, whatever party had it before.
+    A ground station commands a robot until the station gives it back. A researcher or an outside program commands a
+    robot while their goal or manual driving lasts, whichever party commanded it before.
     """
 
     PARTICIPANT = "participant"
@@ -56,7 +56,7 @@ class GameStarted(_Event, frozen=True, tag="started"):
     Attributes:
         seed: random seed of this game.
         game: number of the game, from 1, unique in a journal folder.
-        robots: size of the team; events refer to a robot by its index, from 0, as the wire does.
+        robots: size of the team; events refer to a robot by its index, from 0, as the text protocol does.
         energy: energy of each robot at the start.
         picture_cost: energy of the first picture in a room.
         identify_cost: energy of identifying a treasure.
@@ -147,7 +147,7 @@ class MoveFailed(_Event, frozen=True, tag="failed"):
         room: destination of the move.
         reason: sentence for people from the navigator, or about the stop.
         refund: energy given back.
-        at: its present place, from which the cost of its next move counts.
+        at: place where it stands now; the cost of its next move is computed from there.
     """
 
     robot: int
@@ -268,8 +268,9 @@ class GameEnded(_Event, frozen=True, tag="ended"):
 
 
 class DialogueOpened(_Event, frozen=True, omit_defaults=True, tag="talk"):
-    """A robot and the participant have begun a dialogue about a decision. Only journals have this event; no game needs
-    it.
+    """A robot and the participant have begun a dialogue about a decision.
+
+    Only journals have this event; it does not change the state of the game.
 
     Attributes:
         dialogue: number of the dialogue in this game, from 1.
@@ -277,7 +278,7 @@ class DialogueOpened(_Event, frozen=True, omit_defaults=True, tag="talk"):
         robot: index in the team, from 0.
         room: the room that the dialogue is about.
         at: simulated time, s.
-        opener: the side that brings it up.
+        opener: the side that opens the dialogue.
         advised: the room that the robot's planner chose; None if it chose none.
         reason: reason for a suggestion, as part of a sentence.
         confidence: confidence stated in a suggestion, 0 to 1; None if none was stated.
@@ -300,10 +301,10 @@ class DialogueSaid(_Event, frozen=True, tag="said"):
     """A robot or the participant has said something in a dialogue. Only journals have this event.
 
     Attributes:
-        dialogue: number of the dialogue; a number that was not opened means an announcement.
+        dialogue: number of the dialogue. If no dialogue of this number was opened, the sentence is an announcement.
         turn: index of the move in the dialogue, from 0.
         speaker: the side that said it.
-        author: the one that decided on it: robot, person or wizard.
+        author: author of the move: robot, person or wizard.
         move: the move, as `move_text` writes it.
         text: the sentence.
     """

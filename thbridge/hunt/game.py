@@ -73,7 +73,7 @@ class RobotState(msgspec.Struct, frozen=True):
         intervention: the researcher who intervenes now, or None.
         asked_back: number of times the participant has asked its present commander to give it back.
         advice: number of its latest advice in this game; 0 before the first.
-        failure: reason why the last completed move did not arrive, for people; empty if it arrived.
+        failure: reason, for people, why the robot did not arrive on its last move; empty if it arrived.
         costs: energy to each place from where it stands, by the number for people; during a move, from where it set
             out. If None, the game's matrix has the costs.
     """
@@ -152,8 +152,8 @@ class GameState(msgspec.Struct, frozen=True):
         ended: the end of the game, or None.
         agreed: True if the participant agreed to take part; only studies with consent use it.
         agreed_at: date and time of that agreement; empty if unknown.
-        by_position: True if moves from outside rooms are priced by the place of the robot; the matrix's row of the
-            corridor then applies nowhere.
+        by_position: True if a move from outside the rooms is priced from the robot's position; the matrix's row for
+            the corridor is then not used.
     """
 
     started: GameStarted

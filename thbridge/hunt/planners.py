@@ -65,7 +65,7 @@ def searched_tours(
 def tours_begun_with(
     costs: CostMatrix, starts: Sequence[TourStart], tours: Sequence[Tour], robot: int, room: Room, visit: float
 ) -> tuple[Tour, ...]:
-    """Return a plan's tours, changed so that a robot goes to a room first, as far as all can pay for the rest."""
+    """Return a plan's tours with a room put first in one robot's tour. Each tour ends where its energy ends."""
     orders = [[other for other in tour.rooms if other != room] for tour in tours]
     orders[robot].insert(0, room)
     return tuple(paid_tour(costs, start, order, visit) for start, order in zip(starts, orders, strict=True))
@@ -140,8 +140,8 @@ def _in_turns(
 ) -> tuple[Tour, ...]:
     """Return the tours of robots that choose their next rooms one after the other.
 
-    Costs are travel times, so the next robot is the one that has spent least on moves so far, as in the game. Of equal
-    robots, the robot to send comes first, then the one with the lowest number.
+    Costs are travel times, so the next robot is the one that has spent least on moves so far, as in the game. Among
+    robots that have spent the same, the robot to send comes first, then the one with the lowest number.
     """
     here, orders = list(starts), [list[Room]() for _ in starts]
     spent, left, going = [0.0] * len(starts), set(unvisited), set(range(len(starts)))

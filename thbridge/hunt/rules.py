@@ -1,4 +1,4 @@
-"""Rules of the game: each has arguments for state and request, and returns the resulting events, or a refusal.
+"""Rules of the game. Each rule takes the state and a request, and returns the resulting events or a refusal.
 
 No rule changes the state; the caller applies the events (`game.apply`), journals them, and then asks `ending`.
 """
@@ -104,7 +104,7 @@ def request_handback(state: GameState, robot: int) -> Ruling:
 
 
 def commanded_by_other(state: GameState, robot: int, asker: Commander) -> RequestRefused | None:
-    """Return the refusal for a robot that another party than the asker commands now, or None."""
+    """Return a refusal if a party other than the asker commands the robot now, otherwise None."""
     now = state.robots[robot].command
     if now.by is asker:
         return None
@@ -219,7 +219,7 @@ def report(state: GameState, robot: int, condition: Condition) -> Ruling:
 
 
 def price(state: GameState, robot: int, costs: Sequence[float | None]) -> Ruling:
-    """Record the costs of a standing robot's moves from where it stands. Known costs give no event."""
+    """Record the costs of a standing robot's moves from where it stands. Unchanged costs give no event."""
     refused = _over(state)
     if refused:
         return refused
@@ -230,7 +230,7 @@ def price(state: GameState, robot: int, costs: Sequence[float | None]) -> Ruling
         return RequestRefused(RuleReason.UNDER_WAY, f"{_name(robot)} is under way, and its move is already paid.")
     if len(costs) != len(state.rooms) + 1 or any(cost is not None and not cost >= 0.0 for cost in costs):
         return RequestRefused(RuleReason.UNKNOWN_ROOM, f"{len(state.rooms) + 1} costs of 0 or more are needed.")
-    # In a room that it was sent to, there is no move to this room, even if the robot stands at some distance from the
+    # A robot in the room that it was sent to has no move to this room, even if it stands at some distance from the
     # goal.
     row = tuple(None if place == mover.at.people else cost for place, cost in enumerate(costs))
     estimated = CostsEstimated(robot, row)
@@ -327,8 +327,8 @@ def identify(state: GameState, room: Room, name: str, reported: int | None = Non
 
     The paying robot is the one that stands there, or the one that found it and was sent on by a ground station.
 
-    A lost share of points is rounded to the nearest whole number, half away from zero, because the wire has whole
-    points. Difference: the Hider of 2016 also accepted a name that merely contained the right one.
+    A lost share of points is rounded to the nearest whole number, half away from zero, because the text protocol has
+    only whole points. Difference: the Hider of 2016 also accepted a name that merely contained the right one.
 
     Args:
         state: the game.

@@ -13,6 +13,6 @@ class TeamPlanner(StrEnum):
     GREEDY = "greedy"
     """The cheapest of all robots' moves comes first."""
     TOUR = "tour"
-    """Each robot plans the best tour of all rooms left for itself, as in 2016."""
+    """Each robot plans, only for itself, the best tour of all remaining rooms, as in 2016."""
     AUCTION = "auction"
     """Robots bid for rooms with the energy that these add to their tours; the lowest bid wins, room by room."""

@@ -1,10 +1,10 @@
 """Joint plan of a team: which robot visits which of the rooms left, and in which order.
 
-The plan assigns rooms to robots so that the team visits most rooms within the robots' energies, and of such plans it is
-the one with the least energy for all moves. The subset dynamic program of `thbridge.hunt.tour` gives each robot's
+The plan assigns rooms to robots so that the team visits the most rooms within the robots' energies. Among such plans,
+it is the one with the least energy for all moves. The subset dynamic program of `thbridge.hunt.tour` gives each robot's
 cheapest tour of every subset. Robots are then added one by one; each takes any subset of the rooms that the others
-leave. This compares 3^n pairs of a set and a subset of it. The result is exact; with three robots it takes 15 ms for
-twelve rooms, and half a second for sixteen.
+leave. This compares 3^n pairs of a set of rooms and one of its subsets. The result is exact. With three robots it takes
+15 ms for twelve rooms, and half a second for sixteen.
 """
 
 import math
@@ -175,7 +175,7 @@ def _comparable(unvisited: Collection[Room], starts: Sequence[TourStart]) -> lis
 
 
 def _steps(costs: CostMatrix, rooms: Sequence[Room], starts: Sequence[TourStart]) -> NDArray[np.float64]:
-    """(n + s, n) energy from rooms and starts to rooms."""
+    """Return the energy from rooms and starts to rooms, (n + s, n)."""
     between = [[costs.cost(start, goal) for goal in rooms] for start in rooms]
     step = np.array([*between, *([start.costs[goal.people] for goal in rooms] for start in starts)], dtype=np.float64)
     return step.reshape(len(rooms) + len(starts), len(rooms))
@@ -222,7 +222,7 @@ class _Plan:
 
 
 def _plans(spent: Sequence[NDArray[np.float64]], worth: NDArray[np.int64], rooms: int) -> list[_Plan]:
-    """Return the plans of no robot, of the last one, of the last two, and so on."""
+    """Return the plans without robots, with the last robot, with the last two robots, and so on."""
     nothing = np.zeros(len(worth), dtype=np.int64)
     plans = [_Plan(nothing, np.zeros(len(worth)), nothing)]
     for of_robot in reversed(spent):
@@ -246,7 +246,7 @@ def _best_within(spent: NDArray[np.float64], worth: NDArray[np.int64], rooms: in
 
 
 def _first_of_best(plan: _Plan, spent: NDArray[np.float64], worth: NDArray[np.int64], left: int) -> int:
-    """Return the subset of these rooms for a robot next to the others' plan; among equal subsets, the lowest."""
+    """Return a robot's best subset of these rooms, given the plan of the others; among equal subsets, the lowest."""
     rest = left ^ np.arange(len(worth))
     energy = plan.least[rest] + spent
     number = np.where(np.isfinite(energy), plan.most[rest] + worth, -1)
@@ -277,7 +277,7 @@ def _joined(plan: _Plan, spent: NDArray[np.float64], worth: NDArray[np.int64], r
         best = np.maximum.reduceat(number, begins)
         energy[number < np.repeat(best, lengths)] = np.inf
         cheapest = np.minimum.reduceat(energy, begins)
-        # Subsets come in ascending order within a block and between blocks, so the first of equal ones stays.
+        # Subsets come in ascending order within a block and between blocks, so the first of equal subsets is kept.
         position = np.where(energy == np.repeat(cheapest, lengths), positions, len(whole))
         subset = part[np.minimum.reduceat(position, begins)] | (int(high_part) << low)
         better = (best > most[high]) | ((best == most[high]) & (cheapest < least[high]))

@@ -2,8 +2,8 @@
 
 The subset dynamic program of Bellman (1962) and Held and Karp (1962), in its cost-to-go form: `to_go[S, j]` is the
 least energy that visits every room of the set S starting at place j. The table is filled in order of the size of S, so
-that all sets of one size are one array operation. It also gives, for every subset, the best tour within too little
-energy.
+that all sets of one size are one array operation. The table also gives the best tour if the energy does not suffice for
+all rooms.
 """
 
 import math
@@ -42,7 +42,7 @@ class Tour:
 def best_tour(
     costs: CostMatrix, at: Room, unvisited: Collection[Room], energy: float = math.inf, visit: float = 0.0
 ) -> Tour | RequestRefused:
-    """Return the cheapest of the tours from `at` that visit most of `unvisited` within `energy`.
+    """Return the cheapest of the tours from `at` that visit as many rooms of `unvisited` as `energy` allows.
 
     If the energy suffices for all rooms, this is the cheapest tour of all. Among equal tours, the one with the lowest
     room numbers first is returned, so only the arguments determine the result.
@@ -83,7 +83,7 @@ def best_tour(
 def why_no_tour(
     row: Sequence[float], at: Room, unvisited: Collection[Room], energy: float = math.inf
 ) -> RequestRefused | None:
-    """Return the reason why a robot can go to no room at all, or None; no tours are compared, so rooms can be many.
+    """Return the reason why a robot can go to no room at all, or None. It compares no tours, so rooms may be many.
 
     Args:
         row: energy from the place of the robot to each place, as a row of `CostMatrix`.
@@ -138,7 +138,7 @@ def first_order(
 ) -> tuple[int, ...]:
     """Return the cheapest order for any of these subsets (all of one size) from this place.
 
-    Of equal ones, it is the lowest.
+    Among equal orders, it is the one with the lowest room numbers first.
     """
     order: list[int] = []
     while subsets.any():

@@ -1,9 +1,10 @@
 """Lower bound for the energy of any tour of some rooms, found without the best tour.
 
-The bound is the greater of two relaxations. In the *assignment*, every room is entered from a different place, but not
-all in one tour. In the *1-tree* (Held and Karp, The traveling-salesman problem and minimum spanning trees, 1970 and
-1971), a tree instead of a path joins the places. Places with too many or too few neighbors get dearer or cheaper until
-the tree is nearly a path; a move costs the lesser of its two directions there.
+The bound is the greater of the bounds from two relaxations. In the *assignment*, every room is entered from a different
+place, but the moves need not form one tour. In the *1-tree* (Held and Karp, The traveling-salesman problem and minimum
+spanning trees, 1970 and 1971), a tree instead of a path joins the places. Places with too many neighbors become dearer,
+and places with too few become cheaper, until the tree is nearly a path. A move costs the lesser of its two directions
+there.
 """
 
 from collections.abc import Collection
@@ -42,7 +43,8 @@ def least_tour_cost(costs: CostMatrix, at: Room, unvisited: Collection[Room], kn
 
 
 def _tree_bound(moves: FloatArray, known: float) -> float:
-    """Bound by 1-trees, from (n + 1, n) moves to each room from each room and, in the last row, from the start."""
+    """Return the bound by 1-trees. The (n + 1, n) moves go to each room: from each room and, in the last row, from the
+    start."""
     count = moves.shape[1]
     between = np.full((count + 1, count + 1), np.inf)
     between[:, :count] = moves
@@ -50,7 +52,7 @@ def _tree_bound(moves: FloatArray, known: float) -> float:
     prices, best, step, waited = np.zeros(count + 1), 0.0, 2.0, 0
     for _ in range(ROUNDS):
         neighbours, cost = _tree(between + prices[:, np.newaxis] + prices)
-        # One more place at no cost closes the path to a round trip: next to the start, and to the cheapest end.
+        # An extra place at no cost closes the path to a round trip. Its neighbors are the start and the cheapest end.
         end = int(prices[:count].argmin())
         neighbours[[end, count]] += 1
         bound = cost + prices[end] + prices[count] - 2.0 * float(prices.sum())
@@ -67,7 +69,7 @@ def _tree_bound(moves: FloatArray, known: float) -> float:
 
 
 def _tree(weights: FloatArray) -> tuple["np.ndarray[tuple[int], np.dtype[np.int64]]", float]:
-    """Number of neighbors of each place in the lightest tree of all places, and its weight (Prim's algorithm)."""
+    """Return the number of neighbors of each place in the lightest tree of all places, and its weight (Prim)."""
     size = len(weights)
     neighbours, total = np.zeros(size, dtype=np.int64), 0.0
     nearest, distance = np.zeros(size, dtype=np.int64), weights[0].copy()

@@ -25,7 +25,7 @@ class TreasureKind:
 
 
 def hide(kinds: Sequence[TreasureKind], uniforms: Sequence[float]) -> tuple[TreasureKind, ...]:
-    """Hide one treasure in each room; all kinds are equally likely, rooms independent of each other.
+    """Hide one treasure in each room. All kinds are equally likely, and rooms are independent of each other.
 
     Args:
         kinds: the kinds, at least one.

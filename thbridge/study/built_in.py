@@ -8,9 +8,9 @@ from thbridge.files.yaml.load import Loaded
 from thbridge.study.study_file import Study, load_study
 
 STANDARD = Study(templates="everyday-things")
-"""The study that is played if no study is named: moves are priced from where robots stand, robots speak whole
-and answers say what happens. Keys left out of a study file keep their values of 2016, so that older files keep their
-meaning."""
+"""The study that is played if no study is named. Moves are priced from where robots stand, robots speak whole
+sentences, and answers say what happens. In a study file, keys that are left out have their values of 2016, so that
+older files keep their meaning."""
 
 BUILT_IN: Mapping[str, Study] = {"standard": STANDARD, "original-2016": Study()}
 """Each built-in study by its name."""

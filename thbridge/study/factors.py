@@ -88,7 +88,7 @@ def factorial(factors: Mapping[str, Sequence[Level]]) -> Iterator[dict[str, Leve
 
 
 def _value(label: str) -> float | str:
-    """Return the number that a label stands for, so that 20 and 20.0 are the same level; else the label."""
+    """Return the number in a label, so that 20 and 20.0 are the same level, or the label if it is not a number."""
     try:
         return float(label)
     except ValueError:
@@ -96,7 +96,7 @@ def _value(label: str) -> float | str:
 
 
 def spread(path: Path, node: Node) -> Node:
-    """Return a section with dotted paths as keys as a tree of plain keys."""
+    """Return the tree of plain keys that corresponds to a section whose keys are dotted paths."""
     if not isinstance(node, Section):
         if isinstance(node, Scalar) and node.absent:
             return Section(node.line, [])

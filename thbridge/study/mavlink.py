@@ -69,7 +69,7 @@ class MavlinkSection:
 
     @property
     def options(self) -> VehicleOptions:
-        """The vehicles' part of the section."""
+        """Options of the vehicles in the section."""
         return VehicleOptions(
             self.identity,
             GeoOrigin(*self.origin),

@@ -1,7 +1,7 @@
 """The section `noise` of a study: true sensor noise next to the noise models of the estimators.
 
-A study keeps each of these numbers in one place, in `world` or in `robot`. The section lets people write them side by
-side, and `TARGET_PATHS` holds the place of each.
+A study keeps each of these numbers under one key, in `world` or in `robot`. The section lets people write them side by
+side. `TARGET_PATHS` gives the key of each number.
 """
 
 import dataclasses
@@ -152,10 +152,10 @@ def with_noise(section: NoiseSection, study: T) -> T:
 
 
 def resolve_noise(tree: Node) -> Node:
-    """Return the tree of a study with the numbers of its section `noise` moved to their own places.
+    """Return the tree of a study with the numbers of its section `noise` moved to their own keys.
 
-    Their keys keep the line where people wrote them, for messages. A number that is also written at its own place stays
-    in the section, and so does everything else there, so that its faults are reported at the right line.
+    For messages, the numbers keep the lines where people wrote them. A number stays in the section if the study also
+    has it under its own key. Everything else in the section stays there too. So faults are reported at the right line.
     """
     moved: Node = Section(1, [])
     rest = tree

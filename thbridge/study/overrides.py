@@ -54,7 +54,7 @@ def resolved_tree(study: Study) -> Node:
 
 
 def merged(base: Node, path: Path, tree: Node) -> Loaded[Study]:
-    """Return the study of a `resolved_tree`, changed by a tree of the file `path`; it has faults as `with_changes`."""
+    """Return the study of a `resolved_tree`, changed by a tree of the file `path`. Raises as `with_changes` does."""
     if (ros := node_at(tree, ("ros_parameters",))) is not None:
         problem = "ROS files would change nothing, because a recorded study already has all numbers"
         raise BadFile(path, problem, "write the numbers to change under `robot`", line=ros.line, key="ros_parameters")
@@ -65,5 +65,5 @@ def merged(base: Node, path: Path, tree: Node) -> Loaded[Study]:
 
 def _tree(change: StudyChange, source: Path) -> Node:
     node = parse(source, change.value)
-    # The parser makes an empty section of an empty text; here it is a missing value.
+    # The parser turns an empty text into an empty section, but here an empty text is a missing value.
     return nested(change.key, node if change.value.strip() else Scalar("", True, 1), 1)

@@ -220,7 +220,7 @@ class DialogueSection:
     )
 
     def strategy_of(self, manner: MannerSection) -> str | None:
-        """Return the name of the installed strategy of robots with a manner. None is the built-in strategy."""
+        """Return the name of the installed strategy for robots with this manner; None means the built-in strategy."""
         name = self.strategy if manner.strategy is None else manner.strategy
         # Older studies call the built-in strategy `template`.
         return None if name in {OWN_STRATEGY, "template"} else name
@@ -379,7 +379,7 @@ def _fields(study: Study) -> dict[str, Never]:
 
 
 def with_team_size(study: Study, robots: int) -> Study:
-    """Return the study with a team of this size, without the sections and failures of robots beyond it."""
+    """Return the study with a team of this size, without sections and failures of robots with higher numbers."""
     each = {number: software for number, software in study.each.items() if number <= robots}
     mishaps = tuple(mishap for mishap in study.mishaps if mishap.robot <= robots)
     manners = {number: manner for number, manner in study.dialogue.each.items() if number <= robots}
@@ -388,13 +388,13 @@ def with_team_size(study: Study, robots: int) -> Study:
 
 
 def check_manners(loaded: Loaded[Study], base: str = "") -> None:
-    """Raise BadFile for manners of robots that the study never has, for any number of robots people may choose.
+    """Raise BadFile for manners of robots that the study cannot have, whatever number of robots people choose.
 
     Only a check calls this. Reading accepts such a study, because recordings of it must stay readable.
 
     Args:
         loaded: the study.
-        base: key under which the study is written, with its dot. If empty, it is a whole file.
+        base: key that contains the study, with a dot at its end. If empty, the study is a whole file.
     """
     study = loaded.value
     most = max((study.robots, *(study.participant.robots or ())))
@@ -420,7 +420,7 @@ def read_study_text(path: Path, text: str) -> Study:
 
 
 def study_before(path: Path, tree: Node) -> StudyFile:
-    """Return the values that hold before a study's own lines: defaults, its noise preset, its ROS files.
+    """Return the values to which a study's own lines are applied: defaults, its noise preset, its ROS files.
 
     Raises:
         BadFile: one of the ROS files cannot be read.
@@ -442,12 +442,12 @@ def load_study_tree(path: Path, tree: Node) -> Loaded[Study]:
 
 @dataclass(frozen=True, slots=True)
 class _Start:
-    """The values that hold before a study's own lines.
+    """The values to which a study's own lines are applied.
 
     Attributes:
         study: these values.
-        begun: the software before presets and ROS files: defaults of hunts, or of ROS.
-        ros: what the ROS files say.
+        begun: the software's defaults before presets and ROS files: those of hunts, or those of ROS.
+        ros: contents of the ROS files.
     """
 
     study: Study

@@ -69,7 +69,7 @@ def _lines(section: "DataclassInstance", key: str, commented: bool) -> Iterator[
 
 
 def _entries(name: str, entries: Mapping[int, "DataclassInstance"], like: "DataclassInstance") -> Iterator[str]:
-    """Yield the lines of sections by number, each with its differences from the section `like`."""
+    """Yield the lines of numbered sections; each shows only its differences from the section `like`."""
     yield f"{name}:" if entries else f"{name}: {{}}"
     for number, entry in entries.items():
         yield f"  {number}:"

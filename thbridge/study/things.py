@@ -63,7 +63,7 @@ class ThingEntry:
     vanishes: float | None = param(None, "simulated time at which it is removed; if null, it stays", "s", 0, LONGEST)
 
     def thing(self) -> Thing:
-        """Return the body in the world."""
+        """Return the thing as a body in the world."""
         if self.at is not None:
             x, y, yaw = self.at
             return Thing(self.name, self._footprint(), Pose2(x, y, yaw))
@@ -127,7 +127,7 @@ def _tick(seconds: float) -> int:
 
 
 def faults_of_things(loaded: Loaded[S], things: Sequence[ThingEntry]) -> Iterator[BadFile]:
-    """Yield faults of the section `things` where each value is valid alone."""
+    """Yield faults of values in the section `things` that are valid alone, but not together."""
     first: dict[str, int] = {}
     for index, entry in enumerate(things):
         key = f"things[{index}]"
@@ -175,7 +175,7 @@ def fault_of_thing(thing: Thing, farthest: float, longest: int) -> str | None:
     """Return the fault of a thing that a client describes, as a sentence for people, or None if it is valid.
 
     Args:
-        thing: as described.
+        thing: the thing that the client describes.
         farthest: greatest coordinate, meters.
         longest: greatest length of its name, characters.
     """
@@ -192,7 +192,7 @@ def fault_of_thing(thing: Thing, farthest: float, longest: int) -> str | None:
 
 
 def faults_of_mishaps(loaded: Loaded[S], mishaps: Sequence[MishapEntry], robots: int) -> Iterator[BadFile]:
-    """Yield faults of the section `mishaps` where each value is valid alone."""
+    """Yield faults of values in the section `mishaps` that are valid alone, but not together."""
     for index, entry in enumerate(mishaps):
         key = f"mishaps[{index}]"
         if entry.robot > robots:

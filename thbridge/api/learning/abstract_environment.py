@@ -1,4 +1,4 @@
-"""Environment of the abstract hunt: the same decisions in a game without robots, thousands per second."""
+"""Environment of the abstract hunt: agents make the same decisions without simulated robots, thousands per second."""
 
 from typing import Literal
 
@@ -20,7 +20,7 @@ from thbridge.roles.shared.robot_requests import StationSend
 
 
 class AbstractHuntEnv(TeamEnvironment):
-    """The hunt of `HuntEnv` without robots: same game, seeds, actions and observations; moves take their map times.
+    """The hunt of `HuntEnv` without simulated robots, with the same game, seeds, actions and observations.
 
     The same study and seed hide the same treasures. Energy, rooms and points follow the same rules. No robot is
     simulated: every move succeeds and takes the number of seconds given in the map's `mapTimes`. Decisions about
@@ -79,7 +79,7 @@ class AbstractHuntEnv(TeamEnvironment):
         self._opening = HuntOpening.of(self._setting, self._times)
         self._hunt: AbstractHunt | None = None
         self._starts = self._setting.map.starts[: self.study.robots]
-        # For each robot: its numbers while it stands in a room or drives between two rooms for a number of ticks.
+        # Numbers of each robot while it stands in a room, and while it drives between two rooms in some ticks.
         self._standing: dict[tuple[int, int], BodyNumbers] = {}
         self._straight: dict[tuple[int, int, int, int], tuple[BodyNumbers, BodyNumbers]] = {}
 

@@ -77,12 +77,12 @@ class AbstractMove(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class HuntOpening:
-    """Beginning of a study's hunts, the same for all seeds except for the seed itself and the treasures.
+    """Beginning of every hunt of a study. Only the seed and the treasures differ between hunts.
 
     Attributes:
         game: state in which the caller commands all robots.
         priced: events before the treasures are hidden.
-        commanded: events after it.
+        commanded: events after the treasures are hidden.
     """
 
     game: GameState
@@ -106,7 +106,7 @@ class HuntOpening:
 class AbstractHunt:
     """Game without simulated robots: a robot has only a position. Requests of ground stations command the robots.
 
-    A move takes the time given by the map. Everything decided about a treasure happens in the tick of the arrival.
+    A move takes the time given by the map. All decisions about a treasure are carried out in the tick of the arrival.
     Moves never fail, and robots never get lost or wait for one another.
 
     Args:
@@ -174,7 +174,7 @@ class AbstractHunt:
 
 
 def _followed(game: GameState, ruling: rules.Ruling, events: list[Event]) -> GameState:
-    """Return the state after a ruling, and add its events to a list; a refusal has none."""
+    """Return the state after a ruling, and add its events to a list; a refusal adds none."""
     for event in ruling if isinstance(ruling, tuple) else ():
         game = apply(game, event)
         events.append(event)

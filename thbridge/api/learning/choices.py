@@ -42,7 +42,7 @@ class RobotChoices:
         return self._masks
 
     def is_ready(self, game: GameState, robot: int) -> bool:
-        """Return True if a robot could be sent: it stands, can drive, and has nothing to decide where it stands."""
+        """Return True if a robot could be sent: it stands, can drive, and no treasure there waits for a decision."""
         state = game.robots[robot]
         return (
             state.bound_for is None

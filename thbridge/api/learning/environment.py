@@ -30,8 +30,8 @@ class HuntEnv(TeamEnvironment):
     robot continues what it does.
 
     With `control="velocity"`, an action is an array (2,) in [-1, 1]: forward speed and rate of turn to the left, as
-    fractions of the largest that the motors reach. When a robot comes within `reach` of the goal of a free room, its
-    own software drives it into the room, by the rules of the game.
+    fractions of the motors' largest values. When a robot comes within `reach` of the goal of a free room, its own
+    software drives it into the room. The rules of the game apply.
 
     Treasures are sensed, photographed and named by a rule (`TreasureRule`). Observations contain what a robot believes
     and what its team knows, never the truth; `layout` names their parts.
@@ -47,7 +47,7 @@ class HuntEnv(TeamEnvironment):
         room_reward: reward for each room reached, in addition to the points for treasures.
         energy_cost: cost per unit of energy.
         time_cost: cost per simulated second.
-        reach: distance in meters, see above.
+        reach: distance to the goal of a room, in meters; see above.
         render_mode: "rgb_array" makes `render` return images.
 
     Raises:
@@ -174,7 +174,7 @@ class HuntEnv(TeamEnvironment):
         return self._drive(game, actions) if self._drives else super()._act(game, actions)
 
     def _drive(self, game: GameState, actions: Mapping[str, Action]) -> dict[str, bool]:
-        """Drive robots; send those at the goal of a free room into it, where their own software drives."""
+        """Drive robots. Those at the goal of a free room are sent into the room, and their own software drives."""
         (team, _), world = team_of(self._playing.snapshot), self._setting.study.world
         accepted = {}
         for robot, agent in enumerate(self.possible_agents):
@@ -193,7 +193,7 @@ class HuntEnv(TeamEnvironment):
         return accepted
 
     def _room_at(self, game: GameState, robot: int, base_in_map: Pose2) -> int | None:
-        """Return the number of the affordable free room at whose goal the robot believes to be, or None."""
+        """Return the number of a free, affordable room if the robot believes to be at its goal, otherwise None."""
         state = game.robots[robot]
         for room in game.free_rooms:
             near = base_in_map.distance(self._goals[room.wire]) <= self._reach
@@ -207,4 +207,4 @@ class HuntEnv(TeamEnvironment):
 
 
 parallel_env = HuntEnv
-"""Constructor under the name that PettingZoo uses in its own environments."""
+"""`HuntEnv` under the name that PettingZoo's own environments use."""

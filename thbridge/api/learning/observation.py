@@ -106,7 +106,7 @@ class ObservationEncoder:
         self._goals = tuple(goals)
         self._scale = scale
         self._with_scans = with_scans
-        # Packing takes half the time of an array from lists; limits as arrays take half the time of limits as numbers.
+        # Packing is twice as fast as building an array from lists. Limits given as arrays are twice as fast as numbers.
         self._packing = Struct(f"{robots * self.size}f")
         self._shape = robots, self.size
         self._most, self._least = np.ones(self._shape, np.float32), -np.ones(self._shape, np.float32)
@@ -148,7 +148,7 @@ class ObservationEncoder:
 
     def of_output(self, output: RobotOutput, scan: Ranges) -> BodyNumbers:
         """Return the numbers of a robot as it believes them; `scan` is its last scan."""
-        # Its broadcast already has pose and odometry, so that its observations need not be computed for them.
+        # The robot's broadcast already contains pose and odometry, so its own observations need not be computed.
         pose, twist = output.neighbour.base_in_map, output.neighbour.twist
         (xx, _, _), (_, yy, _), (_, _, aa) = output.estimate.covariance.tolist()
         spread = [math.sqrt(max(variance, 0.0)) for variance in (xx, yy, aa)]
@@ -230,7 +230,7 @@ class _GameNumbers(NamedTuple):
 
 
 def action_masks(choices: Sequence[Sequence[Room]], rooms: int) -> Mask:
-    """Return (robots, rooms + 1) flags: which actions of each robot count. Action 0 waits; others are room numbers.
+    """Return (robots, rooms + 1) flags: 1 for each action that counts. Action 0 is to wait; others are room numbers.
 
     Args:
         choices: rooms that each robot may choose.
@@ -243,7 +243,7 @@ def action_masks(choices: Sequence[Sequence[Room]], rooms: int) -> Mask:
         for room in open_to:
             mask[room.people] = 1
         masks += mask
-    # An array over bytes is read-only, and takes half the time of one from lists.
+    # An array made from bytes is read-only, and is created twice as fast as one made from lists.
     return np.frombuffer(masks, np.int8).reshape(len(choices), rooms + 1)
 
 

@@ -23,7 +23,7 @@ _RADIUS = 0.25
 
 
 def picture_of(setting: StudySetting, visited: Sequence[bool], believed: Floats, true: Floats) -> NDArray[np.uint8]:
-    """Return an image (rows, cols, 3): room numbers, green once visited; robots, and in violet the believed poses.
+    """Return an image (rows, cols, 3) with room numbers (green once visited), robots, and believed poses (violet).
 
     Args:
         setting: the study with its map.

@@ -23,7 +23,7 @@ class RewardWeights:
     time: float
 
     def rewards(self, before: GameState, now: GameState, seconds: float) -> list[float]:
-        """Return the reward of the agent of each robot, for the changes between two states of a game."""
+        """Return the reward of each agent for the changes between two states of a game."""
         own = [-self.time * seconds] * len(now.robots)
         if now is not before:
             for robot, (was, state) in enumerate(zip(before.robots, now.robots, strict=True)):

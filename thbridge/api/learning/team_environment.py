@@ -105,7 +105,7 @@ class TeamEnvironment(ParallelEnv[str, Vector, Action]):
         """Start an episode.
 
         Args:
-            seed: seed of this episode and of those that follow. If None, the seed after the last given one is used.
+            seed: seed of this episode. If None, the next seed that follows from the last given seed is used.
             options: `{"record": "episode.bag"}` records the episode; other options have no effect.
 
         Raises:
@@ -126,7 +126,7 @@ class TeamEnvironment(ParallelEnv[str, Vector, Action]):
         """Apply actions and run for the duration of a step; without an action, an agent's robot waits or stands still.
 
         Raises:
-            HuntError: the environment is not reset, or an action is outside its space.
+            HuntError: `reset` has not been called, or an action is outside its space.
         """
         before, began = self._now
         if not self.agents:
@@ -150,7 +150,7 @@ class TeamEnvironment(ParallelEnv[str, Vector, Action]):
         """Return the observations of all agents, one after the other, for central critics.
 
         Raises:
-            HuntError: the environment is not reset.
+            HuntError: `reset` has not been called.
         """
         return np.concatenate(list(self._observations(*self._now).values()))
 
@@ -179,7 +179,7 @@ class TeamEnvironment(ParallelEnv[str, Vector, Action]):
 
     @abstractmethod
     def _bodies(self) -> list[BodyNumbers]:
-        """Return the numbers of the robots that observations need in addition to the game."""
+        """Return the numbers of each robot that observations contain in addition to the game's numbers."""
 
     # Actions
 

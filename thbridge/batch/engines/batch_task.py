@@ -15,7 +15,7 @@ class TaskOutcome:
         failed: number of games without a result.
         faults: sentences about failed games, and about games that gave another result when repeated.
         cpu_seconds: total processor time.
-        left: number of games left for a further call. The outcome of that call then counts all games.
+        left: number of games that a further call has to play. The outcome of the last call counts all games.
     """
 
     games: int
@@ -36,7 +36,7 @@ class BatchTask(Protocol):
         """Carry out the task, unless its result exists; the result is on disk when this returns.
 
         Args:
-            most: number of games after which it may return with others left. If None, it plays all games.
+            most: number of games after which it may return even if games are left. If None, it plays all games.
 
         Raises:
             BadFile: the folder cannot be written.
@@ -44,5 +44,5 @@ class BatchTask(Protocol):
 
 
 def worker_name() -> str:
-    """Return the name of this process, unique among all that write into a folder."""
+    """Return the name of this process, unique among all processes that write to a folder."""
     return f"{socket.gethostname()}:{os.getpid()}"

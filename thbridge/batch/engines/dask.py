@@ -1,4 +1,4 @@
-"""Workers of a Dask cluster (extra `cluster`), which may come, go and die while a sweep runs."""
+"""Workers of a Dask cluster (extra `cluster`), which may join, leave and die while a sweep runs."""
 
 import os
 from collections import deque
@@ -86,7 +86,7 @@ class DaskEngine(Generic[TaskT]):
         self._ended.add(future)
 
     def _hear(self, event: tuple[float, Mapping[str, object]]) -> None:
-        """Record why the scheduler has ended a worker: only this event says so."""
+        """Record the reason for which the scheduler ended a worker; only this event contains it."""
         if event[1].get("action") == "worker-ttl-timed-out":
             self._causes.append(
                 f"The Dask scheduler ended a worker that did not respond for {event[1]['ttl']:.0f} s: a long compiled "
@@ -107,7 +107,7 @@ class DaskEngine(Generic[TaskT]):
 
 @dataclass(frozen=True, slots=True)
 class _DaskTask(Generic[TaskT]):
-    """A sent task, and the number of games to play in it: one at first, then twice as many each time."""
+    """A sent task, and the number of games to play in one call: one at first, then twice as many each time."""
 
     task: TaskT
     most: int = 1

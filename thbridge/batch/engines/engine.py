@@ -27,7 +27,7 @@ class FinishedTask(Generic[TaskT]):
 
 
 class EngineFailed(Exception):  # noqa: N818 - people read it as a sentence
-    """Failure of an engine, which cannot continue; `str()` gives the reason as a sentence."""
+    """Failure after which an engine cannot continue; `str()` gives the reason as a sentence."""
 
 
 class Engine(Protocol[TaskT]):

@@ -1,4 +1,4 @@
-"""Worker processes of this machine: they start quickly, stay, and are replaced when they die."""
+"""Worker processes of this machine: they start quickly, carry out many tasks, and are replaced when they die."""
 
 import signal
 from collections import deque
@@ -70,7 +70,7 @@ class ProcessEngine(Generic[TaskT]):
         self._workers = []
 
     def _assign(self) -> None:
-        """Give waiting tasks to idle workers, as long as there are any."""
+        """Give waiting tasks to idle workers, as long as there are both."""
         held: list[tuple[TaskT, str | None]] = []
         while self._waiting and self._has_room():
             task, avoid = self._waiting.popleft()
@@ -100,7 +100,7 @@ class ProcessEngine(Generic[TaskT]):
         if len(self._workers) < self._processes:
             return self._hire()
         if idle and self._processes == 1:
-            # The only worker has already played it, so a new worker takes its place.
+            # The only worker has already played this chunk, so a new worker replaces it.
             self._bury(idle[0])
             return self._hire()
         return None
@@ -121,7 +121,7 @@ class ProcessEngine(Generic[TaskT]):
         self._workers.remove(worker)
 
     def _ended(self, worker: _WorkerProcess[TaskT]) -> FinishedTask[TaskT]:
-        """Return the task that a worker has ended, or that its death has ended. Raise what the worker raised."""
+        """Return the task that a worker completed, or left unfinished when it died. Raise the worker's exception."""
         task = worker.task
         if task is None:
             raise EngineFailed("A worker returned a result without having a task.")

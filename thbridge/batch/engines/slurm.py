@@ -70,7 +70,7 @@ def _carried_out(tasks: Sequence[BatchTask]) -> tuple[str, list[TaskOutcome]]:
 
 
 def _ended(job: _Job, tasks: Sequence[TaskT]) -> Iterator[FinishedTask[TaskT]]:
-    """Yield the tasks of a job that has ended. Raise what they raised."""
+    """Yield the tasks of a job that has ended. Raise their exception, if any."""
     fault = job.exception()
     if fault is None:
         worker, outcomes = job.result()
