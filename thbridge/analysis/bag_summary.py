@@ -16,12 +16,12 @@ from thbridge.ros.messages.types import SESSION
 
 GAP_PERIODS = 5.0
 GAP_NS = 1_000_000_000
-"""A gap is a time without messages that is longer than this many median periods, and at least a second. Latched
+"""A gap is a time without messages that is longer than `GAP_PERIODS` median periods and longer than `GAP_NS`. Latched
 topics have no gaps, because their last message stays valid until the next."""
 REGULAR = 10
 REGULAR_SHARE = 0.5
-"""A topic can have gaps only if it has at least this many messages, and if the number of messages times the median
-period is at least this share of their time span. This excludes topics that publish in bursts."""
+"""A topic can have gaps only if it has at least `REGULAR` messages, and if the number of messages times the median
+period is at least a share of `REGULAR_SHARE` of their time span. This excludes topics that publish in bursts."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,7 +29,7 @@ class Gap:
     """Gap in the messages of a regular topic.
 
     Attributes:
-        start_ns: stamp of the last message before it.
+        start_ns: stamp of the last message before the gap.
         seconds: length of the gap.
     """
 

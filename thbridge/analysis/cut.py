@@ -23,8 +23,8 @@ class CutRange:
     Attributes:
         start: seconds from the recording's first message, inclusive.
         end: seconds from the recording's first message, inclusive.
-        topics: names of the topics to copy. If None, all topics.
-        compression: compression of the new bag. If None, that of the recording.
+        topics: names of the topics to copy. If None, all topics are copied.
+        compression: compression of the new bag. If None, the new bag is compressed like the recording.
     """
 
     start: float = 0.0

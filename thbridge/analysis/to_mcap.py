@@ -45,7 +45,7 @@ class McapResult:
 def to_mcap(
     bag: Path, out: Path, compression: str = "zstd", overwrite: bool = False, tell: Tell = untold
 ) -> McapResult:
-    """Write a recording as an MCAP file: the same bytes of each message, with definitions and publishers.
+    """Write a recording as an MCAP file that has the same message bytes, definitions and publishers.
 
     For sessions of thbridge, the file also has the attachment `study.yaml` and the metadata `thbridge:session`, with
     seed and versions.

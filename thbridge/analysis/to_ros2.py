@@ -123,7 +123,7 @@ class _Conversion:
         self._connections: dict[tuple[str, str, bool], Connection] = {}
 
     def way_of(self, publisher: BagConnection) -> tuple[Connection, Callable[[bytes], memoryview]] | None:
-        """Return the connection for a publisher's messages, and the function that converts them; None if none can."""
+        """Return a publisher's connection and the function that converts its messages, or None if it is impossible."""
         if publisher not in self._ways:
             try:
                 self._ways[publisher] = self._way(publisher)

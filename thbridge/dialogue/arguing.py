@@ -71,7 +71,7 @@ class ArguingEngine:
         manners: manner of each robot, by its index; robots that are not listed have the manner of `None`.
         phrasing: words for moves.
         seed: random seed of the game, for moves that a robot mishears.
-        strategies: installed strategies that choose moves, by robot as `manners`; None for the built-in strategy.
+        strategies: installed strategies that choose moves, by robot as in `manners`; None is the built-in strategy.
     """
 
     rulebook: Rulebook
@@ -168,8 +168,8 @@ class ArguingEngine:
 
     def _opened(self, dialogue: Dialogue, speaker: Speaker, opening: Opening | None, held: bool) -> DialogueStep:
         if opening is None:
-            # The person wants what the robot already holds, or nothing is left to say. A suggestion is the person's to
-            # answer.
+            # The robot already agrees with the person's wish, or nothing is left to say. If the robot made a
+            # suggestion, the person has to answer it.
             wanted = dialogue.topic.scenario not in ASKED
             agreed = wanted and _is_settled(dialogue)
             return DialogueStep(dialogue, (), DialogueOutcome.CONSENSUS if agreed else DialogueOutcome.NO_CONSENSUS)
@@ -317,7 +317,7 @@ class ArguingEngine:
 
 
 def decision_of(facts: WhereFacts | WhatFacts, former: Conversation | None) -> Literal | None:
-    """Return the decision of a robot by itself, with the beliefs that it accepted before; None if it has none."""
+    """Return the decision that a robot makes alone, with beliefs that it accepted earlier; None if it makes none."""
     if isinstance(facts, WhereFacts):
         return where(facts, told_beliefs(former)).decision
     return what(facts, told_beliefs(former)).decision
@@ -353,7 +353,7 @@ def _time(topic: DialogueTopic) -> float:
 
 
 def _is_settled(dialogue: Dialogue) -> bool:
-    """True if the robot already holds the claim."""
+    """Return True if the robot already holds the claim."""
     conversation = dialogue.conversation
     return conversation is not None and claim_of(dialogue.topic) in conversation.agents[Side.ROBOT].beliefs
 

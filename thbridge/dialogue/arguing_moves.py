@@ -103,7 +103,7 @@ class PossibleMoves:
         asked = [opening.move for opening in found if opening is not None]
         last = last_play(dialogue)
         if last is not None and last.end is DialogueEnd.AGREEMENT:
-            # The person has accepted that it is not done.
+            # The person has accepted that the proposal is not carried out.
             asked = [move for move in asked if move.content != claim]
         return list(dict.fromkeys(asked))
 
@@ -112,7 +112,7 @@ class PossibleMoves:
         if conversation is None or topic.facts is None or not self.manner(topic.robot).gives_reasons:
             return ()
         put = {turn.move for turn in dialogue.turns if isinstance(turn.move, Enquire)}
-        # A challenge counts as the question why.
+        # A challenge counts as the question "why this?".
         put |= {
             Enquire(Question.WHY_THIS, turn.move.content)
             for turn in dialogue.turns
@@ -135,7 +135,7 @@ class PossibleMoves:
         return explain(asked, topic.facts, evidence_of(topic, conversation))
 
     def question_of_refusal(self, dialogue: Dialogue, side: Side) -> Opening | None:
-        """Return the question that a side may ask when its reason was refused; None if it has none.
+        """Return the question that a side may ask after its reason was refused; None if the side has none.
 
         No side doubts the other's wishes. A persistent robot asks about things that it does not know yet.
         """
@@ -158,7 +158,7 @@ class PossibleMoves:
     def opening(
         self, dialogue: Dialogue, side: Side, game: str, topic: Literal | None, parent: int | None = None
     ) -> Opening | None:
-        """Return the opening of a game by a side about a topic; None if it has none."""
+        """Return the opening of a game by a side about a topic; None if the side has none."""
         conversation = dialogue.conversation
         if topic is None or conversation is None:
             return None
@@ -167,7 +167,7 @@ class PossibleMoves:
 
 
 def claim_of(topic: DialogueTopic) -> Literal:
-    """The literal that a dialogue is about."""
+    """Return the literal that a dialogue is about."""
     match topic.scenario:
         case Scenario.TAKE_PICTURE:
             return Literal(TakesPicture(topic.room))
@@ -213,12 +213,12 @@ def last_move(dialogue: Dialogue) -> Move | None:
 
 
 def _most_agreeable_first(play: GamePlay, moves: tuple[DialogueMove, ...]) -> list[DialogueMove]:
-    """Return the person's moves; when a robot asks for the opposite of a reason, agreeing with it comes last."""
+    """Return the person's moves. When a robot asks whether the opposite of a reason holds, agreement comes last."""
     return sorted(moves, key=lambda move: play.questions_refusal and move.content == play.topic)
 
 
 def last_play(dialogue: Dialogue) -> GamePlay | None:
-    """The last game that is not inside another one, or None."""
+    """Return the last game that is not inside another game, or None."""
     plays = () if dialogue.conversation is None else dialogue.conversation.plays
     return next((play for play in reversed(plays) if play.parent is None), None)
 

@@ -10,7 +10,7 @@ from thbridge.dialogue.games.strategies import Attitude
 
 
 class DialogueCondition(StrEnum):
-    """Way in which robots and participant decide together."""
+    """Method by which robots and participant decide together."""
 
     SUPERVISOR = "supervisor"
     """Robots do what they are asked to, without discussion."""
@@ -40,7 +40,7 @@ class Manner:
         talkative: if True, it gives its arguments part by part, and the other side accepts or refuses each; otherwise
             as a whole.
         gives_reasons: True if it answers questions for reasons, and gives reasons when it refuses.
-        misheard: probability that it understands another legal move than the participant made.
+        misheard: probability that it understands a legal move that differs from the participant's.
     """
 
     condition: DialogueCondition = DialogueCondition.COLLABORATOR

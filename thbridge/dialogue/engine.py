@@ -100,7 +100,7 @@ class DialogueEngine(Protocol):
         ...
 
     def retake(self, dialogue: Dialogue, turn: Turn) -> DialogueStep:
-        """Repeat a turn from before the dialogue was restored; there is no answer to it."""
+        """Repeat a turn from before the dialogue was restored; the robot does not answer it."""
         ...
 
     def choices(self, dialogue: Dialogue, speaker: Speaker = Speaker.PERSON) -> tuple[Choice, ...]:

@@ -55,15 +55,15 @@ class WhereFacts:
         costs: energy to each room left; rooms without a path are missing.
         left: rooms that have not been visited.
         under_way: rooms to which other robots drive or have agreed to go.
-        values: for each room as its next one, the value for the team.
+        values: value for the team of each room as this robot's next room.
         others: by room, costs of those robots of the team that the plan sends there first.
         failed: rooms that it was sent to and did not reach, or to which it has no path.
         team_costs: costs of the other robots to rooms, by their indices.
-        team_values: by the index of another robot, the value for the team of each room as its next one.
+        team_values: by the index of another robot, value for the team of each room as that robot's next room.
         tour: rooms that the plan assigns to it, in their order.
         advised: the room that its planner chose. If None, it is the room with the highest value.
-        compares: if False, its only reason for a room is the cost, as for an adviser that may give wrong advice.
-        proven: if False, the plans may not be the best ones, so their values are not compared.
+        compares: False if its only reason for a room is the cost, as for an adviser that may give wrong advice.
+        proven: False if the plans may not be the best ones; then their values are not compared.
         left_behind: by room, the robots that get no room in the plan if this robot goes there.
         confidence: confidence in its localization, 0 to 1.
         at: simulated time, s.
@@ -146,9 +146,9 @@ class Evidence:
 
     Attributes:
         beliefs: sensed and computed beliefs, with the rules of the language, and the decision.
-        decision: what the robot would do; None if it sees nothing to do.
+        decision: the robot's decision; None if it has none.
         order: order of its tour up to the compared room; None if that room is not a later stop of the tour.
-        doubt: the literal that it does not know and may be asked about; None if it has a decision.
+        doubt: a literal about which a dialogue may ask because the robot has no decision; None if there is none.
     """
 
     beliefs: Beliefs
@@ -310,11 +310,11 @@ class _Case:
         self._rules[Rule(premises, conclusion, is_said=False)] = None
 
     def was_told(self, conclusion: Literal) -> bool:
-        """True for a conclusion that the robot holds because a person persuaded it."""
+        """Return True for a conclusion that the robot holds because a person persuaded it."""
         return conclusion in self._told
 
     def is_against(self, conclusion: Literal) -> bool:
-        """True if evidence, or an accepted statement, is against a conclusion."""
+        """Return True if evidence, or an accepted statement, is against a conclusion."""
         known = self._told.origins.keys() | self._gathered.keys()
         by_rule = (rule for rule in self._rules if rule.conclusion == ~conclusion)
         return self.was_told(~conclusion) or any(known.issuperset(rule.premises) for rule in by_rule)
@@ -367,7 +367,7 @@ def _affordable(case: _Case, facts: WhereFacts, room: Room, level: Literal) -> t
 
 
 def _best(facts: WhereFacts, case: _Case) -> Room | None:
-    """Return the room that its planner chose, or else the room with the highest value that nothing stands against."""
+    """Return the room that its planner chose, or else the room with the highest value that no evidence is against."""
     wanted = [room for room in facts.left if case.was_told(Literal(NextRoom(facts.robot, room)))]
     if wanted:
         return wanted[0]

@@ -70,7 +70,7 @@ def jhri2015(rulebook: Rulebook) -> tuple[Exchange, ...]:
 
 
 def course(text: str) -> tuple[tuple[Side, tuple[str, ...]], ...]:
-    """Return the course of a text with one move per line, after its side, with ` | ` between alternatives."""
+    """Return the course in a text. Each line has a side and its move, with ` | ` between alternative moves."""
     lines = [line.strip().split(": ", 1) for line in text.strip().splitlines()]
     return tuple((Side(side), tuple(moves.split(" | "))) for side, moves in lines)
 

@@ -80,7 +80,7 @@ def _rival(facts: WhereFacts | WhatFacts, evidence: Evidence, claim: Literal) ->
 def _best_argument(evidence: Evidence, conclusion: Literal) -> Argument | None:
     """Return the argument on the best evidence.
 
-    Among equal ones, it is an argument with comparisons, because it says most.
+    Among arguments on equal evidence, it is one with comparisons, because it says most.
     """
     found = evidence.beliefs.arguments(conclusion)
     prefers = evidence.beliefs.prefers

@@ -23,13 +23,13 @@ class Scenario(StrEnum):
     """Decision that a dialogue is about."""
 
     SPECIFIC_ROOM = "specific-room"
-    """Whether to go to the room that the person chose."""
+    """The robot may go to the room that the person chose."""
     DONT_KNOW = "dont-know"
-    """Whether to go to the room that the robot suggests because the person did not know."""
+    """The robot may go to the room that it suggests, because the person did not know where to go."""
     TAKE_PICTURE = "take-picture"
-    """Whether to take a picture of the treasure where the robot stands."""
+    """The robot may take a picture of the treasure where it stands."""
     TAKE_TREASURE = "take-treasure"
-    """Whether to take the treasure where the robot stands, that is, to identify it."""
+    """The robot may take the treasure where it stands, that is, identify it."""
     UNSURE_NAME = "unsure-name"
     """Name of the treasure where the robot stands, when the person does not know it; only for robots that argue."""
 
@@ -42,7 +42,7 @@ class Speaker(StrEnum):
 
 
 class Author(StrEnum):
-    """Author of a move: the one who decided on it."""
+    """Author of a move, who decided on it."""
 
     ROBOT = "robot"
     """The robot's strategy."""
@@ -67,7 +67,7 @@ class DialogueTopic:
 
     Attributes:
         scenario: the decision.
-        robot: the robot that asks, from 0 as on the wire.
+        robot: index of the robot that asks, from 0.
         room: the destination, or the room of the treasure.
         cost: energy of the proposal.
         energy: energy of the robot.
@@ -77,7 +77,7 @@ class DialogueTopic:
         reason: reason for the robot's suggestion, as part of a sentence; empty without a suggestion.
         confidence: confidence stated in its suggestion, 0 to 1; None if it states none.
         facts: the robot's facts for arguments; None if robots do not argue.
-        opener: the side that brings it up; a robot can suggest a room without a request.
+        opener: the side that opens the dialogue; a robot can suggest a room without a request.
         name: proposed name of the treasure; empty if there is none.
     """
 
@@ -176,9 +176,9 @@ class Upshot(StrEnum):
 
     AGREED = "agreed"
     OVERRIDDEN = "overridden"
-    """It is done because the person insists."""
+    """The action is carried out because the person insists."""
     DECIDED = "decided"
-    """It is done because the robot insists."""
+    """The action is carried out because the robot insists."""
     STAYS = "stays"
     """The robot goes nowhere, because there was no agreement."""
     UNDONE = "undone"
@@ -274,7 +274,7 @@ class Turn:
     Attributes:
         speaker: the side that made it.
         move: the move.
-        author: the one that decided on it.
+        author: author of the move.
         text: sentence that replaces the usual sentence for the move; if empty, the usual one is said.
         said: the move that the person really made, if the robot understood another one. If None, it understood
             correctly.
@@ -338,7 +338,7 @@ class DialogueUtterance:
         dialogue: number of the dialogue.
         index: index of the move in the dialogue, from 0.
         speaker: the side that made the move.
-        author: the one that decided on it.
+        author: author of the move.
         move: the move.
         text: the sentence.
         topic: topic of the dialogue.

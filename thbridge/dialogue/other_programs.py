@@ -7,7 +7,7 @@ from pathlib import Path
 import sim
 
 RAISED = (Exception, SystemExit, GeneratorExit)
-"""All exceptions of another program that do not end this one; an interrupt comes from a person, and does."""
+"""Exceptions of another program that do not end this program. An interrupt is not among them: a person causes it."""
 LONGEST_FAULT = 300
 """Longest text of a fault, in characters."""
 _OURS = (Path(__file__).parents[1], Path(sim.__path__[0]))
@@ -15,7 +15,7 @@ _ADDRESS = re.compile(r" at 0x[0-9a-fA-F]+")
 
 
 def told_error(error: BaseException) -> str:
-    """Return the text of another program's error, with its place there; it is the same on each machine."""
+    """Return the text of another program's error, with its location there; the text is the same on each machine."""
     text = in_a_line(traceback.format_exception_only(error)[-1])
     frames = traceback.extract_tb(error.__traceback__)
     # The last frame in the other program itself; it may have called functions of thbridge.

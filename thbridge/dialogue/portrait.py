@@ -32,7 +32,7 @@ class PortrayedBelief:
         literal: the believed literal.
         source: kind of its source.
         at: simulated time of the observation or computation, s.
-        confidence: confidence of the one that sensed or computed it, 0 to 1.
+        confidence: confidence of the agent that sensed or computed it, 0 to 1.
     """
 
     literal: str
@@ -83,9 +83,9 @@ class DialoguePortrait:
 
     Attributes:
         games: dialogue games of the present situation, in order of opening.
-        sigma: beliefs of the robot: Sigma.
+        sigma: beliefs of the robot (Sigma).
         rules: rules that the robot holds, without those of the language.
-        held: literals that it takes the person to hold: Gamma(H).
+        held: literals that it takes the person to hold (Gamma(H)).
         unknown: propositions about which it takes the person to know nothing.
         argued: conclusions for which it takes the person to have an argument.
         robot_store: moves in its commitment store, oldest first.
@@ -237,7 +237,7 @@ def _arguments(conversation: Conversation, beliefs: Beliefs) -> Iterable[Argumen
 
 
 def _about(conclusions: Iterable[Literal], issues: Iterable[Literal], beliefs: Beliefs) -> dict[Argument, None]:
-    """Return arguments for those conclusions that are issues, or opposed to one."""
+    """Return arguments for those conclusions that are issues, or opposed to an issue."""
     at_issue = [*issues]
     wanted = [each for each in conclusions if each in at_issue or any(opposed(each, issue) for issue in at_issue)]
     return dict.fromkeys(argument for conclusion in wanted for argument in beliefs.arguments(conclusion))

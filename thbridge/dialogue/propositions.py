@@ -150,7 +150,7 @@ class InImage(HuntProposition):
 
 @dataclass(frozen=True, slots=True)
 class TreasureIn(HuntProposition):
-    """A treasure is in a room; another one is not."""
+    """One treasure, and no other, is in a room."""
 
     predicate: ClassVar[str] = "treasure_in"
     unique_by: ClassVar[tuple[str, ...] | None] = ("room",)

@@ -1,6 +1,6 @@
 """Strategies of robots that argue.
 
-They are built-in strategies, one for each manner, and installed ones of others; faults of these do no harm.
+Each manner has a built-in strategy. Strategies of other people can be installed; their faults do no harm.
 """
 
 from dataclasses import dataclass, replace

@@ -1,7 +1,7 @@
 """Three exchanges with rules as topics: a robot and a person examine what pictures show about treasures.
 
-An argument for a rule derives it when its premises are granted. A side that grants the premises has not accepted the
-rule.
+An argument for a rule derives the rule's conclusion when the rule's premises are granted. A side that grants the
+premises has not accepted the rule.
 """
 
 from thbridge.dialogue.argumentation.beliefs import Beliefs

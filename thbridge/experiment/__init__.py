@@ -1,1 +1,1 @@
-"""Studies with people: their design, who takes part, in which order, what they answer, and the log of all of it."""
+"""Studies with people: their design, participants, orders of conditions and answers, and the log of all events."""

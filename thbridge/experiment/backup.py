@@ -21,7 +21,7 @@ from thbridge.recording.recordings import digest_of
 def back_up(study: ExperimentFolder, to: Path) -> tuple[str, ...]:
     """Write a backup, or bring one up to date. The study remembers the backup's folder.
 
-    Recordings of people in the log are never deleted from the backup. Recordings of others, who withdrew, are deleted.
+    Recordings of people in the log are never deleted from the backup. Recordings of people who withdrew are deleted.
     Links that lead out of the study are not followed, except the folder of recordings itself.
 
     Returns:

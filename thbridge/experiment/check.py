@@ -1,5 +1,4 @@
-"""The check of an experiment before people take part: it refuses faults of later commands and faults that spoil
-data."""
+"""Check of an experiment before people take part. It refuses faults that would stop later commands or spoil data."""
 
 from collections.abc import Mapping
 
@@ -14,7 +13,7 @@ from thbridge.files.errors import BadFile, FaultCollection
 def read_for_people(folder: ExperimentFolder) -> ExperimentDesign:
     """Read an experiment that people will take part in, with all files that its games need.
 
-    Once people have taken part, the study must continue unchanged, so it is then read despite faults of `soundness`.
+    Once people have taken part, the study must continue unchanged. It is then read even if `soundness` finds faults.
 
     Raises:
         BadFile: the experiment is faulty; as BadFiles, with all faults at once.
@@ -28,7 +27,7 @@ def read_for_people(folder: ExperimentFolder) -> ExperimentDesign:
 def check_experiment(
     folder: ExperimentFolder, versions: Mapping[str, str]
 ) -> tuple[ExperimentDesign, tuple[BadFile, ...]]:
-    """Read an experiment with everything that its games, freezing, rehearsals and power need.
+    """Read an experiment, and all files that its games, freezing, rehearsals and power estimates need.
 
     Args:
         folder: folder of the experiment.

@@ -147,7 +147,7 @@ class Conductor:
     def withdraw(self, participant: str) -> None:
         """Delete everything that the log has of a person, and notes that name them.
 
-        Events of other people stay otherwise as they are. For example, a run stays excluded when another person
+        All other events of other people stay unchanged. For example, a run stays excluded when another person
         withdraws.
         """
         self._log.delete(sequences_of(self._log.read(), participant), self._clocks())

@@ -18,7 +18,7 @@ STORE, RECORDINGS, EXPORTS, FREEZE = "store", "recordings", "exports", "freeze.j
 REPLACED = "replaced-"
 """Prefix of the folders in the store that keep the files a backup replaced."""
 EXAMPLE = Path(__file__).parent / "example"
-"""An experiment to start from."""
+"""Folder of the example experiment, from which a new experiment is made."""
 _EXAMPLE_IN = Path(__file__).parent / "example_languages"
 """A folder for each other language, with the example's files that participants read."""
 _LANGUAGE = "dialogue.language: "
@@ -76,7 +76,7 @@ class ExperimentFolder:
 
     @property
     def origins(self) -> KnownFolders:
-        """The list of places where a backup's study was, the most recent last."""
+        """The list of folders in which a backup's study was, the most recent last."""
         return KnownFolders(self.root / STORE / "origins.json", self.root, "studies")
 
     @property

@@ -24,7 +24,7 @@ _DATA = {STORE, RECORDINGS, EXPORTS, FREEZE}
 def data_of(folder: str, names: list[str]) -> set[str]:
     """Return the names in an experiment's folder that are data, so that `shutil.copytree` leaves them out.
 
-    Links to nothing, or to a folder above them, are left out as well: a copy would never end.
+    Broken links are left out as well, and links to a folder above them, because copying these would never end.
     """
     data = {name for name in names if name in _DATA - {FREEZE} and Path(folder, "experiment.yaml").exists()}
     links = [link for name in names if (link := Path(folder, name)).is_symlink()]
@@ -55,7 +55,7 @@ _LARGEST = 1 << 26
 
 
 class _FreezeFile(msgspec.Struct):
-    """A fingerprint as its file has it."""
+    """Contents of the file of a fingerprint."""
 
     digest: str
     files: dict[str, str]
@@ -86,7 +86,7 @@ def fingerprint_of(folder: ExperimentFolder, versions: Mapping[str, str]) -> Fin
 
 
 def freeze(folder: ExperimentFolder, versions: Mapping[str, str], wall: str) -> Fingerprint:
-    """Write the fingerprint; one that was written before is not replaced.
+    """Write the fingerprint; an existing fingerprint is not replaced.
 
     Raises:
         BadFile: the experiment is already frozen, or the folder cannot be written.

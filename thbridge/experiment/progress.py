@@ -42,7 +42,7 @@ class Run:
         failed: numbers of the checks with a failed last attempt.
         answers: the last answer to each item, by `STEP.ITEM`.
         given: the answers given in the current step, by the item's id.
-        drafts: answers of the current step that were changed and have not been given since.
+        drafts: answers of the current step that the person has changed but not yet given.
         timed_out: items of the current step that were closed by their time limits.
         game: the log's data about the current step's game, or None if it has no recording yet.
         agrees: the answer to the consent of the current step, or None if there is none yet.
@@ -138,7 +138,7 @@ class Progress:
 
     Attributes:
         design: the experiment.
-        runs: by the person's id.
+        runs: run of each person, by the person's id.
         sequence: number of the last event.
     """
 

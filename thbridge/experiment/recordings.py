@@ -22,7 +22,7 @@ def moved_aside(bag: Path) -> list[Path]:
 
 
 def told_leftovers(study: ExperimentFolder, progress: Progress, entries: Iterable[LogEntry]) -> Iterator[str]:
-    """Yield a sentence about each recording of people in the log that is not the whole recording of a played game.
+    """Yield a sentence about each recording of people in the log that is not the complete recording of a played game.
 
     Args:
         study: the experiment's folder.

@@ -1,7 +1,7 @@
 """Withdrawal of a participant: all their data is deleted from the study's log, recordings, exports and known backups.
 
 The withdrawal enters a list in the store before anything is deleted, and leaves it when all is deleted. So a
-withdrawal that was killed, or could not reach a backup, is finished later: each command of a study first does that.
+withdrawal that was killed, or could not reach a backup, is finished later: each command of a study first finishes it.
 """
 
 import mmap
@@ -124,7 +124,7 @@ def withdraw(
     Args:
         study: folder of the study; no other program may be running it.
         design: the study.
-        withdrawal: who withdraws.
+        withdrawal: the participant who withdraws, with their code.
         versions: versions of the programs, for exports that are written again.
         changed: differences from the registered study, for these exports. If None, the study was not registered.
         clocks: return the current time.

@@ -23,7 +23,7 @@ READERS = (BagTool.ROSBAG, BagTool.FOXGLOVE, BagTool.PLOTJUGGLER)
 LIVE = (BagTool.ROSBAG, BagTool.RVIZ)
 """Tools that depend on live messages: rviz shows what `rosbag play` publishes."""
 MAP_PERIOD = 5.0
-"""Seconds; a map that is published at least this often need not be latched."""
+"""Longest period of a map that need not be latched, seconds."""
 _PART = re.compile(r"^={40,}\r?\nMSG: *(\S+)\r?$", re.MULTILINE)
 
 
@@ -121,7 +121,7 @@ def unlatched(bag: BagStructure) -> Iterator[Finding]:
 def two_latched(bag: BagStructure) -> Iterator[Finding]:
     """Find latched topics with several publishers: many tools keep only the last message of a topic.
 
-    Source: ros_comm 1.15 (Noetic) latches each publisher; roscpp before it latches each topic of a node, and
+    Source: ros_comm 1.15 (Noetic) latches each publisher. Earlier releases of roscpp latch each topic of a node, and
     `rosbag play` is one node. Foxglove reads one message of each topic after a seek (BagIterableSource.ts).
     """
     for topic, connections in bag.connections_by_topic().items():

@@ -45,7 +45,7 @@ EVO_TYPES = (*STAMPED_POSES, *TF_TYPES)
 
 
 NO_TRAJECTORY = "no-trajectory"
-"""Rule for bags from which evo reads nothing."""
+"""Name of the rule for bags from which evo reads nothing."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,7 +82,7 @@ class ScannedChunk:
         counts: number of its messages by connection.
         indexed: number of messages by connection, according to the index data records after the chunk.
         start_ns: least stamp in it, or None if it has no message.
-        end_ns: greatest stamp in it, likewise.
+        end_ns: greatest stamp in it, or None if it has no message.
     """
 
     chunk: ChunkRecord
@@ -105,7 +105,7 @@ class BagStructure:
         indexed_connections: number of connection records in the index.
         unreadable: bytes that cannot be read.
         start_ns: least stamp of all messages; None if there are none.
-        end_ns: greatest stamp, likewise.
+        end_ns: greatest stamp of all messages; None if there are none.
     """
 
     header: BagHeaderRecord | None
@@ -168,7 +168,7 @@ class MessageRule(Protocol):
 
 
 class OccurrenceCounter(Generic[K]):
-    """Counter of occurrences by key, with the stamp of the first of each."""
+    """Counter of occurrences by key, with the stamp of each key's first occurrence."""
 
     def __init__(self) -> None:
         self._seen: dict[K, tuple[int, int]] = {}

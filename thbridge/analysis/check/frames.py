@@ -35,7 +35,7 @@ SHOWN_TYPES = frozenset(
 FRAMELESS_TYPES = frozenset({"mavros_msgs/Mavlink"})
 """Message types whose headers contain other names than frames, for example the name of a MAVLink link."""
 LATE_NS = 1_000_000_000
-"""Longest time without transforms at the beginning that is normal."""
+"""Longest normal time without transforms at the beginning of a recording."""
 
 
 class SlashedFrames:
@@ -94,7 +94,7 @@ class _Edge:
 
 @dataclass(slots=True)
 class _Use:
-    """Frame in the messages of a topic: their number, and the stamps of the first."""
+    """Use of a frame in the messages of a topic: number of messages, and stamps of the first message."""
 
     received_ns: int
     stamp_ns: int

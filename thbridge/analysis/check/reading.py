@@ -55,7 +55,7 @@ class Reading:
     Attributes:
         headers: stamp in nanoseconds and frame of every std_msgs/Header, outermost first.
         children: fields `child_frame_id`, in the message's order.
-        quaternions: all quaternions; of an array, only the one whose length differs most from one.
+        quaternions: all quaternions; in an array, only the quaternion whose length differs most from 1.
         finite: True if all points and vectors are finite.
         covariances: for each field `covariance`, True if it is not all zero.
         numbers: requested numbers, by dotted name; for arrays the length, and with `LEAST` the least finite element.
@@ -168,7 +168,7 @@ def fields_of(msgtype: str, text: str) -> Fields:
         ValueError: the text cannot be parsed, or lacks a type that it names.
     """
     types = types_in(msgtype, text)
-    store_of(types)  # it also checks names
+    store_of(types)  # this call also checks the names
     fields: dict[str, Sequence[tuple[str, object]]] = {name: described for name, (_, described) in types.items()}
     missing = missing_types(fields)
     if missing:

@@ -56,7 +56,7 @@ def unreadable_bytes(bag: BagStructure) -> Iterator[Finding]:
 
 
 def header_padding(bag: BagStructure) -> Iterator[Finding]:
-    """Find a first record with another length than ROS's: rosbag overwrites it and part of the first chunk."""
+    """Find a first record whose length differs from ROS's: rosbag overwrites it and part of the first chunk."""
     if bag.header is not None and bag.header.length != HEADER_BYTES:
         problem = (
             f"the first record has {bag.header.length} bytes, but ROS 1 writes {HEADER_BYTES}: "

@@ -20,8 +20,8 @@ from thbridge.recording.bag.reading.scan import ConnectionRecord
 TF_CACHE = 10.0
 """Seconds that tf2 keeps transforms (tf2, buffer_core.h, DEFAULT_CACHE_TIME)."""
 LATE, LEAST_LATE = 0.25, 5
-"""Large difference between stamp and recording, seconds, and the number of messages that must have it. Drivers and
-filters need less time; at 0.5 m/s it is 12 cm."""
+"""Smallest large difference between stamp and recording, seconds, and least number of messages that must have it.
+Drivers and filters need less time. A robot at 0.5 m/s drives 12 cm in 0.25 s."""
 
 
 class StampZero:
@@ -123,11 +123,11 @@ class HeaderStampOffset:
 
 
 class RecordedLate:
-    """Rule for topics whose stamps differ from the time of recording: tools that use the latter match messages wrongly.
+    """Rule for topics whose stamps differ from the time of recording.
 
-    Such messages are recorded late, or stamped later than their recording, which is impossible with one clock. Latched
-    topics and static transforms are not checked, as in `HeaderStampOffset`, which finds greater differences. Transforms
-    that amcl stamps ahead are not checked either.
+    Tools that use the time of recording match such messages wrongly. The messages are recorded late, or stamped later
+    than their recording, which is impossible with one clock. Latched topics and static transforms are not checked, as
+    in `HeaderStampOffset`, which finds greater differences. Transforms that amcl stamps ahead are not checked either.
     """
 
     def __init__(self) -> None:

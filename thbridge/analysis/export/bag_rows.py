@@ -27,10 +27,10 @@ def rows_of_bag(
     Args:
         bag: bag, or name of a split recording.
         exported: summary to fill.
-        topics: names of the topics to export. If None, all topics.
+        topics: names of the topics to export. If None, all topics are exported.
         start: start of the export, seconds from the beginning of the recording.
-        until: end of the export, seconds from the beginning of the recording. If None, its end.
-        tables: names of the tables to create, including tables of lists. If None, all tables.
+        until: end of the export, seconds from the beginning of the recording. If None, everything is exported.
+        tables: names of the tables to create, including tables of lists. If None, all tables are created.
         `tell`: receives the progress.
 
     Raises:
@@ -38,7 +38,7 @@ def rows_of_bag(
     """
     found = info(bag)
     first_ns = found.start_ns or 0
-    # The session and the names of rooms are always read: without the conditions, no table can be used.
+    # The session and the names of rooms are always read, because no table can be interpreted without them.
     sessions = frozenset(topic.name for topic in found.topics if topic.msgtype == SESSION)
     read = None if topics is None else sessions.union(topics, {ROOMS} & {topic.name for topic in found.topics})
 

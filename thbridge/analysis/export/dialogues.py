@@ -133,7 +133,7 @@ class DialogueTables:
         self._states[game, state.robot, time] = state.json
 
     def pieces(self) -> Iterator[TableRows]:
-        """Yield the tables' rows, with the rows of a game together; none without moves."""
+        """Yield the tables' rows, game by game; without moves there are no rows."""
         if self._turns:
             yield _rows(
                 GAMES,

@@ -60,7 +60,7 @@ def export(
         start_ns: stamp from which `t_s` counts.
         exported: summary to fill; its names of rooms are added next to room numbers.
         games: beginnings of the recording's games. If there are any, each table has a column with the game's number.
-        tables: names of the tables to create, including tables of lists. If None, all tables.
+        tables: names of the tables to create, including tables of lists. If None, all tables are created.
     """
     numbered = _GameNumbers(games, start_ns)
     topics: dict[tuple[str, str, str], TopicTables | None] = {}
@@ -182,7 +182,7 @@ def table_name(topic: str) -> str:
 
 
 def _file_name(topic: str, taken: set[str]) -> str:
-    """Return a table's name that is unique, also without regard to case."""
+    """Return a table's name that is unique even if case is ignored."""
     base = table_name(topic)
     name, number = base, 2
     while name.lower() in taken:

@@ -28,10 +28,10 @@ def export_bag(
         bag: bag, or name of a split recording.
         folder: folder to write; it is created if missing.
         formats: formats of the tables.
-        topics: names of the topics to export. If None, all topics.
+        topics: names of the topics to export. If None, all topics are exported.
         start: start of the export, seconds from the beginning of the recording.
-        until: end of the export, seconds from the beginning of the recording. If None, its end.
-        tables: names of the tables to write, including tables of lists. If None, all tables.
+        until: end of the export, seconds from the beginning of the recording. If None, everything is exported.
+        tables: names of the tables to write, including tables of lists. If None, all tables are written.
         `tell`: receives the progress.
 
     Raises:

@@ -1,7 +1,7 @@
 """The table `poses`: true, estimated and odometry poses of all robots at common times.
 
-Poses are kept until the end of the recording (40 bytes each, all but the latest on disk), because only then it is
-known which topic has the truth and which an estimate. Then the poses of one robot at a time are in memory.
+Poses are kept until the end of the recording (40 bytes each, all but the latest on disk), because the topics of true
+and estimated poses are only known then. After that, memory holds the poses of one robot at a time.
 """
 
 from collections.abc import Iterator

@@ -25,7 +25,7 @@ INDEX = Column("index", "int64", "", "index in its array, from 0")
 EVENT = "event_"
 """Prefix of the names of columns that come from an event's JSON."""
 HAS_COLUMNS = frozenset({"v", "event", "robot", "room"})
-"""Keys of the JSON that get no column, because ROS's numbering has one or they describe the format."""
+"""Keys of the JSON that get no column: other columns have them in ROS's numbering, or they describe the format."""
 LONGEST_TABLE = 200
 """Greatest length of a table's name, without the digest of longer names: file names have at most 255 characters."""
 MOST_FRAMES = 3
@@ -176,7 +176,7 @@ class _TableNode:
         recorded: tuple[NDArray[np.int64], ...],
         keys: "_Keys | None" = None,
     ) -> Iterator[TableRows]:
-        """Yield the tables' rows; `seconds` and `recorded` are times of each row, `keys` those of its parent."""
+        """Yield the tables' rows. `seconds` and `recorded` are the times of each row; `keys` locates array elements."""
         if not self._only_array:
             yield self._own(rows, seconds, recorded, keys)
         for index, items, within in rows.items():
@@ -278,7 +278,7 @@ def _is_plain(value: object) -> bool:
 
 
 def _column(values: list[object]) -> tuple[str, Values]:
-    """Return type and values of a column: numbers if all are numbers, otherwise strings; missing: NaN or None."""
+    """Return type and values of a column: numbers if all are numbers, else strings. Missing values are NaN or None."""
     if all(value is None or (isinstance(value, int | float) and not isinstance(value, bool)) for value in values):
         numbers = [np.nan if value is None else float(str(value)) for value in values]
         return "float64", np.array(numbers, dtype=np.float64)

@@ -1,6 +1,7 @@
 """Layout of a message type, compiled from its definition: blocks of fixed size, strings, and arrays.
 
-A block is copied as a whole, and numpy decodes it later. So the time for a message does not grow with its fields.
+A block is copied as a whole, and numpy decodes it later. So the time for a message does not grow with the number of
+its fields.
 
 Source: ROS wiki, msg (serialization: little-endian; strings and arrays of variable length begin with a uint32, their
 length).

@@ -36,7 +36,7 @@ def draw(what: FigureKind, report: Report, style: FigureStyle) -> Figure | Reque
 
 
 def error(report: Report, style: FigureStyle) -> Figure | None:
-    """Draw the error of the estimated pose, over the standard deviation from the localizer; one row per robot."""
+    """Draw the error of the estimated pose on top of the localizer's standard deviation; one row per robot."""
     shown = [(index, track) for index, track in enumerate(report.tracks) if len(track.errors)]
     if not shown:
         return None

@@ -24,7 +24,7 @@ _THING = "#f0b429"
 def paths(report: Report, style: FigureStyle) -> Figure | None:
     """Draw the map with obstacles and paths: true paths are broad, estimated paths narrow.
 
-    If no poses on the map are known, draw the odometry paths without the map, since each begins at its own origin.
+    If no poses on the map are known, draw the odometry paths without the map, because each path has its own origin.
     """
     placed = any(len(track.truth) or len(track.estimate) for track in report.tracks)
     counted = not placed and any(len(track.odometry) for track in report.tracks)
@@ -35,7 +35,7 @@ def paths(report: Report, style: FigureStyle) -> Figure | None:
     if not seen and grid is None:
         return None
     left, right, bottom, top = _extent(grid, seen)
-    # A legend of robots needs a line, the axis labels another.
+    # The legend of the robots needs one line, and the axis labels need another.
     height = style.width * (top - bottom) / (right - left) + 6.0 * style.font / 72.0
     figure, ((axes,),) = style.figure(min(max(height, 0.3 * style.width), 1.4 * style.width))
     axes.grid(visible=False)

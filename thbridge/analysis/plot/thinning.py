@@ -20,7 +20,7 @@ def simplified(line: FloatArray) -> FloatArray:
 
 
 def peaks(series: FloatArray) -> FloatArray:
-    """Return (k, 2) of a (n, 2) time series: the greatest value of each of at most `POINTS` spans."""
+    """Return a shorter (k, 2) time series: the greatest value in each of at most `POINTS` spans of a (n, 2) series."""
     size = -(-len(series) // POINTS)
     if size <= 1:
         return series

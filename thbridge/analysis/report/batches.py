@@ -1,4 +1,4 @@
-"""Odometry, transforms and velocities as rows of numbers. They are most of a bag, so they are decoded in batches."""
+"""Odometry, transforms and velocities as rows of numbers. They make up most of a bag, so they are read in batches."""
 
 from collections import defaultdict
 from collections.abc import Callable
@@ -20,7 +20,7 @@ MESSAGES = 256
 
 
 class MessageBatches:
-    """Messages that wait for others of their topic.
+    """Messages that wait for others of their topic, to be read together.
 
     Args:
         series: receives their rows.

@@ -29,7 +29,7 @@ class RecordedGame:
         challenges: number of challenges in it and in the games that are paused for it.
         gave_in: "robot" or "human", the side that finally accepted what it had challenged, rejected or denied before
                 in the same situation; empty if neither side did.
-        talk: number of the dialogue of utterances that contains it.
+        talk: number of the dialogue (of utterances) that contains this game.
         parent: number of the game that is paused for it; 0 if there is none.
         topic: topic of the game.
         began: time of its first move, s.
@@ -60,7 +60,7 @@ class RecordedDialogues:
     Attributes:
         games: all dialogue games, robot by robot.
         moves: number of moves by speaker and locution, without those that follow automatically.
-        questions: number of questions that the participant asked in addition to the games.
+        questions: number of questions that the participant asked outside these games.
         overrides: number of decisions against a robot's advice.
         misheard: number of moves that a robot mistook for others.
         strategy_faults: number of moves that a robot chose with its own strategy, because the study's strategy failed.

@@ -16,11 +16,14 @@ such jumps, so the step itself is the criterion."""
 
 
 def corrected(odometry: FloatArray, recorded: FloatArray, corrections: FloatArray) -> FloatArray:
-    """Return (n, 4) time and base in map: odometry poses, each with the last correction known then; others are omitted.
+    """Return (n, 4) time and base in map: each odometry pose with the last correction that was known at its time.
+
+    Odometry poses before the first correction are omitted.
 
     Args:
         odometry: (o, 4) time, x, y, theta.
-        recorded: (o,) times of recording. Corrections are stamped ahead, so only these show which were known.
+        recorded: (o,) times of recording. Corrections are stamped ahead, so only these times show which of them were
+            known.
         corrections: (c, 4) time of recording, x, y, theta of odom in map.
     """
     return _moved(*_with_last(odometry, recorded, corrections))

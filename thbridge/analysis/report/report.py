@@ -65,24 +65,24 @@ class WayMade:
 class Track:
     """Data of one robot.
 
-        Attributes:
-            name: name for programs: "robot1", from its namespace.
-            truth: (n, 4) time, x, y, theta of its true pose in the map.
-            estimate: (m, 4) time, x, y, theta of its estimated pose in the map.
-            errors: (m, 3) time, distance (m) and absolute angle (rad) between the two; empty if either is missing.
-            energy: (k, 2) time, energy left, in the game's units, or in percent if the bag has only that.
-            attempts: drives to goals, in order.
-            distance: distance driven, meters: from the truth if known, otherwise the estimate, otherwise odometry.
-            odometry: (o, 4) time, x, y, theta in the frame of odometry.
-            speeds: (o, 3) time, m/s, rad/s from odometry messages; empty if odometry is only in tf.
-            commands: (c, 3) time, m/s, rad/s of commanded speeds.
-            deviations: (d, 3) time, standard deviations of position (m) and heading (rad) that the localizer reports.
-            sources: sentences about the topics that were used, for people.
-    `carried`: (p,) times at which the robot was picked up and moved.
-            relocated: (q,) times at which its localizer found it elsewhere, or its odometry was reset.
-            ways_made: times in which it made way for others, in order.
-            reset: (r,) times at which its odometry was reset.
-            faults: sentences about poses that are not a motion of a robot.
+    Attributes:
+        name: name for programs: "robot1", from its namespace.
+        truth: (n, 4) time, x, y, theta of its true pose in the map.
+        estimate: (m, 4) time, x, y, theta of its estimated pose in the map.
+        errors: (m, 3) time, distance (m) and absolute angle (rad) between truth and estimate; empty if one is missing.
+        energy: (k, 2) time, energy left, in the game's units, or in percent if the bag has only that.
+        attempts: drives to goals, in order.
+        distance: distance driven, meters: from the truth if known, otherwise the estimate, otherwise odometry.
+        odometry: (o, 4) time, x, y, theta in the frame of odometry.
+        speeds: (o, 3) time, m/s, rad/s from odometry messages; empty if odometry is only in tf.
+        commands: (c, 3) time, m/s, rad/s of commanded speeds.
+        deviations: (d, 3) time, standard deviations of position (m) and heading (rad) that the localizer reports.
+        sources: sentences about the topics that were used, for people.
+        `carried`: (p,) times at which the robot was picked up and moved.
+        relocated: (q,) times at which its localizer found it elsewhere, or its odometry was reset.
+        ways_made: times in which it made way for others, in order.
+        reset: (r,) times at which its odometry was reset.
+        faults: sentences about poses that cannot be the motion of a robot.
     """
 
     name: str
@@ -131,7 +131,7 @@ class TimelineEntry:
     Attributes:
         time: seconds.
         kind: kind of the event in words, or "said" for an utterance.
-        who: label of a robot, "participant to" one, or empty.
+        who: label of a robot, "participant to" and a robot's label, or empty.
         room: number of the room, or None.
         text: text for people.
         points: points won or lost; None for events without points.

@@ -1,4 +1,4 @@
-"""Poses of a recording in the order of their times, with jumps that are not a motion of a robot."""
+"""Poses of a recording in the order of their times, with jumps that cannot be the motion of a robot."""
 
 from dataclasses import dataclass
 
@@ -12,7 +12,7 @@ LATEST, EARLIEST = 10.0, -0.25
 """Greatest and least time from the stamp of a message to its recording, seconds, if one clock sets both: tf2 keeps
 transforms for 10 s, and a recorder that uses /clock lags by up to one period of it."""
 RECORDED, STAMPED = 0, 1
-"""Columns of the times in rows of time of recording, stamp, x, y, theta."""
+"""Columns of the two times in rows (time of recording, stamp, x, y, theta)."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -33,7 +33,7 @@ class SoundPath:
 
 
 def unfit_stamps(rows: FloatArray) -> str | None:
-    """Return a clause why stamps cannot be compared with those of other topics. If None, they can be compared.
+    """Return, as a clause, why stamps cannot be compared with those of other topics, or None if they can.
 
     Args:
         rows: (n, 5) time of recording, stamp (NaN where it is 0), x, y, theta.
@@ -58,7 +58,8 @@ def sound_path(rows: FloatArray, by_stamp: bool, believed: bool = False) -> Soun
     Args:
         rows: see `unfit_stamps`, in the order of recording.
         by_stamp: True to use stamps as times, False to use times of recording.
-        believed: True if the poses are a robot's belief, which may be wrong: only those with an odd stamp are omitted.
+        believed: True if the poses are a robot's belief, which may be wrong. Then only poses with an odd stamp are
+            omitted.
     """
     times = rows[:, STAMPED if by_stamp else RECORDED]
     sound = sound_poses(_nanoseconds(rows[:, RECORDED]), _nanoseconds(times), rows[:, 2:])

@@ -42,7 +42,7 @@ BASES = ("base_footprint", "base_link")
 
 
 MOST_POSES = 500_000
-"""Greatest number of poses of all robots' paths in a report; of longer recordings, every n-th pose is kept."""
+"""Greatest number of poses of all robots' paths in a report; from longer recordings, every n-th pose is kept."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,19 +95,19 @@ class PoseSeries:
 class SeriesByTopic:
     """Data of robots over time, by topic.
 
-        Attributes:
-            named: topics of one robot's trajectories, if the user named them; then it is the only robot.
-            spool: storage of the numbers.
-            odometry: poses of type nav_msgs/Odometry.
-            poses: poses of types geometry_msgs/PoseWithCovarianceStamped and PoseStamped.
-            edges: transforms whose parent is a map or odometry, by namespace of the tf topic, parent and child.
-            energy: rows of time, energy left.
-            commands: rows of time, m/s, rad/s.
-            goals: ids of the current goals, with the time when they were set.
-            attempts: goals that ended.
-    `carried`: times at which a robot was picked up and moved, by the name of the robot.
-            ways_made: times in which robots made way for others.
-            left_out: number of rows that `plausible` omitted, by topic.
+    Attributes:
+        named: topics of one robot's trajectories, if the user named them; then it is the only robot.
+        spool: storage of the numbers.
+        odometry: poses of type nav_msgs/Odometry.
+        poses: poses of types geometry_msgs/PoseWithCovarianceStamped and PoseStamped.
+        edges: transforms whose parent is a map or odometry, by namespace of the tf topic, parent and child.
+        energy: rows of time, energy left.
+        commands: rows of time, m/s, rad/s.
+        goals: ids of the current goals, with the time when they were set.
+        attempts: goals that ended.
+        `carried`: times at which a robot was picked up and moved, by the name of the robot.
+        ways_made: times in which robots made way for others.
+        left_out: number of rows that `plausible` omitted, by topic.
     """
 
     named: TrajectoryTopics = FOUND_BY_NAME
@@ -214,7 +214,7 @@ class _Paths:
     """Poses of one robot over time, as in `Track`.
 
     Attributes:
-        faults: sentences about poses that are not a motion of a robot.
+        faults: sentences about poses that cannot be the motion of a robot.
     """
 
     truth: SoundPath
@@ -348,7 +348,7 @@ class _Sources:
         }
 
     def _take(self, what: str, *choices: tuple[Mapping[str, PoseSeries], tuple[str, ...]]) -> _Taken:
-        """Return the poses with the most usual name in the first choice that has any; without rows if no choice has."""
+        """Return the poses with the most usual name in the first choice that has poses, or no rows without any."""
         for candidates, usual in choices:
             if names := usual_first(candidates, usual):
                 others = f"; other topics: {', '.join(names[1:])}" if len(names) > 1 else ""

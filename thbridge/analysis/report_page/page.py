@@ -89,7 +89,7 @@ def _part(report: Report, several: bool) -> dict[str, object]:
 
 
 def _shown(track: Track) -> Track:
-    """Return a track without the data that no figure of the page shows, which are a large share of it."""
+    """Return a track without the data that no figure of the page shows. They are a large share of a track."""
     placed = len(track.truth) or len(track.estimate)
     nothing = np.empty((0, 4))
     return replace(track, speeds=nothing, commands=nothing, odometry=nothing if placed else track.odometry)
@@ -166,7 +166,7 @@ def _robot_row(index: int, track: Track) -> dict[str, str]:
 
 
 def _dialogues(recorded: RecordedDialogues) -> dict[str, object] | None:
-    """Return the part about argumentation dialogues: games by kind and opener, moves by locution; None without any."""
+    """Return the part about argumentation dialogues (games by kind and opener, moves by locution), or None if none."""
     if not recorded.games:
         return None
     kinds = sorted({(game.kind, game.opener) for game in recorded.games})

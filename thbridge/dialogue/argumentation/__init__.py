@@ -1,1 +1,1 @@
-"""Arguments, their attacks on each other, and the sets that stand; pure, and independent of the game."""
+"""Arguments, their attacks on each other, and sets that can be accepted together; independent of the hunt."""

@@ -1,8 +1,8 @@
 """Arguments from beliefs, their attacks and their support for each other (Sklar and Azhar 2015, JHRI 4(3), section 3).
 
-An argument is a support and a conclusion. The support is a consistent part of the beliefs that derives the conclusion,
-and no part of it can be left out. A support derives a rule if it derives the rule's conclusion when the rule's premises
-are granted; so the premises themselves are no part of the support.
+An argument is a support and a conclusion. The support is a consistent subset of the beliefs that derives the
+conclusion, and no belief in it can be left out. A support derives a rule if it derives the rule's conclusion when the
+rule's premises are granted. So the premises themselves do not belong to the support.
 """
 
 from collections.abc import Callable, Collection, Iterator, Sequence
@@ -78,17 +78,17 @@ def arguments_for(
 
 
 def rebuts(one: Argument, other: Argument) -> bool:
-    """Return True if the conclusions are opposed. Conclusions that are rules never are: no literal denies a rule."""
+    """Return True if the conclusions are opposed. Rules are never opposed, because no literal denies a rule."""
     return isinstance(other.conclusion, Literal) and _denies(one, other.conclusion)
 
 
 def undermines(one: Argument, other: Argument) -> bool:
-    """Return True if the conclusion of one is opposed to a belief on which the other rests."""
+    """Return True if the conclusion of `one` is opposed to a belief in the support of `other`."""
     return any(_denies(one, premise) for premise in other.premises)
 
 
 def p_supports(one: Argument, other: Argument) -> bool:
-    """Return True if the other rests on the conclusion of one."""
+    """Return True if the conclusion of `one` is in the support of `other`."""
     return one.conclusion in other.support
 
 
@@ -116,7 +116,7 @@ def framework_of(
 
 
 def _derivation(conclusion: Belief) -> tuple[frozenset[Literal], Literal]:
-    """Return the granted literals, and the one that a support derives with them; for a literal, nothing is granted."""
+    """Return the granted literals, and the literal that a support derives with them. Literals need no granted ones."""
     if isinstance(conclusion, Literal):
         return frozenset(), conclusion
     granted = frozenset(part for premise in conclusion.premises for part in (premise, *premise.parts))

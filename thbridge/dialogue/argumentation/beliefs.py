@@ -16,7 +16,7 @@ class Source(StrEnum):
     TOLD = "told"
     """Stated by another agent, who may have seen more."""
     COMPUTED = "computed"
-    """From maps and plans, which contain nothing new."""
+    """Computed from maps and plans, which contain no new observations."""
     WISHED = "wished"
     """Stated as a wish, without another reason."""
     DECIDED = "decided"
@@ -46,7 +46,7 @@ class Origin:
 
     @property
     def weight(self) -> tuple[int, float, float]:
-        """Sort key of origins by value: a trusted source, then high confidence, then a recent observation."""
+        """Sort key of origins: by trust in the source, then by confidence, then by time of the observation."""
         return _TRUST[self.source], self.confidence, self.at
 
 
@@ -93,7 +93,7 @@ class Beliefs:
         return arguments_for(conclusion, self.origins, self.rules, lambda literal: self.origins[literal].is_evidence)
 
     def gaining(self, belief: Belief, origin: Origin) -> "Beliefs":
-        """Return the beliefs with one more, and without those that it opposes."""
+        """Return the beliefs with one more belief, and without the beliefs that are opposed to it."""
         if isinstance(belief, Rule):
             return self if belief in self.rules else replace(self, rules=(*self.rules, belief))
         gained = self.losing(other for other in self.origins if opposed(other, belief)).origins
@@ -106,7 +106,7 @@ class Beliefs:
 
     @property
     def prefers(self) -> Preference:
-        """Preference for the argument with the better origin of its weakest premise.
+        """Preference for the argument whose weakest premise has the better origin.
 
         Unknown premises are the weakest.
         """

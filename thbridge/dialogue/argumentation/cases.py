@@ -48,12 +48,12 @@ class DialogueCase:
 
 
 def case_of(robot: Stance, human: Stance) -> DialogueCase:
-    """Return the case of a robot's opinion on a proposition, and the opinion that it takes the human to have."""
+    """Return the case of two opinions on a proposition: the robot's, and the one that it thinks the human has."""
     return _CASES[robot, human]
 
 
 def case_of_choices(robot: Iterable[str], human: Iterable[str], choices: Iterable[str]) -> DialogueKind:
-    """Return the dialogue that follows from two choices among the same things, as wholes.
+    """Return the kind of dialogue that follows from two choices among the same things.
 
     A chosen thing is believed, the others are disbelieved; a side without a choice does not know. Choices that agree
     only in part count as disagreement.

@@ -51,7 +51,7 @@ def extensions_by_clingo(framework: ArgumentationFramework, semantics: Semantics
     if semantics is Semantics.GROUNDED:
         return extensions(framework, semantics)
     program, options = _PROGRAMS[semantics]
-    # clingo would report on standard error that there is nothing to decide, which is no fault.
+    # clingo would report on standard error that there is nothing to decide, although this is no fault.
     control = clingo.Control(["--models=0", *options], logger=lambda _code, _message: None)
     control.add(_COMMON + program + _facts(framework))
     control.ground()
@@ -61,7 +61,7 @@ def extensions_by_clingo(framework: ArgumentationFramework, semantics: Semantics
         places = (symbol.arguments[0].number for symbol in model.symbols(shown=True))
         found.append(frozenset(framework.arguments[place] for place in places))
 
-    # It solves in a thread of its own, so that this thread can be interrupted.
+    # clingo solves in a separate thread, so that this thread can be interrupted.
     with control.solve(on_model=keep, async_=True) as solving:
         while not solving.wait(_LOOK_UP):
             pass

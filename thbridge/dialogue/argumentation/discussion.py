@@ -1,11 +1,11 @@
-"""Grounded discussion game: a dispute that shows why an argument stands or not.
+"""Grounded discussion game: a dispute that shows why an argument is in the grounded extension or not.
 
 Source: Caminada 2015, A Discussion Game for Grounded Semantics, TAFA.
 
-A proponent states that an argument has to be so (HTB); an opponent states that an attacker of it can be so (CB); the
-proponent then attacks the attacker. The opponent concedes arguments that have no attacker left, and retracts arguments
-that a conceded one attacks. No argument may be stated twice. The proponent can win exactly for the arguments in the
-grounded extension.
+A proponent states that an argument has to be the case (HTB). An opponent states that an attacker of this argument can
+be the case (CB). The proponent then attacks the attacker. The opponent concedes arguments that have no attacker left,
+and retracts arguments that a conceded argument attacks. No argument may be stated twice. The proponent can win exactly
+for the arguments in the grounded extension.
 """
 
 from collections.abc import Sequence
@@ -65,8 +65,8 @@ def discuss(framework: ArgumentationFramework, argument: str) -> Discussion:
     labels, steps = grounded_labels(framework), grounded_steps(framework)
 
     def rank(move: DiscussionMove) -> tuple[int, int]:
-        # The best moves of both sides are about grounded arguments, then about undecided ones. An argument that was
-        # grounded first rests on none that was grounded later, so that nothing has to be stated twice.
+        # The best moves of both sides are about grounded arguments, then about undecided ones. An argument does not
+        # depend on arguments that were grounded after it, so nothing has to be stated twice.
         place = framework.index[move.argument]
         return (IN, UNDECIDED, OUT).index(labels[place]), steps[place] or 0
 

@@ -1,4 +1,4 @@
-"""Propositions, which hold or not, and rules from some of them to another."""
+"""Propositions, which hold or do not hold, and rules that derive one proposition from others."""
 
 from dataclasses import dataclass
 
@@ -24,7 +24,7 @@ class Proposition:
 
 @dataclass(frozen=True, slots=True)
 class Literal:
-    """A proposition, or that it does not hold.
+    """A proposition or its negation.
 
     Attributes:
         proposition: the proposition.
@@ -39,9 +39,9 @@ class Literal:
 
     @property
     def parts(self) -> "tuple[Literal, ...]":
-        """The literals that it stands for.
+        """The literals that it consists of.
 
-        These are the parts of a conjunction, or for its opposite, the negation of each part.
+        For a conjunction, these are its parts. For the opposite of a conjunction, they are the negations of its parts.
         """
         return tuple(part if self.holds else ~part for part in self.proposition.parts)
 

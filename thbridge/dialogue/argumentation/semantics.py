@@ -1,8 +1,9 @@
-"""Extensions, the sets of arguments that stand together: grounded, complete, preferred and stable ones, exactly.
+"""Extensions: sets of arguments that can be accepted together.
 
-Grounded extensions take time linear in the number of attacks. The others are found as labelings (Caminada 2006, On the
-Issue of Reinstatement in Argumentation): an argument is in if all its attackers are out, out if one of them is in, and
-otherwise undecided. The search keeps the possible labels of each argument, and draws all conclusions before it guesses.
+Grounded, complete, preferred and stable extensions are computed exactly. Grounded extensions take time linear in the
+number of attacks. The others are found as labelings (Caminada 2006, On the Issue of Reinstatement in Argumentation): an
+argument is in if all its attackers are out, out if one of them is in, and otherwise undecided. The search keeps the
+possible labels of each argument, and draws all conclusions before it guesses.
 """
 
 from collections import deque
@@ -12,7 +13,7 @@ from enum import StrEnum
 from thbridge.dialogue.argumentation.framework import ArgumentationFramework
 
 Extension = frozenset[str]
-"""Arguments that stand together."""
+"""Set of arguments that can be accepted together."""
 
 IN, OUT, UNDECIDED = 1, 2, 4
 """Labels, as bits of the set of possible labels of an argument."""
@@ -20,7 +21,7 @@ _ANY = IN | OUT | UNDECIDED
 
 
 class Semantics(StrEnum):
-    """Definition of sets of arguments that stand together, with the names of the solver competitions (ICCMA)."""
+    """Definition of extensions, with the names that solver competitions (ICCMA) use."""
 
     GROUNDED = "GR"
     COMPLETE = "CO"
@@ -29,7 +30,7 @@ class Semantics(StrEnum):
 
 
 def extensions(framework: ArgumentationFramework, semantics: Semantics) -> tuple[Extension, ...]:
-    """Return all extensions, in the order of the indices of their arguments; only stable semantics can have none."""
+    """Return all extensions, in the order of their arguments' indices. Only stable semantics may have no extension."""
     return in_order(framework, _FINDERS[semantics](framework))
 
 
@@ -51,7 +52,7 @@ def grounded_labels(framework: ArgumentationFramework) -> list[int]:
 def grounded_steps(framework: ArgumentationFramework) -> list[int | None]:
     """Return, for each index, the step in which the argument came in or was put out.
 
-    In step k, one argument comes in after k others, and puts out those that it attacks. Undecided ones have None.
+    In step k, one argument comes in after k others, and puts out those that it attacks. Undecided arguments have None.
     """
     return _grounded(framework)[1]
 

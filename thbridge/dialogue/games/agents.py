@@ -117,6 +117,6 @@ class Agent:
 
 
 def _tells(held: Literal, proposition: Proposition) -> bool:
-    """Return True if an agent that holds the one has an opinion on the other."""
+    """Return True if an agent that holds the literal has an opinion on the proposition."""
     yes = Literal(proposition)
     return opposed(held, yes) or opposed(held, ~yes)

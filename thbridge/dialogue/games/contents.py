@@ -70,7 +70,7 @@ class DialogueMove:
 
     def __str__(self) -> str:
         text = str(self.content)
-        # An argument and not knowing have their own brackets.
+        # The texts of arguments and of `Unknown` already have brackets.
         return f"{self.locution}{text}" if isinstance(self.content, Argument) else f"{self.locution}({text})"
 
 

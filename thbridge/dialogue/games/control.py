@@ -51,7 +51,7 @@ class Conversation:
         plays: all dialogues, including ended ones, in order of opening.
         record: all utterances, in order.
         able: returns True if a side is assumed to be able to answer about a proposition.
-        since: number of dialogues that belong to a past situation: their used-up replies may be used again.
+        since: number of dialogues that belong to a past situation; replies that were used up in them may be used again.
     """
 
     rulebook: Rulebook
@@ -87,7 +87,7 @@ class Conversation:
         return play if play.end is not None and play.in_question is not None and goes_on else None
 
     def case(self, proposition: Proposition) -> DialogueCase:
-        """Return the case of the robot's opinion on a proposition, and the opinion that it takes the person to have."""
+        """Return the case of two opinions on a proposition: the robot's, and the one that it thinks the person has."""
         robot = self.agents[Side.ROBOT]
         return case_of(robot.beliefs.stance(proposition), robot.picture.stance(proposition))
 
@@ -101,8 +101,8 @@ class Conversation:
         Args:
             side: the side that opens it.
             proposition: the proposition that it is about.
-            parent: number of a dialogue in which it is this side's turn, or `refused` if this side is its defender;
-                that dialogue then waits.
+            parent: number of the dialogue that will wait for the new one. It must be this side's turn there, or it
+                must be `refused` with this side as its defender.
         """
         case = self.case(proposition)
         yes = Literal(proposition)
@@ -165,7 +165,7 @@ class Conversation:
         return self._after(self.play(number), move, at)
 
     def withdraw(self, number: int) -> "Conversation":
-        """Return the conversation after the end of a dialogue with a past matter, and of all dialogues inside it."""
+        """Return the conversation after ending a dialogue about a past matter, and all dialogues inside it."""
         now = self._with(self.play(number).ended(DialogueEnd.WITHDRAWN))
         for inner in self.open_plays:
             if inner.parent == number:

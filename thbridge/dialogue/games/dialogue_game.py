@@ -38,9 +38,10 @@ class GamePlay:
         argument: the argument that was stated as a whole; None without one.
         moves: all moves so far, with their speakers.
         barred: openings, each with a reply that an earlier dialogue has used up.
-        resumes: name of the state in which it resumes if the refusal that ended it is questioned. If None, it cannot
-            be.
-        put_off: the end that a refusal causes; postponed from the question until another move is made.
+        resumes: name of the state in which it resumes if the refusal that ended it is questioned. If None, the refusal
+            cannot be questioned.
+        put_off: the end that a refusal causes, while it is postponed: from the question about the refusal until
+            another move is made.
         end: its end; None while it continues.
     """
 
@@ -91,7 +92,7 @@ class GamePlay:
         return self.questions_refusal and self.end is DialogueEnd.AGREEMENT and self.claim == self.topic
 
     def ended(self, end: DialogueEnd) -> "GamePlay":
-        """Return the dialogue after an end without a move; a questioned refusal then stands."""
+        """Return the dialogue after an end without a move; a questioned refusal then counts."""
         return replace(self, end=self.put_off or end)
 
     def questioned(self) -> "GamePlay":
@@ -134,7 +135,7 @@ def legal_replies(play: GamePlay, agents: Agents, rulebook: Rulebook, able: Able
 
 
 def is_last_support(play: GamePlay, agents: Agents, support: Belief | None = None) -> bool:
-    """Return True if no support is left for the claim after this one. If `support` is None, in the present position."""
+    """Return True if the claim needs no more support after `support`; None means that no support is added."""
     offered = play.offered if support is None else (*play.offered, support)
     return any(not due for _, due in _cases_made(replace(play, offered=offered), agents))
 

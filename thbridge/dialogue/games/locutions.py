@@ -23,10 +23,13 @@ Able = Callable[[Proposition], bool]
 class Locution:
     """Definition of a locution with one kind of content.
 
-    name: its name, as written.
-        name: as it is written. content: kind of its content. before: names of the conditions for a program.
-        before_person: names of the conditions for a person. after: names of the effects. of: slot that this form is
-        for. If None, it is for all slots without a form of their own.
+    Attributes:
+        name: its name, as written in files.
+        content: kind of its content.
+        before: names of the conditions for a program.
+        before_person: names of the conditions for a person.
+        after: names of the effects.
+        of: slot to which this form applies. If None, it applies to all slots without a form of their own.
     """
 
     name: str
@@ -212,7 +215,7 @@ CONDITIONS: Mapping[str, Precondition] = {
         "neither side is thought to believe the conclusion of the rule", _consequence_open
     ),
 }
-"""Conditions by name. "Taken to" refers to the speaker's picture of the listener."""
+"""Conditions by name. "Taken to" and "thinks" refer to the speaker's picture of the listener."""
 
 CONTRADICTIONS = (("held", "not held"), ("argued", "not argued"), ("news", "attributed"))
 """Pairs of conditions that never hold together."""
@@ -256,7 +259,7 @@ def _concludes(accepter: Agent, proposer: Agent, move: DialogueMove, at: float) 
 
 
 def _with_rule(agent: Agent, rule: Rule, at: float) -> Agent:
-    """Return an agent that holds a rule and takes the other to hold it; each side that can draws the conclusion."""
+    """Return an agent that holds a rule and takes the other to hold it. A side that can apply the rule does so."""
     beliefs = agent.beliefs.gaining(rule, Origin(Source.TOLD, at))
     if all(premise in beliefs for premise in rule.premises):
         beliefs = beliefs.gaining(rule.conclusion, Origin(Source.COMPUTED, at))

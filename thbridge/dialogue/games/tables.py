@@ -50,9 +50,9 @@ class Reply:
         locution: name of the locution.
         slot: content of the reply.
         next: name of the next state, or of the end.
-        last: the same, if the listener already has all support. If None, it is the same as `next`.
-        questioned: for a refusal of support, which ends the game: name of the state in which the game continues instead
-            if the defender questions the refusal. If None, it cannot be questioned.
+        last: name of the next state, or of the end, if the listener already has all support. If None, it is `next`.
+        questioned: only for a refusal of support, which ends the game. If the defender questions the refusal, the game
+            continues in the state of this name. If None, the refusal cannot be questioned.
     """
 
     locution: str
@@ -85,7 +85,7 @@ class GameTable:
 
     Attributes:
         name: name of the game.
-        about: a literal, which is an affirmed or denied proposition, or a rule.
+        about: kind of topic: a literal (an affirmed or denied proposition), or a rule.
         opening: name of the first state, in which the initiator makes one statement about the topic.
         stages: states by name.
         most_turns: number of moves after which no other move is legal.

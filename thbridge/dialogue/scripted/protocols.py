@@ -27,13 +27,14 @@ class DialogueProtocol(Protocol):
 class TemplateProtocol:
     """The 2016 dialogue: the robot asks the scripted questions in order, the person continues or stops.
 
-    There is consensus if every question got its Continue; without questions, at once.
+    There is consensus if the person answered every question with Continue; without questions, there is consensus at
+    once.
     """
 
     template: Template
 
     def outcome(self, dialogue: Dialogue) -> DialogueOutcome | None:
-        """Return the outcome: Stop ends without consensus, the last Continue with it."""
+        """Return the outcome: no consensus after Stop, consensus after the last Continue."""
         if dialogue.turns and dialogue.turns[-1].move == Stop():
             return DialogueOutcome.NO_CONSENSUS
         agreed = sum(turn.move == Continue() for turn in dialogue.turns)

@@ -27,8 +27,8 @@ class Template:
     Attributes:
         name: first line of the file, a description.
         questions: questions of each scenario, in order; without questions, a scenario is agreed at once.
-        answers: by scenario, texts of the buttons that agree and refuse; other scenarios have the language's, as in
-            2016.
+        answers: by scenario, texts of the buttons that agree and refuse; other scenarios have the language's texts, as
+            in 2016.
     """
 
     name: str

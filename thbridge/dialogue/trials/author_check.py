@@ -86,7 +86,7 @@ def try_author(
             try:
                 request = request_of(wording, move, Side.ROBOT, condition=DialogueCondition.COLLABORATOR, chance=chance)
             except ValueError:
-                # A lab's own locution can be without words so far.
+                # A lab's own locution may not have words yet.
                 continue
             trial.judge(partial(ask_author, author, request))
     return trial

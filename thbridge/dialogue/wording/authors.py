@@ -61,7 +61,7 @@ class WordingRequest:
         grammar: grammar of the language.
         literals: literals of the move.
         sentence: sentence from the files, which is said if no better one is offered.
-        known: names of rooms, treasures and the like; a sentence may contain them only if that of the files does.
+        known: names such as those of rooms and treasures; an offer may contain them only if `sentence` does.
     """
 
     move: DialogueMove
@@ -175,8 +175,8 @@ def judge_sentence(sentence: object, request: WordingRequest) -> SentenceRefusal
     """Return the reason why a sentence is refused for a move, or None if it is accepted.
 
     Its numbers, names, negations and the words that the language declares as bound must be those of the files'
-    sentence, in the same order: `100 is less than 1000` is not `1000 is less than 100`. Clauses must be separated by
-    punctuation where those of the files are. Nothing else of the meaning is checked.
+    sentence, in the same order: `100 is less than 1000` is not `1000 is less than 100`. Punctuation must separate
+    clauses where it does in the files' sentence. Nothing else of the meaning is checked.
     """
     if not isinstance(sentence, str):
         return SentenceRefusal(RefusalReason.NO_TEXT, f"it is no text: a {type(sentence).__name__}")
@@ -195,7 +195,7 @@ def judge_sentence(sentence: object, request: WordingRequest) -> SentenceRefusal
 
 
 def longest_sentence(sentence: str) -> int:
-    """Return the largest length of a sentence in place of another one, in characters."""
+    """Return the largest length, in characters, of a sentence that replaces another one."""
     return 2 * len(sentence) + 80
 
 

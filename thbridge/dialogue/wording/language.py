@@ -13,7 +13,7 @@ from thbridge.hunt.treasures import name_in_words
 
 
 class AboutRobot(StrEnum):
-    """Robot that a proposition is about, as seen from the one that takes part in the dialogue."""
+    """Robot that a proposition is about, as seen from the robot that takes part in the dialogue."""
 
     SELF = "self"
     OTHER = "other"
@@ -117,7 +117,7 @@ class PhraseWording:
 
     @property
     def narrowing(self) -> tuple[object, ...]:
-        """Conditions of this entry, the most important first; None if it has none of a kind."""
+        """Conditions of this entry, the most important first. A condition that it does not have is None."""
         return self.robot, self.speaker
 
 
@@ -147,7 +147,7 @@ class MoveWording:
 
     @property
     def narrowing(self) -> tuple[object, ...]:
-        """Conditions of this entry, the most important first; None if it has none of a kind."""
+        """Conditions of this entry, the most important first. A condition that it does not have is None."""
         return self.condition, self.of, self.holds, self.robot
 
 

@@ -157,7 +157,7 @@ class Texts:
 
 
 def counted(number: float) -> int:
-    """Return a whole number with the plural form of a number with decimals: fractions have the form of several."""
+    """Return a whole number with the same plural form as a number. Fractions have the plural form of several things."""
     return round(number) if round(number, 2).is_integer() else 2
 
 

@@ -161,23 +161,23 @@ class _Clauses:
                 return {"support": self.wording.language.grammar.all_of(said), "conclusion": self.belief(conclusion)}
 
     def belief(self, belief: Belief) -> str:
-        """Clause for a literal or a rule."""
+        """Return the clause for a literal or a rule."""
         return self.rule(belief) if isinstance(belief, Rule) else self.of(belief)
 
     def rule(self, rule: Rule) -> str:
-        """Clause for a rule."""
+        """Return the clause for a rule."""
         words = {"premises": self.all_of(rule.premises), "conclusion": self.of(rule.conclusion)}
         return self.filled(self.wording.language.grammar.rule, words, begins_sentence=False)
 
     def values(self, proposition: Proposition, predicate: Predicate) -> dict[str, str]:
-        """The words for the values of a proposition."""
+        """Return the words for the values of a proposition."""
         words: dict[str, str] = {}
         for name, kind in predicate.values.items():
             words |= self.value(name, kind, getattr(proposition, name))
         return words
 
     def value(self, name: str, kind: ValueKind, value: Value) -> dict[str, str]:
-        """The words for a value."""
+        """Return the words for a value."""
         grammar = self.wording.language.grammar
         match kind, value:
             case ValueKind.ROOM, Room():
@@ -227,7 +227,7 @@ class _Clauses:
         return fill(grammar.rooms[preposition], {"number": self.wording.names.numbered(room.people)})
 
     def number(self, number: float) -> str:
-        """A number, with the decimal sign of the language."""
+        """Return a number, with the decimal sign of the language."""
         return energy_text(number).replace(".", self.wording.language.grammar.decimal)
 
     def filled(self, wording: str, words: Mapping[str, str], *, begins_sentence: bool = True) -> str:
@@ -244,7 +244,7 @@ _BEGINNINGS = {
 }
 """Patterns for text before a capital letter.
 
-The keys are: whether the wording begins a sentence, and whether a capital letter follows a colon.
+A key has two flags: True if the wording begins a sentence, and True if a capital letter follows a colon.
 """
 
 
@@ -269,7 +269,7 @@ _ORDER = {name: place for place, name in enumerate(PREDICATES)}
 
 
 def _subject(content: Content) -> Literal | None:
-    """Return the literal that a content is about, for an argument its conclusion; None for a rule."""
+    """Return the literal that a content is about (for an argument, its conclusion), or None for a rule."""
     match content:
         case Literal():
             return content

@@ -1,4 +1,4 @@
-"""Orders of conditions in which each condition comes equally often at every place and after every other condition.
+"""Orders of conditions in which each condition comes equally often at every position and after every other condition.
 
 Source: Williams, Experimental designs balanced for the estimation of residual effects of treatments (1949).
 """
@@ -11,7 +11,7 @@ Order = tuple[int, ...]
 
 
 def balanced_latin_square(conditions: int) -> tuple[Order, ...]:
-    """Return the orders of a balanced Latin square: as many as conditions, or twice as many for an odd number.
+    """Return the orders of a balanced Latin square: as many as conditions, or twice as many if their number is odd.
 
     Raises:
         ValueError: there are no conditions.
@@ -33,7 +33,7 @@ def balanced_latin_square(conditions: int) -> tuple[Order, ...]:
 
 
 def cyclic_latin_square(conditions: int) -> tuple[Order, ...]:
-    """Return the orders of a plain Latin square: each condition comes at every place once.
+    """Return the orders of a plain Latin square: each condition comes at every position once.
 
     Raises:
         ValueError: there are no conditions.
@@ -44,7 +44,7 @@ def cyclic_latin_square(conditions: int) -> tuple[Order, ...]:
 
 
 def is_balanced(orders: Sequence[Order]) -> bool:
-    """Return True if each condition comes equally often at every place, and directly after every other condition."""
+    """Return True if each condition comes equally often at every position, and directly after every other condition."""
     at = {(place, one): 0 for one in orders[0] for place in range(len(orders[0]))}
     behind = {(one, other): 0 for one in orders[0] for other in orders[0] if one != other}
     for order in orders:

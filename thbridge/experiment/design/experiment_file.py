@@ -29,23 +29,26 @@ MOST_CONDITIONS = 16
 """Largest number of conditions that one person goes through."""
 MOST_PEOPLE = 100_000
 MOST_TRIALS = 64
-"""Number of a person's trials with seeds that practice games avoid."""
+"""Number of trials of a person; practice games avoid the seeds of these trials."""
 LONGEST_TITLE = 200
 """Largest number of letters of a title."""
 LARGEST_SEED = 2**31 - 1
 _OWN_READING = ("base", "within", "between")
-"""Keys with contents that are keys of studies."""
+"""Keys of an experiment that contain keys of studies."""
 
 
 class OrderKind(StrEnum):
     """Rule by which conditions are ordered for each person."""
 
     BALANCED = "balanced"
-    """Balanced Latin square: each condition comes equally often at every place, and equally often after every other."""
+    """Balanced Latin square: each condition comes equally often at every position, and after every other condition."""
     CYCLIC = "cyclic"
-    """Plain Latin square: each condition comes equally often at every place. Odd numbers need half as many orders."""
+    """Plain Latin square: each condition comes equally often at every position.
+
+    An odd number of conditions needs half as many orders as with a balanced square.
+    """
     FIXED = "fixed"
-    """The order of the file."""
+    """The order in the file."""
 
 
 class WhoBegins(StrEnum):
@@ -66,7 +69,7 @@ class RecruitingSection:
 
 @dataclass(frozen=True, slots=True)
 class ExperimentFile:
-    """An experiment as people write it."""
+    """Contents of the file of an experiment."""
 
     title: str = field(metadata={"help": "title of the study"})
     seed: int = param(1, "random seed", "", 0, LARGEST_SEED)
@@ -163,7 +166,7 @@ class ExperimentDesign:
             study for each condition in which the person may play it.
         lines: line of each key and item of the file, by its path.
         form_files: each form with the lines of its file, by the step's index.
-        doubts: possible slips in the files that studies name, if these were read, too.
+        doubts: possible mistakes in the files that studies name, if these files were read, too.
     """
 
     path: Path
@@ -192,7 +195,7 @@ class ExperimentDesign:
     def levels_at(self, cell: int, condition: int | None) -> Mapping[str, str]:
         """Return the level of each factor that a participant of a cell meets in a step.
 
-        Factors within people are left out of steps that belong to no condition.
+        For steps that belong to no condition, factors within people are left out.
         """
         within = {} if condition is None else self.conditions[condition].levels
         return {**self.cells[cell].levels, **within}
@@ -207,7 +210,7 @@ def read_experiment(path: Path, *, with_files: bool = False) -> ExperimentDesign
             start.
 
     Raises:
-        BadFile: it cannot be read, or it has faults; as BadFiles, all faults at once.
+        BadFile: the experiment cannot be read, or it has faults. BadFiles reports all faults at once.
     """
     return experiment_of(path, parse(path, read_text(path)), with_files=with_files)
 
@@ -352,7 +355,7 @@ _FORMS = {StepKind.CHECK, StepKind.FORM}
 
 
 def name_of(index: int, entry: StepEntry) -> str:
-    """Return the name of a step: its own name, or its form's, or its kind with its number in the file."""
+    """Return the name of a step: its own name, the name of its form, or its kind and its number in the file."""
     return entry.name or (Path(entry.form).stem if entry.form else f"{entry.step}_{index + 1}")
 
 

@@ -49,15 +49,14 @@ def plan_of(design: ExperimentDesign, place: Place) -> tuple[PlannedStep, ...]:
 
 
 def _only(design: ExperimentDesign, entry: StepEntry) -> int | None:
-    """Return the condition of a step outside of all conditions. A trial belongs to the condition if there is only
-    one."""
+    """Return the condition of a step outside of all conditions: for a trial, the only condition; otherwise None."""
     return 0 if entry.step is StepKind.TRIAL and len(design.conditions) == 1 else None
 
 
 def repeated_from(plan: Sequence[PlannedStep], check: PlannedStep) -> int:
     """Return the number of the step from which a failed check is repeated.
 
-    It is the last step of the name in `repeat` before the check, or the check itself.
+    It is the last step before the check that has the name in `repeat`, or the check itself.
     """
     named = (step.number for step in reversed(plan[: check.number]) if step.name == check.entry.repeat)
     return next(named, check.number)

@@ -68,7 +68,7 @@ def demands_of(entry: StepEntry, study: Study) -> Mapping[PracticeTerm, float]:
 def practice_problems(
     lines: Mapping[str, int], index: int, entry: StepEntry, studies: Sequence[Study], files: SettingCache | None
 ) -> Iterator[tuple[str, str, str]]:
-    """Yield key, problem and remedy of what no participant can do in a practice game.
+    """Yield key, problem and remedy of each requirement that no participant can meet in a practice game.
 
     Args:
         lines: line of each key of the experiment's file, by its path.

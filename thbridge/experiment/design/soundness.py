@@ -62,7 +62,7 @@ def faults_of(design: ExperimentDesign) -> Iterator[BadFile]:
 
 
 def _of_consent(design: ExperimentDesign) -> Iterator[BadFile]:
-    """Yield faults of a study that would record people who did not give consent, or not yet."""
+    """Yield faults of a study that would record people who have not given consent, or not before the recording."""
     for entry in design.file.steps:
         if entry.step is StepKind.CONSENT and entry.text is not None:
             path = design.path.parent / entry.text
@@ -206,7 +206,7 @@ def _why_never_given(item: Item, answer: str) -> tuple[str, str] | None:
 
 
 def _of_answer_key(design: ExperimentDesign, entry: StepEntry, item: Item) -> Iterator[tuple[str, str]]:
-    """Yield problem and remedy of right answers by condition if a participant meets none of these, or several."""
+    """Yield problem and remedy of right answers by condition if none of them, or several, apply to a participant."""
     factors = _levels_of(design)
     named = dict.fromkeys(key.partition("=")[0] for key in item.correct_by_condition)
     unknown = [factor for factor in named if factor not in factors]

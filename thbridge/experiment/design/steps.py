@@ -54,7 +54,7 @@ class Failed(StrEnum):
     EXCLUDE = "exclude"
     """The run ends and does not count; its place is free again."""
     GO_ON = "go on"
-    """The run continues, marked."""
+    """The run continues and is marked."""
 
 
 class ResumeRule(StrEnum):
@@ -73,7 +73,7 @@ _TERMS = f"the terms are {', '.join(PracticeTerm)}"
 
 @dataclass(frozen=True, slots=True)
 class StepEntry:
-    """A step as it is written in the file of an experiment."""
+    """Contents of a step in the file of an experiment."""
 
     step: StepKind = field(metadata={"help": "what is done in it"})
     name: str = param(

@@ -66,7 +66,7 @@ def export_experiment(
     records = records_of(design, entries, study.root)
     with _writing(folder):
         make_folder(folder)
-    # The hidden folder is inside the target: if this is killed, withdrawals still find its data.
+    # The hidden folder is inside the target: if the program is killed, withdrawals still find the data there.
     with new_folder(folder, "choose another folder with --to", empty=True) as new:
         register_export(study, folder)
         return _write_export(study, records, new, versions, changed)
@@ -80,10 +80,10 @@ def remake_export(
     versions: Mapping[str, str],
     changed: Sequence[str] | None,
 ) -> tuple[Path, ...]:
-    """Write an export again in its place, with the same events of the log except those deleted since.
+    """Write an export again in the same folder, with the same events of the log except those deleted since.
 
-    Its tables and texts, and the results of its scripts, are replaced or deleted; changed scripts are kept. If this is
-    interrupted, the old manifest still exists.
+    Its tables and texts, and the results of its scripts, are replaced or deleted; changed scripts are kept. If the
+    program is interrupted, the old manifest still exists.
 
     Returns:
         Files and folders in it that do not belong to an export; they are unchanged.
@@ -107,7 +107,7 @@ def remake_export(
         for name in ("results", "data", "tables"):
             if (folder / name).is_dir():
                 shutil.rmtree(folder / name)
-        # The manifest comes last: as long as it is the old one, this can be repeated.
+        # The manifest comes last: as long as the old one exists, the export can be written again.
         for path in sorted(new.iterdir(), key=lambda path: path.name == MANIFEST):
             if path.name == MANIFEST:
                 sync_folder(folder)

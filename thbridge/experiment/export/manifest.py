@@ -85,8 +85,8 @@ def _contents(export: Path) -> Mapping[str, object]:
     """Return the contents of a manifest; empty if it does not exist or is damaged."""
     try:
         contents = json_of(text_of(export / MANIFEST, content_of(export / MANIFEST, _LARGEST)))
-        # With one wrong letter, an id would match no one, and a withdrawn person's data would stay. Older files have no
-        # sum.
+        # An id with one wrong letter would match no person, and a withdrawn person's data would stay. Older files have
+        # no checksum.
         if "sum" in contents and contents.pop("sum") != _sum(contents):
             return {}
     except (OSError, BadFile, ValueError, TypeError, AttributeError):

@@ -66,7 +66,7 @@ def records_of(
         design: the experiment.
         entries: entries of its log.
         root: folder of the experiment. If None, the folder of its file.
-        last: number of the last event that counts. If None, the last event of the log. Later withdrawals still apply.
+        last: number of the last event that counts. If None, all events count. Later withdrawals still apply.
 
     Raises:
         BadHistory: the log does not belong to this experiment.

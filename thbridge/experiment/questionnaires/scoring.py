@@ -34,7 +34,7 @@ def right_answer(item: Item, levels: Mapping[str, str]) -> Answer | None:
 
 
 def is_right(item: Item, answer: object, levels: Mapping[str, str]) -> bool | None:
-    """Return True for a right answer and False for a wrong one; None if neither exists. Text may differ in case."""
+    """Return True for a right answer and False for a wrong one; None if neither exists. In texts, case is ignored."""
     right = right_answer(item, levels)
     if right is None:
         return None
@@ -125,7 +125,7 @@ def _omega(covariance: FloatArray) -> float:
 
 
 def _one_factor(correlation: FloatArray) -> FloatArray:
-    """(k,) loadings of the one factor with the least sum of squared residual correlations.
+    """Return the (k,) loadings of the one factor with the least sum of squared residual correlations.
 
     One loading after the other is set to its best value for given other loadings, until none changes.
     """

@@ -1,7 +1,7 @@
 """Power of an experiment: the share of rehearsals in which its main test finds an effect, by the number of people.
 
 Each rehearsal is run twice: with all effects of its people's file, and without the effects on the tested score. The
-share of significant results without these effects shows whether the test keeps its level.
+share of significant results without these effects shows whether the test keeps its significance level.
 """
 
 import functools
@@ -112,7 +112,7 @@ class PowerEstimate:
 
     @property
     def share(self) -> float:
-        """The share."""
+        """Share of rehearsals with a significant result."""
         return self.found / self.rehearsals
 
     @property
@@ -186,7 +186,7 @@ def _rehearsed(people: SimulatedPeople, task: PowerTask) -> dict[int, float | No
     )
     found = {}
     for number in question.people:
-        # Places are given in their order, so these would have been all people of a smaller experiment.
+        # Places are given in order, so a smaller experiment would have had exactly these people.
         some = [run for run in counted if run.place.number < number]
         value = _p_value(design, some, scores, question.factor)
         found[number] = None if math.isnan(value) else value

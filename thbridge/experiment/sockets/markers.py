@@ -21,7 +21,7 @@ from thbridge.experiment.store.events import Clocks, LoggedEvent
 STREAM, STREAM_TYPE = "thbridge", "Markers"
 """Name and type of the stream."""
 MOST_WAITING = 2000
-"""Largest number of markers waiting to be sent; the newest beyond it are dropped."""
+"""Largest number of markers waiting to be sent; when it is reached, new markers are dropped."""
 INSTALL = "Install it: pip install 'thbridge[markers]'"
 LIBRARY = "Install liblsl 1.16 or newer for this system, and name its file in the environment variable PYLSL_LIB"
 
@@ -73,7 +73,7 @@ class MarkerStream:
 
     @property
     def troubles(self) -> tuple[str, ...]:
-        """The reason why markers are not sent, in a sentence; empty while they are."""
+        """The reason why markers are not sent, in a sentence; empty while markers are sent."""
         lost = f" {self._lost} markers were not sent." if self._lost else ""
         return (self._trouble + lost,) if self._trouble else ()
 

@@ -43,7 +43,7 @@ class BadEvent(ValueError):  # noqa: N818 - it names the fault
 
 
 class _Event(Struct):
-    """An event as its text has it."""
+    """Fields of an event in its text."""
 
     kind: Annotated[str, Meta(min_length=1, max_length=LONGEST_NAME)]
     actor: Actor

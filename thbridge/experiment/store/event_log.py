@@ -297,7 +297,7 @@ class ExperimentLog:
             self._write_head(database_name(self.path), ANY)
 
     def _write_head(self, database: str | None = None, wal: str | None = None) -> None:
-        """Write the head. None keeps the name of the database, and takes the name of the present write-ahead log."""
+        """Write the head. If None, the database keeps its name, and the write-ahead log gets its present name."""
         self._database_name = database or self._database_name
         wal = wal or wal_name(self.path) or ANY
         LogHead(self._length, self._chain, self._database_name, wal).write(self.path, synced=self._synced)
@@ -307,7 +307,7 @@ def read_log(path: Path) -> list[LogEntry]:
     """Read a log, even while it is being written.
 
     Raises:
-        BadFile: it is not a log, or not what was written: a row was changed, moved, added or is missing.
+        BadFile: the file is not a log, or a row was changed, moved or added, or is missing.
     """
     check_files(path)
     try:

@@ -98,7 +98,7 @@ class EventKind(StrEnum):
     ITEM_GIVEN = "item-given"
     """An answer is final for now: the person continued. Data: item, answer."""
     ITEM_TIMED_OUT = "item-timed-out"
-    """The time limit of an item has closed it, with the answer so far. Data: item, answer, null without one."""
+    """The time limit of an item has closed it. Data: item, and answer, the answer so far or null."""
     WENT_BACK = "went-back"
     """A person went back to an earlier page of the current form. Data: page, its number from 1."""
     GAME_PLAYED = "game-played"
@@ -123,16 +123,16 @@ class EventKind(StrEnum):
     INSTRUCTIONS_CLOSED = "instructions-closed"
     """A participant closed the instructions."""
     GAME_BROKEN_OFF = "game-broken-off"
-    """A game was abandoned after its program died, and another one begins in its place. Data: bag, the rest of its
-    recording next to the person's other files, or none."""
+    """A game was abandoned after its program died, and another game begins instead. Data: bag, the incomplete recording
+    next to the person's other files, or none."""
     RECORDING_CUT_OFF = "recording-cut-off"
     """The recording of a game was cut off with its program. The game resumes, and another file records all of it. Data:
     bag, the file next to the person's other files."""
     FAREWELL_READ = "farewell-read"
     """A person has left the last page, with the completion code or the reason why the run ended."""
     RUN_ENDED = "run-ended"
-    """Data: outcome, reason; for a complete run its completion code; excluded, the reason why a run that reached its
-    end does not count."""
+    """Data: outcome and reason; for a complete run, its completion code; and excluded, the reason why a run that
+    reached its end does not count."""
     RUN_EXCLUDED = "run-excluded"
     """The experimenter excluded a run. Data: reason."""
     REHEARSED = "rehearsed"

@@ -1,9 +1,9 @@
 """The head of a log: its length and chain, and the names of its files.
 
 SQLite writes new rows to a write-ahead log (WAL) and copies them into the database later, at a checkpoint. After a kill
-both files are needed, and SQLite combines any two files with these names. So if a log is copied over that of a killed
-program, the result is malformed, or silently the newer log again. Therefore the head names both files: the database by
-its digest, the WAL by the random salts that SQLite gives it at each restart.
+both files are needed, and SQLite combines any two files with these names. So if a log is copied over the log of a
+killed program, the result is malformed, or it is the newer log again, without any notice. Therefore the head names both
+files: the database by its digest, the WAL by the random salts that SQLite gives it at each restart.
 
 A process may be killed between any two changes of these files, so the head is always written before the change that
 would make it wrong: a file that is about to change is `ANY` until its new name is known.
@@ -22,9 +22,9 @@ from thbridge.files.disk.whole import write_whole
 from thbridge.files.errors import BadFile
 
 ANY: Final = "any"
-"""Stands for the name of any file."""
+"""Name in a head that any file matches."""
 NONE: Final = "none"
-"""Stands for the name of a write-ahead log that does not exist, because the log was closed."""
+"""Name in a head of a write-ahead log that does not exist, because the log was closed."""
 
 LARGEST_LOG = 1 << 28
 """Largest log, and largest write-ahead log, in bytes: about a thousand people with some hundred events each."""
@@ -34,7 +34,7 @@ LARGEST_HEAD = 1000
 _WAL_HEADER = 32
 """Bytes of the header of a write-ahead log; the salts are bytes 16 to 23 (SQLite's file format, section 4.1)."""
 _WRITE_VERSION, _WITH_WAL = 18, 2
-"""Place and value of the header byte by which a database uses a write-ahead log (section 1.3.3)."""
+"""Position and value of the header byte of a database that uses a write-ahead log (section 1.3.3)."""
 
 
 @dataclass(frozen=True, slots=True)

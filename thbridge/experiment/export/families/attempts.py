@@ -35,7 +35,7 @@ class ItemTimes:
         changes: number of changes of the answer before that.
         pasted: number of characters pasted into it.
         answer: the answer given, or None.
-        timed_out: True if its time limit closed it, with the answer so far.
+        timed_out: True if its time limit closed it; the answer so far counts.
         options: answers of a choice in the order shown; empty if all participants see the same order.
     """
 

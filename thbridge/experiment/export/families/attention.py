@@ -54,7 +54,7 @@ _OF_A_ROOM = (PropertyTold, TreasureLeft, TreasureTakenUp)
 
 @dataclass(slots=True)
 class RobotStand:
-    """A time for which a robot stood, from its arrival (or the beginning of the game) to its departure.
+    """Period in which a robot stood, from its arrival (or the beginning of the game) to its departure.
 
     Attributes:
         robot: index in the team.
@@ -82,7 +82,7 @@ class RobotAttention:
     """Figures of a robot in a game.
 
     Attributes:
-        stands: the times that it stood.
+        stands: periods in which it stood.
         drives: duration of each of its moves, s.
         arrived: number of rooms that it reached.
         failed: number of moves that did not reach their room.
@@ -101,7 +101,7 @@ class RobotAttention:
 
     @property
     def attention(self) -> list[float]:
-        """Time of each stand until the person first acted on the robot, s."""
+        """Time from the beginning of each period of standing until the person first acted on the robot, s."""
         return [each.first_act - each.began for each in self.stands if each.first_act is not None]
 
     @property

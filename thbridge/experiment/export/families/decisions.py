@@ -94,12 +94,12 @@ class GameDecision:
 
     @property
     def agreed(self) -> bool | None:
-        """True if the choice is the advice. None without advice, and if the person did not decide."""
+        """True if the choice is the advice. None if there was no advice, or if the person did not decide."""
         return self.choice == self.advice if self.advice and self.by == "person" else None
 
     @property
     def is_appropriate(self) -> bool | None:
-        """True if right advice was taken, or wrong advice was not. None if it is unknown."""
+        """True if right advice was taken, or wrong advice was not taken. None if this is unknown."""
         return None if self.agreed is None or self.is_right is None else self.agreed == self.is_right
 
     @property
@@ -109,7 +109,7 @@ class GameDecision:
 
     @property
     def switched(self) -> bool | None:
-        """True if the person gave up the first choice after the robot disagreed. None if it did not disagree."""
+        """True if the person gave up the first choice after the robot disagreed. None if the robot did not disagree."""
         return self.choice != self.first_choice if self.disagreed and self.by == "person" else None
 
 
@@ -279,7 +279,7 @@ def _denied(move: DialogueMoveRecord) -> bool:
 
 
 def _come_up(open_: dict[tuple[int, str], _Matter], robot: int, time: float) -> None:
-    """Open the decision on the next room after that on the treasure, unless it has already been discussed."""
+    """Open the decision on the next room, after the one on the treasure, unless it has already been discussed."""
     about = open_.get((robot, "select-room"))
     if about is not None and not about.talks and not about.advice:
         open_[robot, "select-room"] = _Matter(time)

@@ -51,7 +51,7 @@ class ColumnDescription:
 
     @property
     def column(self) -> Column:
-        """The column as files have it."""
+        """The column as it is written to files."""
         return Column(self.name, "string" if self.kind == "time" else self.kind, self.unit, self.meaning)
 
 
