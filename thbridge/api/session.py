@@ -273,7 +273,7 @@ class HuntSession:
 
     @property
     def snapshot(self) -> HuntSnapshot:
-        """State after the last tick. Raises HuntError: there was no tick yet."""
+        """State after the last tick; before the first tick, `HuntError` is raised."""
         if self._last is None:
             raise HuntError("nothing has happened yet. Step the session first.")
         return snapshot_of(self._last, self._session.game, tuple(self._scans))

@@ -118,7 +118,7 @@ class WhatFacts:
         at: simulated time, s.
         claimed: name that the participant wants to give it; empty if the participant proposes none.
         against: properties that this name does not fit, as parts of sentences.
-        unsure: True if the participant asks the robot what it is.
+        unsure: True if the participant asks the robot what the treasure is.
     """
 
     room: Room

@@ -1,7 +1,7 @@
 """The worked example of Sklar and Azhar (2015): five exchanges between a robot and a person about a treasure hunt.
 
-The robot stands in room 4 with an energy of 1000. Each exchange begins with empty stores. The second and third ones use
-the costs of the later exchanges.
+The robot stands in room 4 with an energy of 1000. Each exchange begins with empty stores. The second and the third
+exchange use the costs of the later exchanges.
 """
 
 from collections.abc import Mapping

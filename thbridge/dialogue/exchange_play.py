@@ -15,7 +15,7 @@ from thbridge.dialogue.games.strategies import GameStrategy
 
 @dataclass(frozen=True, slots=True)
 class ExchangeAct:
-    """Act of a side: a move in a dialogue, or the opening of another one.
+    """Act of a side: a move in a dialogue, or the opening of another dialogue.
 
     Attributes:
         move: the move.

@@ -278,7 +278,7 @@ class Turn:
         text: sentence that replaces the usual sentence for the move; if empty, the usual one is said.
         said: the move that the person really made, if the robot understood another one. If None, it understood
             correctly.
-        fault: reason why the robot's own strategy chose the move in place of the installed one; empty if it did not.
+        fault: reason why the robot's own strategy chose the move instead of the installed strategy; empty otherwise.
     """
 
     speaker: Speaker

@@ -384,7 +384,7 @@ class PropertyListed(HuntProposition):
 
 @dataclass(frozen=True, slots=True)
 class SeenInPicture(HuntProposition):
-    """A person sees this treasure in the picture of the one in a room.
+    """A person sees this treasure in the picture of the treasure in a room.
 
     Attributes:
         room: room of the treasure.

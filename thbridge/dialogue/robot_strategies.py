@@ -34,8 +34,8 @@ class ChosenMove:
 
     Attributes:
         move: the move, which is legal.
-        fault: reason why the robot's own strategy chose it in place of the installed one; empty if the installed one
-            chose it.
+        fault: reason why the robot's own strategy chose it instead of the installed strategy; empty if the installed
+            strategy chose it.
     """
 
     move: DialogueMove

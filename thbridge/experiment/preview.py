@@ -41,7 +41,7 @@ def place_of(design: ExperimentDesign, step: str, condition: str, group: str) ->
             names = ", ".join(dict.fromkeys(planned.name for planned in plan))
             raise NoSuchStep(f"the study has no step {step}. Name one of {names}, or its number in the file")
         fitting = [planned for planned in named if planned.condition in {None, wanted}]
-        # A step outside of conditions is shown to a person whose first condition is this one.
+        # A step outside of conditions is shown to a person whose first condition is the wanted condition.
         if fitting and (fitting[0].condition is not None or design.orders[place.order][0] == wanted):
             return place, fitting[0]
     raise NoSuchStep(f"{step} does not come in the condition {condition}")

@@ -402,10 +402,10 @@ def ending(state: GameState, *, wait_for_decisions: bool = True) -> tuple[Event,
 
     Args:
         state: the game.
-        wait_for_decisions: also wait while there is a treasure (sensed or about to be) that a robot could still
-            identify and that was not left. Pass False for participants of 2016, who never leave a treasure. The game
-            always waits for a ground station that commands a robot at such a treasure, because the station gives the
-            robot back when it is done.
+        wait_for_decisions: True to also wait while there is a treasure (sensed or about to be sensed) that a robot
+            could still identify and that was not left. Pass False for participants of 2016, who never leave a treasure.
+            The game always waits for a ground station that commands a robot at such a treasure, because the station
+            gives the robot back when it is done.
     """
     if state.ended is not None or any(robot.bound_for is not None for robot in state.robots):
         return ()

@@ -193,7 +193,8 @@ def _payable(to_go: NDArray[np.float64], sizes: NDArray[np.int64], energy: float
 def _shared_out(spent: Sequence[NDArray[np.float64]], worth: NDArray[np.int64], rooms: int) -> list[int]:
     """Return, for each robot, its subset of `rooms` rooms.
 
-    The first robot is added last and so chooses first; among equal subsets, it takes the rooms with the lowest numbers.
+    Robots are added in reverse order, so the first robot chooses first. Among equal subsets, it takes the rooms with
+    the lowest numbers.
     """
     plans = _plans(spent[1:], worth, rooms)
     taken = [_first_of_best(plans[-1], spent[0], worth, len(worth) - 1)]

@@ -28,7 +28,7 @@ _GROUND_TRUTH = "ground_truth"
 
 
 class MessageSizes:
-    """Rule for messages whose bytes do not match their definition: readers of the topic fail there."""
+    """Rule for messages whose bytes do not match their definition: readers of the topic fail at these messages."""
 
     def __init__(self) -> None:
         self._off: OccurrenceCounter[tuple[str, str]] = OccurrenceCounter()

@@ -96,7 +96,7 @@ def export(
 
 
 def _bytes_of_a_column(gathered: TopicTables) -> float:
-    """Return the bytes that wait for each column. Files need a kilobyte per column and piece until they are closed."""
+    """Return the waiting bytes per column. Until a file is closed, it takes a kilobyte per column and piece."""
     return gathered.size / gathered.columns
 
 

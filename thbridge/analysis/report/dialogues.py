@@ -138,14 +138,14 @@ class DialogueGatherer:
         )
 
     def _with_outer(self, course: list[DialogueMoveRecord]) -> Iterator[DialogueMoveRecord]:
-        """Yield the moves of a game and of the games that are paused for it; a game is only paused for later ones."""
+        """Yield the moves of a game and of the games that are paused for it. A game is only paused for later games."""
         yield from course
         robot, number, parent = course[0].robot, course[0].dialogue, course[0].parent
         if parent is not None and parent < number and (robot, parent) in self._courses:
             yield from self._with_outer(self._courses[robot, parent])
 
     def _held_out(self, accepted: DialogueMoveRecord) -> bool:
-        """Return True if the accepting side earlier denied the statement, or did not accept it, in the situation."""
+        """Return True if the accepting side earlier denied or did not accept the statement, in the same situation."""
         begin = self._begins.get((accepted.robot, accepted.dialogue), accepted.dialogue)
         before = (
             move

@@ -97,8 +97,8 @@ def stable(framework: ArgumentationFramework) -> Iterator[Extension]:
 def preferred(framework: ArgumentationFramework) -> Iterator[Extension]:
     """Yield the preferred extensions: the complete ones that are not part of a larger one.
 
-    The search finds larger ones first. So each result is preferred unless it is part of an earlier one. The search
-    skips branches in which only such parts are left.
+    The search finds larger extensions first. So each result is preferred unless it is part of an earlier result. The
+    search skips branches in which only parts of earlier results are left.
     """
     others: list[int] = []
     for labels in _Search(framework).labellings(others):
@@ -150,7 +150,7 @@ class _Search:
             if place is None:
                 yield may_be
                 continue
-            # The last one pushed is tried first. This order makes larger extensions come first.
+            # The label pushed last is tried first. This order makes larger extensions come first.
             for label in (UNDECIDED, OUT, IN):
                 if may_be[place] & label:
                     guess = list(may_be)

@@ -50,7 +50,7 @@ class Conversation:
         agents: both sides.
         plays: all dialogues, including ended ones, in order of opening.
         record: all utterances, in order.
-        able: returns True if a side is assumed to be able to answer about a proposition.
+        able: returns True if a side is assumed to be able to answer questions about a proposition.
         since: number of dialogues that belong to a past situation; replies that were used up in them may be used again.
     """
 

@@ -115,7 +115,7 @@ def legal_replies(play: GamePlay, agents: Agents, rulebook: Rulebook, able: Able
         play: the position.
         agents: both sides.
         rulebook: the locutions.
-        able: returns True if the listener is assumed to be able to answer about a proposition.
+        able: returns True if the listener is assumed to be able to answer questions about a proposition.
     """
     if play.end is not None or len(play.moves) >= play.game.most_turns:
         return ()
@@ -152,7 +152,7 @@ class GameUtterance:
         move: the move.
         before: name of the state before it.
         after: name of the state, or the end, after it.
-        is_booked: True if it followed automatically, such as accepting a claim together with the last of its support.
+        is_booked: True if it followed automatically, such as accepting a claim with the last part of its support.
     """
 
     dialogue: int
@@ -205,7 +205,7 @@ def say(
 
 
 def _follows(play: GamePlay, reply: Reply) -> DialogueMove | None:
-    """Return the acceptance of the claim that follows from accepting the last of its support."""
+    """Return the acceptance of the claim that follows from accepting the last part of its support."""
     if play.end is DialogueEnd.AGREEMENT and reply.slot is Slot.SUPPORT and play.claim is not None:
         return DialogueMove(reply.locution, play.claim)
     return None

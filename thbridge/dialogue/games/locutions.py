@@ -52,7 +52,7 @@ class Utterer:
     Attributes:
         speaker: the side that speaks.
         listener: the other side.
-        able: returns True if the listener is assumed to be able to answer about a proposition.
+        able: returns True if the listener is assumed to be able to answer questions about a proposition.
         committing: names of locutions that show that their speaker holds the content.
         in_question: a literal on which the speaker may ask despite an opinion, because the listener has just refused
             its opposite.

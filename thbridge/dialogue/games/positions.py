@@ -16,7 +16,7 @@ class TablePosition:
 
     Attributes:
         stage: name of the state.
-        defender: initiator or respondent, the one that made the last claim; None before there is one.
+        defender: the role (initiator or respondent) that made the last claim; None before there is a claim.
         is_announced: True if its argument was stated as a whole.
         is_offered: True if some of its support was stated.
     """

@@ -110,7 +110,7 @@ class ArguingStrategy:
 def _standing(beliefs: Beliefs, claim: Belief) -> tuple[list[Argument], list[Argument]]:
     """Return the arguments for and against a claim that are in the grounded extension.
 
-    The arguments against a rule are those against its conclusion, if the support of the rule stands.
+    The arguments against a rule are those against its conclusion, if all premises of the rule are supported there.
     """
     against_it: list[Literal] = []
     if isinstance(claim, Literal):

@@ -29,7 +29,7 @@ LONGEST_OFFERED = 2000
 _DENIED = "not"
 _BREAK = ","
 _BREAKS = frozenset(",;:.!…–—")
-"""Characters between clauses: a negation before one does not apply after it."""
+"""Characters that separate clauses: a negation before such a character does not apply after it."""
 
 
 @dataclass(frozen=True, slots=True)

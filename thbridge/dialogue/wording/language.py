@@ -25,7 +25,7 @@ class Grammar:
 
     Attributes:
         rooms: a room, by its preposition; the empty string means no preposition.
-        corridor: the corridor, in the same way; without a reserved word.
+        corridor: the corridor, by its preposition; without a reserved word.
         first_stop: the first room of a tour, with reserved words as for `rooms`.
         next_stop: each further room of a tour, after a comma.
         robot: a robot.
@@ -33,7 +33,7 @@ class Grammar:
         one_room: a number of rooms that is one.
         many_rooms: any other number of rooms.
         between: text between two items of a list.
-        between_clauses: the same between clauses, which may contain commas.
+        between_clauses: text between two clauses, which may contain commas.
         last_and: text before the last item, if all hold.
         last_or: text before the last item, if one holds.
         rule: sentence for a rule, with the words `£premises£` and `£conclusion£`.
@@ -41,7 +41,7 @@ class Grammar:
         capital_after_colon: True if a sentence after a colon begins with a capital letter.
         negations: words that negate a sentence; `*n't` stands for all words with this end.
         bound: words whose position between values determines the meaning, such as `less`, and numbers in words; `*teen`
-            as above.
+            stands for all words with this end.
         names: words for values such as colors.
         capital_nouns: True if nouns have a capital letter within sentences.
     """
@@ -94,12 +94,12 @@ class PhraseWording:
 
     Attributes:
         of: name of the predicate.
-        robot: only for propositions about this robot. If None, the robot does not matter.
-        speaker: only for this side. If None, for both.
+        robot: robot that the proposition must be about. If None, the robot does not matter.
+        speaker: side to which the entry applies. If None, it applies to both sides.
         yes: wordings for the proposition.
         no: wordings for its negation.
         simply_yes: wordings for the proposition in simpler words, which may leave values out; if empty, as `yes`.
-        simply_no: the same for its negation; if empty, as `no`.
+        simply_no: wordings for its negation in simpler words; if empty, as `no`.
     """
 
     of: str
@@ -129,10 +129,10 @@ class MoveWording:
         move: name of the locution.
         content: kind of its content.
         speaker: the side that says it.
-        condition: only in this condition of a study. If None, in all.
-        of: only for this predicate. If None, for all.
-        holds: only for affirmed, or only for negated propositions. If None, for both.
-        robot: only for propositions about this robot. If None, the robot does not matter.
+        condition: condition of a study in which the entry applies. If None, it applies in all conditions.
+        of: predicate to which the entry applies. If None, it applies to all predicates.
+        holds: True for affirmed propositions only, False for negated ones only. If None, the entry applies to both.
+        robot: robot that the proposition must be about. If None, the robot does not matter.
         say: the wordings, at least one.
     """
 

@@ -39,7 +39,7 @@ class TextForms:
 
     Attributes:
         rooms: a room with `£number£`, by the preposition before it.
-        corridor: the corridor, in the same way.
+        corridor: the corridor, by the preposition before it.
         robot: a robot with `£number£`.
         between: text between two items of a list.
         last: text before the last item.
@@ -83,7 +83,7 @@ class Texts:
 
         Args:
             key: key of the text.
-            count: chooses the plural form, and stands for `£count£`.
+            count: number that chooses the plural form and replaces `£count£`.
             **values: values of its reserved words.
 
         Raises:

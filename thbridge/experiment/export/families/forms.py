@@ -54,7 +54,7 @@ class GivenScore:
         items: items of the score.
         value: the score, or None if too few items were answered.
         answered: number of items that were answered with a number.
-        scoring: rule by which items make the score.
+        scoring: rule by which the score is computed from its items.
     """
 
     run: Run
