@@ -1,4 +1,4 @@
-"""The folder of the project."""
+"""Root folder of the project."""
 
 from pathlib import Path
 

@@ -1,4 +1,5 @@
-"""Values of parameters that only `make test-slow` tries, where others take the same path through the program."""
+"""Values of parameters that only `make test-slow` tests, because other values take the same path through the
+program."""
 
 import pytest
 

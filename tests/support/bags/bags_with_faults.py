@@ -1,4 +1,4 @@
-"""A small bag that every tool takes, as a list of messages to plant faults in."""
+"""Small bag that every tool accepts, as a list of messages in which tests plant faults."""
 
 import math
 from dataclasses import dataclass, field, replace
@@ -25,7 +25,7 @@ MAP = "nav_msgs/OccupancyGrid"
 
 @dataclass(frozen=True)
 class Line:
-    """A connection: one publisher of one topic."""
+    """Connection: one publisher of one topic."""
 
     topic: str
     msgtype: str
@@ -37,7 +37,7 @@ class Line:
 
 @dataclass(frozen=True)
 class Entry:
-    """A message, and when it was recorded."""
+    """Message, and the time at which it was recorded."""
 
     line: Line
     ns: int
@@ -59,7 +59,7 @@ SCAN_LINE = Line("/scan", SCAN)
 
 @dataclass
 class Planted:
-    """Messages to be written; `lines` come first where order matters."""
+    """Messages to write. Tests plant faults in them."""
 
     entries: list[Entry] = field(default_factory=list)
 
@@ -104,7 +104,7 @@ def odom_message(ns: int, sure: bool = False) -> object:
 
 
 def clean() -> Planted:
-    """Three seconds of a robot that stands still."""
+    """Return three seconds of messages of a robot that stands still."""
     entries = [
         Entry(MAP_LINE, START, grid(START)),
         Entry(STATIC_LINE, START, tf(transform(START, "base_link", "laser", Pose2(0.1, 0.0, 0.0)))),
@@ -180,7 +180,7 @@ def file_header(index_pos: int, connections: int, chunks: int, padded_to: int) -
 
 
 def content(planted: Planted, form: Form = Form()) -> bytes:  # noqa: B008 - it is frozen in effect
-    """The bytes of a bag, put together by hand so that every fault can be planted."""
+    """Return the bytes of a bag. They are built here, and not by a library, so that every fault can be planted."""
     numbers: dict[Line, int] = {}
     groups: list[list[Entry]] = [[]]
     size = 0
@@ -232,23 +232,23 @@ def content(planted: Planted, form: Form = Form()) -> bytes:  # noqa: B008 - it 
 
 
 def write(path: Path, planted: Planted, **form: object) -> Path:
-    """Write the messages as they come; see `Form`."""
+    """Write the messages in their order in the list; see `Form`."""
     path.write_bytes(content(planted, Form(**form)))  # type: ignore[arg-type]
     return path
 
 
 def judged(folder: Path, planted: Planted, **form: object) -> Judgement:
-    """The findings for them."""
+    """Write the messages as a bag, and return the findings about it."""
     return judge(scan(write(folder / "planted.bag", planted, **form)))
 
 
 def found(judgement: Judgement, rule: str) -> Finding:
-    """The first finding of a rule."""
+    """Return the first finding of a rule. Raise AssertionError if there is none."""
     findings = [finding for finding in judgement.findings if finding.rule == rule]
     assert findings, f"{rule} is not among {[finding.rule for finding in judgement.findings]}"
     return findings[0]
 
 
 def rules(judgement: Judgement) -> set[str]:
-    """The names of all rules that found something."""
+    """Return the names of all rules that have findings."""
     return {finding.rule for finding in judgement.findings}

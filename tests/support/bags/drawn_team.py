@@ -1,4 +1,5 @@
-"""A team drawn by hand: robots on circles, with all that a snapshot can hold. No physics, the same every time."""
+"""Snapshots of a team that a formula computes, without physics: robots on circles, with all parts that a snapshot can
+have. They are the same in every run."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -32,11 +33,11 @@ SESSION = SessionRecord(
 )
 SPEED = 0.5
 LEG = 100
-"""Ticks that a goal takes; a pause of half as long follows."""
+"""Ticks of driving to a goal; a pause of half this duration follows."""
 
 
 def arena() -> OccupancyGrid:
-    """A walled box of 16 m x 12 m, with unknown cells outside a door."""
+    """Return a walled box of 16 m x 12 m, with unknown cells outside a door."""
     cells = np.zeros((120, 160), dtype=np.int8)
     cells[0], cells[-1], cells[:, 0], cells[:, -1] = 100, 100, 100, 100
     cells[40, :60] = 100
@@ -45,7 +46,7 @@ def arena() -> OccupancyGrid:
 
 
 def truth(robot: int, tick: int) -> Pose2:
-    """Pose of a robot on its circle: it drives for LEG ticks, then stands for half as many."""
+    """Return the pose of a robot on its circle: it drives for LEG ticks, then stands still for half as many ticks."""
     driven = (tick // (LEG + LEG // 2)) * LEG + min(tick % (LEG + LEG // 2), LEG)
     radius = 1.0 + 0.3 * robot
     angle = SPEED * driven / 50 / radius
@@ -53,7 +54,7 @@ def truth(robot: int, tick: int) -> Pose2:
 
 
 def snapshots(robots: int, ticks: int, first: int = 0) -> Iterator[TeamSnapshot]:
-    """Ticks `first` to `first + ticks - 1` of a team."""
+    """Yield ticks `first` to `first + ticks - 1` of a team."""
     for tick in range(first, first + ticks):
         outputs = tuple(_output(robot, tick) for robot in range(robots))
         commands = np.array([(o.navigation.command.linear, o.navigation.command.angular) for o in outputs])
@@ -61,7 +62,7 @@ def snapshots(robots: int, ticks: int, first: int = 0) -> Iterator[TeamSnapshot]
 
 
 def records(tick: int) -> tuple[Record, ...]:
-    """Game, talk and inputs: a little of each, every second."""
+    """Return some records of the game, of dialogues and of inputs, once a second; else none."""
     if tick % 50 != 10:
         return ()
     room = 1 + tick // 50 % 8

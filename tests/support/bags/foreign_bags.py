@@ -1,4 +1,4 @@
-"""Bags as other robots record them, written by rosbags: a drive through a room of known walls."""
+"""Bags as other robots record them, written by rosbags: a drive through a room whose walls are known."""
 
 import itertools
 import math
@@ -29,7 +29,8 @@ LASER = Pose2(0.2, 0.05, 0.0)
 
 
 def room(origin: Pose2 = IDENTITY) -> OccupancyGrid:
-    """8 m x 5 m, with a pillar and a corner cut off, so that it looks like itself from one place only."""
+    """Return a room of 8 m x 5 m with a pillar and one corner cut off, so that no two places in it look the same to a
+    laser."""
     cells = np.zeros((100, 160), dtype=np.int8)
     cells[[0, -1], :] = cells[:, [0, -1]] = 100
     cells[60:70, 90:100] = 100
@@ -38,7 +39,8 @@ def room(origin: Pose2 = IDENTITY) -> OccupancyGrid:
 
 
 def drive(seconds: float, weave: float = 0.0) -> list[Pose2]:
-    """Poses in the room's own frame, RATE a second: a wide arc about the pillar, with turns to and fro."""
+    """Return the poses of a drive in the room's frame, RATE poses per second: a wide arc around the pillar, weaving
+    left and right."""
     pose = FIRST
     poses = [pose]
     for number in range(int(seconds * RATE)):
@@ -48,20 +50,20 @@ def drive(seconds: float, weave: float = 0.0) -> list[Pose2]:
 
 
 def quaternion(roll: float, yaw: float) -> tuple[float, float, float, float]:
-    """x, y, z, w of Rz(yaw) Rx(roll)."""
+    """Return x, y, z and w of the quaternion of Rz(yaw) Rx(roll)."""
     sr, cr, sy, cy = math.sin(roll / 2), math.cos(roll / 2), math.sin(yaw / 2), math.cos(yaw / 2)
     return sr * cy, sr * sy, cr * sy, cr * cy
 
 
 @dataclass
 class Robot:
-    """The robot of a bag, and the way it is recorded.
+    """Robot in a bag, and options of its recording.
 
     Attributes:
-        spikes: meters along x by which single odometry messages are wrong, by their numbers.
-        reset_at: number of the odometry message from which on odometry counts from 0 again.
-        weave: radians a scan by which it turns to and fro at most.
-        odom_early_ns: nanoseconds by which odometry is stamped too early: it leads the scans by as much.
+        spikes: error along x of single odometry messages, meters, by the number of the message.
+        reset_at: number of the odometry message at which odometry restarts from 0.
+        weave: greatest turn to the left or right while the robot weaves, radians per scan.
+        odom_early_ns: nanoseconds by which the stamps of odometry are too early, compared with those of scans.
     """
 
     laser: Pose2 = LASER
@@ -92,7 +94,7 @@ class Robot:
 
 
 def ranges_at(grid: OccupancyGrid, robot: Robot, base: Pose2, angles: FloatArray) -> FloatArray:
-    """Ranges of the laser; a laser upside down turns the other way."""
+    """Return the ranges of the laser; for a laser mounted upside down, the angles are mirrored."""
     seen = -angles if math.cos(robot.roll) < 0 else angles
     laser = base.compose(robot.laser).array()[np.newaxis]
     return Raycaster.of(grid).ranges(laser, seen, robot.range_max)[0]
@@ -143,9 +145,9 @@ def laser_scan(ns: int, robot: Robot, angles: FloatArray, ranges: FloatArray) ->
 
 
 def write(path: Path, robot: Robot, seconds: float = 6.0) -> list[Pose2]:
-    """Record a drive; gives the true poses of the base at the scans, in the room's own frame.
+    """Record a drive; return the true poses of the base at the scans, in the room's frame.
 
-    The odometry starts elsewhere, counts too far, and has its messages between the scans.
+    The odometry starts at another pose, overestimates distances, and its messages lie between the scans.
     """
     grid = room()
     poses = drive(seconds, robot.weave)
@@ -157,7 +159,7 @@ def write(path: Path, robot: Robot, seconds: float = 6.0) -> list[Pose2]:
     with writer as bag:
         scans = (robot.scan_topic, *robot.more_scans)
         topics = dict.fromkeys(scans, "sensor_msgs/msg/LaserScan")
-        # tf of old had no topic for frames that stay: they are said again and again.
+        # Old tf had no topic for static transforms; they are sent repeatedly.
         moving = f"{robot.tf_namespace}/tf"
         static = f"{robot.tf_namespace}/tf_static" if robot.tf_type == "tf2_msgs/msg/TFMessage" else moving
         if robot.tf:
@@ -191,7 +193,7 @@ def write(path: Path, robot: Robot, seconds: float = 6.0) -> list[Pose2]:
                 say(robot.odom_topic, ns, odometry(stamped, robot.odom_frame, robot.base_frame, pose))
             if robot.tf:
                 say(moving, ns, tf_message([transform(ns, robot.odom_frame, robot.base_frame, pose)]))
-            if robot.stray_tf:  # of another robot that calls its frames the same, and stands
+            if robot.stray_tf:  # from another robot, which uses the same frame names and stands still
                 say(robot.stray_tf, ns, tf_message([transform(ns, robot.odom_frame, robot.base_frame, IDENTITY)]))
 
         half = PERIOD_NS // (2 * robot.odom_per_scan)
@@ -212,6 +214,7 @@ def write(path: Path, robot: Robot, seconds: float = 6.0) -> list[Pose2]:
 
 
 def write_map(folder: Path, origin: Pose2 = IDENTITY) -> Path:
-    """The room as map_server's files; its corner lies at `origin` in the map frame."""
+    """Write the room as files for map_server, with its corner at `origin` in the map frame; return the path of
+    map.yaml."""
     write_grid(folder, room(origin))
     return folder / "map.yaml"

@@ -1,4 +1,4 @@
-"""Stamps of a recording whose clock was set while it ran."""
+"""Stamps of a recording during which the clock was changed."""
 
 from tests.support.bags.foreign_bags import TYPES, Header, stamp
 
@@ -9,7 +9,7 @@ HOUR = 36_000 * TENTH
 
 
 def pose(stamp_ns: int, x: float) -> object:
-    """geometry_msgs/PoseStamped on the map."""
+    """Return a geometry_msgs/PoseStamped in the map frame."""
     placed = TYPES["geometry_msgs/msg/Pose"](
         TYPES["geometry_msgs/msg/Point"](x, 0.0, 0.0), TYPES["geometry_msgs/msg/Quaternion"](0.0, 0.0, 0.0, 1.0)
     )

@@ -1,8 +1,8 @@
-"""A recorder that remembers."""
+"""Recorder that keeps all records in memory."""
 
 
 class RememberingRecorder:
-    """A recorder that remembers."""
+    """Recorder that keeps all records in memory."""
 
     def __init__(self):
         self.records = []

@@ -10,7 +10,7 @@ TEXT = "std_msgs/msg/String"
 
 
 def written(folder: Path, storage: StoragePlugin, mode: CompressionMode) -> Path:
-    """A recording of three short messages."""
+    """Write a recording with three short messages; return its folder."""
     writer = Writer(folder, version=9, storage_plugin=storage)
     if mode is not CompressionMode.NONE:
         writer.set_compression(mode, CompressionFormat.ZSTD)

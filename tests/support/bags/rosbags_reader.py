@@ -1,4 +1,4 @@
-"""Reading bags with rosbags, not by the code that is tested."""
+"""Reader of bags that uses rosbags, and none of the code under test."""
 
 from pathlib import Path
 

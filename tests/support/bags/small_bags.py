@@ -1,4 +1,4 @@
-"""Bags of a few messages."""
+"""Bags with few messages."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Topics of dialogues, drawn at random, and engines that argue about them."""
+"""Randomly chosen topics of dialogues, and engines that argue about them."""
 
 from dataclasses import dataclass
 
@@ -24,7 +24,7 @@ ARGUING = [DialogueCondition.COLLABORATOR, DialogueCondition.ADVISER, DialogueCo
 
 @dataclass(frozen=True)
 class FormalPhrasing:
-    """Moves as the paper writes them."""
+    """Phrasing that writes moves in the formal notation of the paper."""
 
     def say(self, dialogue: Dialogue, move: Move, speaker: Speaker) -> str:
         return str(move)
@@ -72,7 +72,7 @@ def topics_of(draw: st.DrawFn, facts: WhereFacts) -> DialogueTopic:
 
 
 def play_to_the_end(talker: ArguingEngine, step: DialogueStep, draw: st.DataObject) -> DialogueStep:
-    """Make random choices until the dialogue ends; who has asked for long enough leaves it."""
+    """Make random choices until the dialogue ends; after MOST_TURNS turns, leave it as soon as that is offered."""
     while step.outcome is None:
         choices = talker.choices(step.dialogue)
         assert 0 < len(choices) <= MOST_CHOICES

@@ -1,10 +1,10 @@
-"""What follows from beliefs and rules, by trying."""
+"""Conclusions that follow from beliefs and rules, found by exhaustive search."""
 
 from thbridge.dialogue.argumentation.propositions import Literal, Rule
 
 
 def derives(support: frozenset[Literal | Rule], conclusion: Literal, granted: frozenset[Literal]) -> bool:
-    """Whether a conclusion follows, by applying rules until nothing new comes."""
+    """Return True if a conclusion follows; apply the rules until nothing new follows."""
     known = {each for each in support if isinstance(each, Literal)} | granted
     rules = [each for each in support if isinstance(each, Rule)]
     while True:

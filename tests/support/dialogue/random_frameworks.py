@@ -1,4 +1,4 @@
-"""Random argumentation frameworks, and what stands in them by trying all sets."""
+"""Random argumentation frameworks, and their extensions, found by testing all sets of arguments."""
 
 import random
 from itertools import pairwise
@@ -10,7 +10,7 @@ from thbridge.dialogue.argumentation.semantics import Extension, Semantics
 
 
 def random_framework(rng: random.Random, least: int, most: int) -> ArgumentationFramework:
-    """A framework of so many arguments, with few attacks or many."""
+    """Return a framework with `least` to `most` arguments, and with few or many attacks."""
     names = [f"a{number}" for number in range(rng.randint(least, most))]
     share = rng.choice([0.05, 0.1, 0.2, 0.3, 0.5])
     return ArgumentationFramework.of(names, [(a, b) for a in names for b in names if rng.random() < share])
@@ -18,14 +18,15 @@ def random_framework(rng: random.Random, least: int, most: int) -> Argumentation
 
 @st.composite
 def frameworks(draw: st.DrawFn, most: int = 7) -> ArgumentationFramework:
-    """Frameworks that hypothesis can make smaller."""
+    """Return frameworks that hypothesis can shrink."""
     names = [f"a{number}" for number in range(draw(st.integers(1, most)))]
     name = st.sampled_from(names)
     return ArgumentationFramework.of(names, draw(st.lists(st.tuples(name, name), max_size=3 * len(names))))
 
 
 def by_trying_all_sets(framework: ArgumentationFramework) -> dict[Semantics, set[Extension]]:
-    """All extensions, by the definitions alone: sets are bits of a number."""
+    """Return all extensions, computed from their definitions alone. Each set of arguments is an integer with one bit
+    per argument."""
     names = framework.arguments
     count = len(names)
     attackers = [sum(1 << each for each in framework.attackers[place]) for place in range(count)]
@@ -59,12 +60,12 @@ def by_trying_all_sets(framework: ArgumentationFramework) -> dict[Semantics, set
 
 
 def chain(length: int) -> ArgumentationFramework:
-    """Arguments each of which attacks the next."""
+    """Return a chain of arguments in which each argument attacks the next one."""
     names = [f"a{number}" for number in range(length)]
     return ArgumentationFramework.of(names, pairwise(names))
 
 
 def pairs(count: int) -> ArgumentationFramework:
-    """Pairs of arguments that attack each other, and nothing else: one of each pair may stand."""
+    """Return pairs of arguments that attack each other, and nothing else; at most one of each pair can be accepted."""
     names = [(f"a{number}", f"b{number}") for number in range(count)]
     return ArgumentationFramework.of([name for pair in names for name in pair], [*names, *((b, a) for a, b in names)])

@@ -1,4 +1,4 @@
-"""Propositions, moves and their values, drawn at random for tests of wordings."""
+"""Propositions, moves and their values, randomly chosen for tests of wordings."""
 
 from collections.abc import Iterator
 
@@ -70,7 +70,7 @@ MOVES = st.sampled_from(FORMS).flatmap(lambda form: st.builds(DialogueMove, st.j
 
 
 def literals_in(content: Content) -> Iterator[Literal]:
-    """Yield the literals that a content speaks of, without conjunctions."""
+    """Yield the literals in a content, with conjunctions split into their parts."""
     match content:
         case Unknown(proposition):
             yield from literals_in(Literal(proposition))
@@ -88,7 +88,8 @@ def literals_in(content: Content) -> Iterator[Literal]:
 
 
 def values_in(content: Content, robot: int, decimal: str) -> set[str]:
-    """Return the values that a sentence has to carry, as people read them; of the robot that speaks, nothing."""
+    """Return the values that a sentence must contain, as people read them. The number of the robot that speaks need not
+    be in it."""
     found: set[str] = set()
     for literal in literals_in(content):
         predicate = predicate_of(literal.proposition)

@@ -22,7 +22,7 @@ STUBBORN = (
     "assert(wanted(next(Robot1, Room1)))",
     "assert(next(Robot1, Room1))",
 )
-"""A participant who wants room 1 until the robot gives in."""
+"""Choices of a participant who wants room 1 until the robot gives in."""
 LEAVES = ("challenge(not next(Robot1, Room1))", "Leave()")
 PERSISTENT = Manner(persistence=1)
 
@@ -30,7 +30,8 @@ PERSISTENT = Manner(persistence=1)
 def utterances(
     choices: tuple[str, ...] = STUBBORN, manner: Manner = PERSISTENT, robot: int = 0
 ) -> tuple[tuple[DialogueUtterance, ...], ...]:
-    """What is said at the opening of a dialogue about room 1, and after each choice, told by how its text begins."""
+    """Return the utterances at the opening of a dialogue about room 1, and after each choice. A choice is named by the
+    beginning of its text."""
     talker = formal_engine(manner)
     facts = replace(FACTS, robot=robot)
     step = talker.open(1, replace(TOPIC, robot=robot, facts=facts))
@@ -46,7 +47,7 @@ def utterances(
 
 
 def recorded(*ticks: tuple[DialogueUtterance, ...]) -> list[tuple[Record, ...]]:
-    """What is recorded of dialogues in each of several ticks."""
+    """Return the records of dialogues in each of several ticks."""
     tape, (snapshot,) = RememberingRecorder(), snapshots(2, 1)
     recorder, found = BagRecorder(tape), []
     for said in ticks:

@@ -1,15 +1,15 @@
-"""Damage to one place of a file: each byte changed, and each length to which the file may have been cut."""
+"""Damage to one place in a file: each byte changed, and the file cut to each shorter length."""
 
 import random
 from collections.abc import Iterator
 
 EACH_BIT = (0x01, 0x02, 0x04, 0x08, 0x10, 0x20, 0x40, 0x80, 0xFF)
-"""What a byte is changed by: each bit alone, as a bad memory does, and all of them."""
+"""Masks that change a byte: each bit alone, as a faulty memory does, and all bits."""
 SOME_BITS = (0x01, 0x80, 0xFF)
 
 
 def flips(content: bytes, masks: tuple[int, ...], stride: int = 1) -> Iterator[tuple[str, bytes]]:
-    """Yield the content with one byte changed, for each byte (or each so many) and mask, and what was done to it."""
+    """Yield a description and the content with one byte changed, for every `stride`-th byte and each mask."""
     for place in range(0, len(content), stride):
         for mask in masks:
             flipped = bytes((content[place] ^ mask,))
@@ -17,13 +17,14 @@ def flips(content: bytes, masks: tuple[int, ...], stride: int = 1) -> Iterator[t
 
 
 def cuts(content: bytes, stride: int = 1) -> Iterator[tuple[str, bytes]]:
-    """Yield the content cut to each shorter length (or each so many), and what was done to it."""
+    """Yield a description and the content cut to every `stride`-th shorter length."""
     for length in range(0, len(content), stride):
         yield f"cut to {length} bytes", content[:length]
 
 
 def damaged(whole: bytes, draws: random.Random) -> bytes:
-    """A file as disks, crashes and people leave it: cut, a bit flipped, zeros, bytes more."""
+    """Return a file as disks, crashes and people may damage it: cut, with one bit flipped, with an extra byte, or all
+    zeros."""
     at = draws.randrange(len(whole))
     flipped = bytes([whole[at] ^ 1 << draws.randrange(8)])
     return draws.choice(

@@ -1,19 +1,20 @@
-"""A disk that forgets at a power cut what was not synced: a file system of our own, spoken to by the kernel (FUSE).
+"""Disk that loses unsynced data at a power cut: a file system of our own, which the kernel calls through FUSE.
 
-It keeps two states. What programs see changes with every call; what is on the disk changes by fsync alone: that of a
-file makes its bytes durable, that of a folder its names (files made, renamed and removed in it). A cut takes the
-machine away in the middle of a call, and brings it back with what POSIX promises, and no more: a file whose name was
-not synced may be gone, one that was renamed without a sync of its bytes may be empty, a rename may not have happened.
+It keeps two states. The state that programs see changes with every call. The durable state changes only by fsync: fsync
+of a file makes its bytes durable, fsync of a folder its names (files created, renamed and removed in it). A power cut
+stops the machine in the middle of a call. Afterwards, only what POSIX guarantees is there: a file whose name was not
+synced may be gone, a file that was renamed without a sync of its bytes may be empty, and a rename may not have
+happened.
 
     with ForgettingDisk(folder) as disk:
         disk.cut_after(7)  # the machine stops at the seventh change from now on
         process = Popen([...], cwd=disk.folder)
         disk.wait(process)
         disk.cut(process)  # all that was not synced is gone
-        disk.cut(seed=3)  # the same moment again: some of it is gone, and half of a write
+        disk.cut(seed=3)  # the same cut again: some unsynced data remain, and half of a write
 
-Permissions and times are durable at once, unlike the rest. The file system is a process of its own: a caller that waits
-for the disk while it holds Python's lock cannot keep it from answering.
+Permissions and times are durable at once, unlike all other data. The file system runs in its own process. It can
+therefore answer even while a caller waits for the disk and holds Python's global lock.
 """
 
 import contextlib
@@ -34,11 +35,11 @@ from pathlib import Path
 from typing import Protocol, Self
 
 DEVICE = "/dev/fuse"
-_DETACH = 2  # of umount2
+_DETACH = 2  # flag of umount2
 
 
 def why_not() -> str | None:
-    """Return why there can be no such disk here; None where there can be one."""
+    """Return the reason why no such disk can be mounted here; None if it can be."""
     try:
         os.close(os.open(DEVICE, os.O_RDWR))
     except OSError as error:
@@ -56,26 +57,26 @@ def why_not() -> str | None:
 
 
 class Killable(Protocol):
-    """A process, such as `subprocess.Popen` and `multiprocessing.Process` have it."""
+    """Process that can be killed, such as a `subprocess.Popen` or a `multiprocessing.Process`."""
 
     pid: int | None
 
     def kill(self) -> None: ...
 
 
-# What is on the disk
+# State on the disk
 
 
 @dataclass(eq=False)
 class Node:
-    """A file, a folder or a link.
+    """File, folder or link.
 
     Attributes:
-        content: what programs see of a file, or the target of a link.
-        durable: what is on the disk of it.
-        writes: since the last sync: a place and bytes that were written there, or a new size and None.
-        names: what programs see of a folder.
-        durable_names: what is on the disk of it.
+        content: bytes of a file as programs see them, or the target of a link.
+        durable: bytes that are durable.
+        writes: writes since the last sync, each an offset and the bytes written there, or a new size and None.
+        names: entries of a folder as programs see them.
+        durable_names: entries of a folder that are durable.
     """
 
     mode: int
@@ -94,7 +95,7 @@ class Node:
         return stat.S_ISDIR(self.mode)
 
     def write(self, place: int, data: bytes | None) -> None:
-        """Write bytes at a place; None: the place becomes the end."""
+        """Write bytes at an offset. If `data` is None, the offset becomes the file's size."""
         _applied(self.content, place, data)
         self.writes.append((place, data))
         self.changed_ns = time.time_ns()
@@ -105,7 +106,7 @@ class Node:
         self.writes.clear()
 
     def remains(self, chance: random.Random | None) -> bytearray:
-        """Return the bytes after a power cut; without chance what was synced and no more."""
+        """Return the bytes after a power cut. If `chance` is None, they are exactly the synced ones."""
         left = bytearray(self.durable)
         if chance is None or not self.writes:
             return left
@@ -113,7 +114,7 @@ class Node:
         for place, data in self.writes[:kept]:
             _applied(left, place, data)
         if kept < len(self.writes) and (data := self.writes[kept][1]) is not None:
-            # A write that had begun: its first sectors; or the file has grown, and nothing is in it yet.
+            # An interrupted write: either its first bytes are there, or zeros, or nothing.
             piece = data[: chance.randrange(len(data) + 1)]
             _applied(left, self.writes[kept][0], chance.choice((b"", piece, bytes(len(piece)))))
         return left
@@ -130,7 +131,7 @@ def _applied(content: bytearray, place: int, data: bytes | None) -> None:
 
 @dataclass(frozen=True)
 class Change:
-    """A change of names that is not synced: one is gone, one has come, or both in one step."""
+    """Unsynced change of names: a removed name, an added name, or both in one step."""
 
     gone: tuple[Node, bytes] | None
     come: tuple[Node, bytes, Node] | None
@@ -141,7 +142,7 @@ class Change:
 
 
 class Disk:
-    """All files of a disk, as programs see them and as they are durable."""
+    """All files of a disk, in the state that programs see and in the durable state."""
 
     def __init__(self, root: Node | None = None) -> None:
         self.root = root or Node(stat.S_IFDIR | 0o755)
@@ -157,7 +158,7 @@ class Disk:
             come[0].changed_ns = time.time_ns()
 
     def sync_names(self, folder: Node) -> None:
-        """Make the names of a folder durable, with those of folders between which and it something was moved."""
+        """Make the names of a folder durable, and those of all folders that unsynced moves connect with it."""
         numbers = {folder.number}
         while more := {n for each in self.changes if each.folders & numbers for n in each.folders} - numbers:
             numbers |= more
@@ -181,7 +182,7 @@ class Disk:
                     folders.append(node)
 
     def after_cut(self, chance: random.Random | None) -> "Disk":
-        """Return the disk after a power cut; without chance with what was synced and no more."""
+        """Return the disk after a power cut. If `chance` is None, it has exactly what was synced."""
         names: dict[int, dict[bytes, Node]] = {}
 
         def of(folder: Node) -> dict[bytes, Node]:
@@ -215,7 +216,7 @@ _IN = struct.Struct("<IIQQIIIHH")
 _OUT = struct.Struct("<IiQ")
 _ATTR = struct.Struct("<6Q10I")
 _VALID_S = 3600
-"""Nobody but the kernel changes anything here, so what it knows stays right."""
+"""Seconds for which the kernel may cache answers: only the kernel changes this disk."""
 _LARGEST_WRITE = 1 << 20
 _CHANGING = {"create", "mknod", "mkdir", "symlink", "unlink", "rmdir", "rename", "rename2", "link", "write", "setattr"}
 _CHANGING |= {"fsync", "fsyncdir"}
@@ -251,7 +252,8 @@ _UNANSWERED = {2, 36, 42}  # forget, interrupt, batch_forget
 
 
 class _Served:
-    """The disk as the kernel asks for it: a method per request, from (node, its arguments, user, group)."""
+    """Requests of the kernel to the disk: one method per kind of request, called with node, arguments, user and
+    group."""
 
     def __init__(self, disk: Disk) -> None:
         self.disk = disk
@@ -343,7 +345,7 @@ class _Served:
         return self._made(folder, arguments[8:-1], self._nodes[struct.unpack_from("<Q", arguments)[0]])
 
     def open(self, _node: Node, *_: object) -> bytes:
-        return struct.pack("<QII", next(self._handles), 2, 0)  # keep what is cached
+        return struct.pack("<QII", next(self._handles), 2, 0)  # keep the cached pages
 
     def read(self, node: Node, arguments: bytes, *_: int) -> bytes:
         _, place, size = struct.unpack_from("<QQI", arguments)
@@ -363,7 +365,7 @@ class _Served:
     flush = release
 
     def fallocate(self, _node: Node, arguments: bytes, *_: int) -> bytes:
-        if struct.unpack_from("<QQQI", arguments)[3] != 1:  # KEEP_SIZE alone
+        if struct.unpack_from("<QQQI", arguments)[3] != 1:  # only KEEP_SIZE is supported
             raise OSError(errno.EOPNOTSUPP, "")
         return b""
 
@@ -442,13 +444,13 @@ def _mounted(folder: str) -> int:
 
 
 def serve(folder: str) -> None:
-    """Serve a disk that is mounted on a folder; take commands from standard input until that ends."""
+    """Serve a disk that is mounted on a folder; read commands from standard input until it ends."""
     device, served = _mounted(folder), _Served(Disk())
     buffer = bytearray(_LARGEST_WRITE + 4096)
     view = memoryview(buffer)
-    left: int | None = None  # changes until the machine stops
+    left: int | None = None  # changes left until the machine stops
     counts = dict.fromkeys(_CHANGING, 0)
-    state = "on"  # stopped: the machine does nothing; off: programs die
+    state = "on"  # in state stopped, the machine does nothing; in state off, each call fails, and programs die
     before = served.disk
 
     def tell(word: str) -> None:
@@ -472,7 +474,7 @@ def serve(folder: str) -> None:
                     state = "on"
                     tell("on")
                 case "cut":
-                    # Nothing in memory may reach it any more.
+                    # Writes still cached in memory must not reach the disk any more.
                     os.close(device)
                     _libc.umount2(folder.encode(), _DETACH)
                     served = _Served(before.after_cut(random.Random(arguments[0]) if arguments else None))
@@ -509,7 +511,8 @@ def serve(folder: str) -> None:
             if left is not None:
                 left -= 1
                 if left <= 0:
-                    # In the middle of this call: it is not done, and nobody is told that it was.
+                    # The machine stops in the middle of this call: the change is not made, and the caller gets no
+                    # answer.
                     state, before, left = "stopped", served.disk, None
                     tell("stopped")
                     held = unique
@@ -532,7 +535,7 @@ def serve(folder: str) -> None:
 
 
 def _command() -> list[str]:
-    """Read one command, and nothing behind it."""
+    """Read one command, and no byte after it."""
     line = b""
     while not line.endswith(b"\n"):
         if not (sign := os.read(0, 1)):
@@ -542,21 +545,21 @@ def _command() -> list[str]:
 
 
 def _answer(device: int, unique: int, fault: int, answer: bytes) -> None:
-    with contextlib.suppress(FileNotFoundError):  # whoever asked was interrupted
+    with contextlib.suppress(FileNotFoundError):  # the caller was interrupted
         os.writev(device, [_OUT.pack(_OUT.size + len(answer), -fault, unique), answer])
 
 
-# What tests use
+# Interface for tests
 
 
 class ForgettingDisk:
-    """A mounted disk; see the module. Use it in `with`.
+    """Mounted disk; see the module. Use it in `with`.
 
     Args:
-        folder: where it is mounted; made.
+        folder: mount point; it is created.
 
     Attributes:
-        folder: likewise.
+        folder: mount point.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -576,18 +579,18 @@ class ForgettingDisk:
         self.close()
 
     def close(self) -> None:
-        """Unmount it. Closing twice does nothing."""
+        """Unmount the disk. Closing it twice does nothing."""
         if self._server.poll() is None:
             assert self._server.stdin is not None
             self._server.stdin.close()
             self._server.wait(30)
 
     def cut_after(self, changes: int) -> None:
-        """Have the machine stop in the middle of a change: of the first, second, ... from now on."""
+        """Stop the machine in the middle of the `changes`-th change from now on."""
         self._say(f"after {changes}")
 
     def wait(self, *processes: Killable) -> bool:
-        """Wait until the machine has stopped; return False when all processes have ended before."""
+        """Wait until the machine has stopped; return False if all processes ended before that."""
         with contextlib.ExitStack() as opened:
             ends = set()
             for process in processes:
@@ -613,9 +616,11 @@ class ForgettingDisk:
             self._stopped = True
 
     def cut(self, *processes: Killable, seed: int | None = None) -> None:
-        """Cut the power: the processes die, and only what was synced is there; with a seed some of the rest, too.
+        """Cut the power: the processes die, and only what was synced remains. With a seed, some of the rest remains,
+        too.
 
-        Called again without processes, it is the same cut with another outcome: what was done since is gone.
+        A second call without processes repeats the same cut with another outcome; all changes since the first one are
+        lost.
         """
         if processes or not self._stopped:
             self.stop()
@@ -631,7 +636,7 @@ class ForgettingDisk:
         self._expect("cut")
 
     def kill(self, process: Killable) -> None:
-        """Kill a process at the change at which the machine has stopped, and go on without a power cut."""
+        """Kill a process during the change at which the machine has stopped, and continue without a power cut."""
         assert self._stopped
         assert process.pid is not None
         end = os.pidfd_open(process.pid)
@@ -644,22 +649,22 @@ class ForgettingDisk:
         self._stopped = False
 
     def on(self) -> None:
-        """Go on with the disk as it is: the next cut is another one."""
+        """Continue with the disk as it is after a cut; the next cut is a new one."""
         self._stopped = False
 
     def fresh(self) -> None:
-        """Put an empty disk in its place."""
+        """Replace the disk by an empty one."""
         self._say("fresh")
         self._expect("fresh")
         self._stopped = False
 
     def settle(self) -> None:
-        """Make everything durable, as a minute without power cuts does."""
+        """Make everything durable, as happens after a minute without a power cut."""
         self._say("settle")
         self._expect("settled")
 
     def counts(self) -> dict[str, int]:
-        """Return the number of changes so far, by their kinds."""
+        """Return the number of changes so far, by kind."""
         self._say("counts")
         return {name: int(count) for name, count in (each.split("=") for each in self._line().split())}
 

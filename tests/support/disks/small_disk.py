@@ -1,4 +1,4 @@
-"""A small disk in memory, which can be full, or read-only: what `chmod` does not give to root."""
+"""Small disk in memory that can be full or read-only. `chmod` cannot test this, because it does not restrict root."""
 
 import contextlib
 import ctypes
@@ -20,7 +20,7 @@ def _mount(folder: Path, flags: int, size: int) -> None:
 
 
 def why_not() -> str | None:
-    """Return why there can be no such disk here; None where there can be one."""
+    """Return the reason why no such disk can be mounted here; None if it can be."""
     with tempfile.TemporaryDirectory() as folder:
         try:
             SmallDisk(Path(folder), _MIB).close()
@@ -30,11 +30,11 @@ def why_not() -> str | None:
 
 
 class SmallDisk:
-    """A mounted disk. Use it in `with`.
+    """Mounted disk. Use it in `with`.
 
     Args:
-        folder: where it is mounted; made.
-        size: bytes that it has room for.
+        folder: mount point; it is created.
+        size: capacity in bytes.
 
     Raises:
         OSError: nothing can be mounted here.
@@ -53,11 +53,11 @@ class SmallDisk:
         self.close()
 
     def close(self) -> None:
-        """Unmount it."""
+        """Unmount the disk."""
         _libc.umount2(str(self.folder).encode(), _DETACH)
 
     def empty(self) -> None:
-        """Remove all that is on it."""
+        """Remove all files and folders on the disk."""
         for path in self.folder.iterdir():
             if path.is_dir() and not path.is_symlink():
                 shutil.rmtree(path)
@@ -66,13 +66,13 @@ class SmallDisk:
 
     @property
     def used(self) -> int:
-        """Bytes that what is on it takes."""
+        """Used space, bytes."""
         found = os.statvfs(self.folder)
         return (found.f_blocks - found.f_bfree) * found.f_frsize
 
     @contextlib.contextmanager
     def full(self, room: int = 0) -> Iterator[None]:
-        """Have room for no more than some bytes, in whole pages."""
+        """Leave only `room` bytes free, rounded to whole pages, until the end of the block."""
         _mount(self.folder, _REMOUNT, max(self.used + room, 4096))
         try:
             yield
@@ -81,7 +81,7 @@ class SmallDisk:
 
     @contextlib.contextmanager
     def read_only(self) -> Iterator[None]:
-        """Let nothing be written."""
+        """Make the disk read-only until the end of the block."""
         _mount(self.folder, _REMOUNT | _READ_ONLY, self._size)
         try:
             yield

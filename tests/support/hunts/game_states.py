@@ -1,4 +1,4 @@
-"""States of games on paper, and what rulings make of them."""
+"""States of games without robots, and the effects of rulings on them."""
 
 from collections.abc import Iterable
 from functools import reduce

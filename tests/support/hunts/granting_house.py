@@ -1,4 +1,4 @@
-"""A session, for those who watch, that grants what they ask for."""
+"""Session for watching clients that grants their requests."""
 
 from collections.abc import Mapping
 
@@ -6,7 +6,7 @@ from thbridge.watching.sockets.server import SessionPace
 
 
 class GrantingHouse:
-    """Grants everything but what begins with N."""
+    """Session that grants every request except those whose name begins with N."""
 
     def __init__(self) -> None:
         self.asked: list[tuple[str, Mapping[str, object]]] = []

@@ -1,4 +1,4 @@
-"""A hunt without a simulator: robots that arrive after so many ticks, on the real router with the real other roles."""
+"""Hunt without a simulator: robots arrive after a number of ticks; the router and all other roles are the real ones."""
 
 from collections.abc import Collection, Sequence
 from dataclasses import replace
@@ -53,7 +53,7 @@ class Log:
 
 
 class HuntWithoutSimulator:
-    """A session of keeper, puppets, Hider and TabUI, or of those that are not `outside`."""
+    """Session of keeper, puppets, Hider and TabUI, except those named in `outside`."""
 
     def __init__(
         self,

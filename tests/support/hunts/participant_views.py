@@ -1,4 +1,4 @@
-"""Views for tests: rooms 1 to 3 that nobody visited, robots in the corridor, and what is changed of that."""
+"""Views for tests: unvisited rooms 1 to 3, robots in the corridor, and changes of such a view."""
 
 from dataclasses import replace
 
@@ -29,7 +29,7 @@ def with_room(was: View, room: int, **changes) -> View:
 
 
 def view_of(*moving_to: int | None) -> View:
-    """Robots in the corridor, each bound for such a room or for none."""
+    """Return a view with robots in the corridor, each driving to the given room, or to none if None."""
     shown = view(len(moving_to))
     for robot, room in enumerate(moving_to):
         if room is not None:
@@ -42,7 +42,7 @@ def asking(robot: int, room: int, number: int = 1, turn: int = 1) -> DialogueVie
 
 
 def arguing(*turns: str, acts: tuple[str, ...] = ("accept", "leave"), robot: int = 0, room: int = 2) -> DialogueView:
-    """A dialogue with these sentences; those of the participant begin with an angle bracket."""
+    """Return a dialogue with these sentences; those of the participant begin with `>`."""
     said = tuple(turn.removeprefix(">") for turn in turns)
     speakers = tuple("person" if turn.startswith(">") else "robot" for turn in turns)
     return DialogueView(robot + 1, len(turns), robot, "select-room", room, said, acts, acts, speakers)
@@ -69,7 +69,7 @@ ANSWERS = ("accept", "challenge", "open-questions", "leave")
 
 
 def argued(*dialogues, words=(), who="both", **changes) -> View:
-    """A view of a game in which robots argue."""
+    """Return a view of a game in which robots argue."""
     return view(dialogues=dialogues, last_words=words, has_last_word=who, **changes)
 
 

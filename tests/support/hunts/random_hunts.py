@@ -1,4 +1,5 @@
-"""Random hunts on paper: rooms and robots in a rectangle, moves that cost a little more than their length."""
+"""Random hunts without robots: rooms and starts in a rectangle, and moves that cost up to 20 % more than their
+length."""
 
 import math
 import random
@@ -8,7 +9,8 @@ from thbridge.hunt.team_tour import TourStart
 
 
 def random_hunt(rooms: int, robots: int, energy: float, seed: int) -> tuple[CostMatrix, list[TourStart]]:
-    """Costs of moves between rooms, not symmetric, and the robots' starts; odd seeds have whole numbers."""
+    """Return asymmetric costs of moves between rooms, and the robots' starts. With odd seeds, costs are whole
+    numbers."""
     rng = random.Random(seed)
     places = [(rng.uniform(0.0, 40.0), rng.uniform(0.0, 30.0)) for _ in range(1 + rooms + robots)]
     away = [[math.dist(one, other) * rng.uniform(1.0, 1.2) for other in places] for one in places]

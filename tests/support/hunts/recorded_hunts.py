@@ -1,4 +1,4 @@
-"""Hunts that are recorded, replayed and watched."""
+"""Recorded, replayed and watched hunts."""
 
 import asyncio
 import dataclasses
@@ -31,7 +31,7 @@ def bot_of(setting: StudySetting) -> TabUI:
 
 
 def record(bag: Path, study: Study, seconds: float) -> None:
-    """A hunt with a simulated participant, given up after some time if it goes on."""
+    """Record a hunt with a simulated participant; if it has not ended after this many simulated seconds, stop it."""
     setting = setting_of(study)
     options = PlayOptions(0.0, bag, frozenset(), "suggestion", seconds)
     with suppress(HuntUnfinished):
@@ -39,7 +39,7 @@ def record(bag: Path, study: Study, seconds: float) -> None:
 
 
 def record_beginning(bag: Path, robots: int = 3, seconds: float = 15.0) -> Path:
-    """The beginning of a hunt with so many robots."""
+    """Record the beginning of a hunt with `robots` robots; return the bag."""
     record(bag, dataclasses.replace(STUDY, seed=4, robots=robots), seconds)
     return bag
 
@@ -60,7 +60,7 @@ def assert_equal_replay(bag: Path, ticks: int) -> None:
 
 @contextmanager
 def watched_hunt(bag: Path, *options: str) -> Iterator[int]:
-    """Run a hunt in another process until the end of the block; the watch server's port."""
+    """Run a hunt in another process until the end of the block; yield the port of its watch server."""
     command = [sys.executable, "-c", "from ui.cli import main; main()", "play", "--headless", "--participant"]
     command += ["suggestion", "--robots", "2", "--seed", "4", "--rate", "1", "--port", "0", "--watch", "0"]
     command += ["--no-report", "--bag", str(bag), *options]

@@ -1,4 +1,4 @@
-"""A participant who only looks at screens and does what they offer, in a real game without a simulator."""
+"""Participant who only looks at screens and uses what they offer, in a real game without a simulator."""
 
 from tests.support.hunts.hunt_without_simulator import HuntWithoutSimulator
 from tests.support.windows.english import said_by_others
@@ -28,10 +28,10 @@ TICK = 0.02
 
 
 class ScreenPlayer:
-    """The view model in a hunt; every act is done by what is offered for it.
+    """View model in a hunt; acts are done only if the screen offers them.
 
     Attributes:
-        theirs: all words so far that come from the study, and not from the program.
+        theirs: all words shown so far that come from the study, not from the program.
     """
 
     def __init__(self, model: Participant | None = None, **hunt) -> None:
@@ -54,7 +54,7 @@ class ScreenPlayer:
         return self.model.requests()
 
     def restart_server(self) -> None:
-        """Kill the server with all its programs, and start them again on the journal."""
+        """Kill the server with all its programs, and start them again from the journal."""
         self.model.lost("The server has gone.", self.now)
         self.now += 2.0
         self.tabui = TabUI(self, self)
@@ -77,7 +77,7 @@ class ScreenPlayer:
         return self.screen
 
     def do(self, act: Act, ticks: int = 12) -> Screen:
-        """Do what is offered; it must be there and possible."""
+        """Do an act. The screen must offer it, and it must be enabled."""
         action = self.offered(act)
         assert action is not None, f"{act} is not offered"
         assert action.enabled, f"{act} is not possible: {action.hint}"
@@ -85,7 +85,7 @@ class ScreenPlayer:
         return self.run(ticks)
 
     def press(self, act: Act, ticks: int = 12) -> Screen:
-        """Do it whether or not anything offers it."""
+        """Do an act even if the screen does not offer it."""
         self.model.do(act, self.now)
         return self.run(ticks)
 
@@ -97,7 +97,7 @@ class ScreenPlayer:
 
 
 def go(seat, room):
-    """Send the selected robot to a room, agreeing to all it asks, and let it arrive."""
+    """Send the selected robot to a room, agree to everything it asks, and wait until it arrives."""
     seat.do(SelectRoomAct(room))
     agree(seat)
     return seat.run(30)
@@ -113,7 +113,7 @@ def events(seat, kind):
 
 
 def play(seat, look=lambda screen: None):
-    """Play until the hunt is over, by what is offered; `look` is called with every screen."""
+    """Play until the hunt is over, using only what the screen offers; `look` is called with every screen."""
     for turn in range(200):
         screen = seat.screen
         look(screen)

@@ -1,4 +1,4 @@
-"""Hunts without a simulator in which the participant, and others, do what the test tells them."""
+"""Hunts without a simulator in which the test decides the acts of the participant and of a client outside."""
 
 from tests.support.hunts.hunt_without_simulator import HuntWithoutSimulator
 from thbridge.dialogue.arguing import ArguingEngine
@@ -22,7 +22,7 @@ from thbridge.roles.shared.view import (
 
 
 class ScriptedPlayer:
-    """A player that wishes what the test tells it."""
+    """Player whose requests the test sets."""
 
     def __init__(self) -> None:
         self.wish: tuple[ParticipantRequest, ...] = ()
@@ -32,7 +32,7 @@ class ScriptedPlayer:
 
 
 def go(played, robot: int, room: int) -> View:
-    """Send a robot to a room, agreeing to all it asks."""
+    """Send a robot to a room, and agree to everything it asks."""
     view = played.say(SelectRoom(robot, room))
     while view.dialogues:
         dialogue = view.dialogues[0]
@@ -46,7 +46,7 @@ SENTENCE = f"Robot 1 is commanded by {NAME} just now."
 
 
 class ScriptedHunt:
-    """A hunt whose participant, and somebody outside, do what the test tells them."""
+    """Hunt in which the test decides the requests of the participant and of a client outside."""
 
     outside = "station"
 
@@ -87,7 +87,7 @@ def arguing_engine(condition: DialogueCondition) -> ArguingEngine:
 
 
 class ArguingHunt(ScriptedHunt):
-    """A scripted hunt with robots that argue."""
+    """Scripted hunt with robots that argue."""
 
     def __init__(
         self, condition: DialogueCondition = COLLABORATOR, talk: ArguingEngine | None = None, **options
@@ -99,13 +99,13 @@ class ArguingHunt(ScriptedHunt):
         return next(each for each in self.view.dialogues if each.robot == robot)
 
     def say(self, text: str, robot: int = 0) -> View:
-        """Make the first choice that contains a text."""
+        """Choose the first answer that contains a text."""
         talk = self.dialogue(robot)
         choice = next(number for number, sentence in enumerate(talk.choices) if text in sentence)
         return self.wish(AnswerDialogue(talk.dialogue, talk.turn, choice))
 
     def suggested(self, robot: int = 0) -> int:
-        """The room that a robot would go to by itself."""
+        """Return the room that a robot suggests; the dialogue about it is then left."""
         self.wish(RequestSuggestion(robot))
         room = self.dialogue(robot).room
         self.say("Let us leave it", robot)
@@ -121,7 +121,7 @@ WIZARD_ON, WIZARD_OFF = WizardMode(0, on=True), WizardMode(0, on=False)
 
 
 class WizardHunt(ScriptedHunt):
-    """A scripted hunt with a wizard outside."""
+    """Scripted hunt with a wizard outside the session."""
 
     outside = "wizard"
 

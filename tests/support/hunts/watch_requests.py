@@ -1,4 +1,4 @@
-"""One request of each kind that a watching researcher may make."""
+"""One request of each kind that a watching researcher can send."""
 
 import numpy as np
 

@@ -1,14 +1,14 @@
-"""Floor plans as architects draw them: eight rooms at a corridor, with doors, furniture, labels and dimensions."""
+"""Floor plans as architects draw them: eight rooms along a corridor, with doors, furniture, labels and dimensions."""
 
 import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
 WALL, DOOR, LEAF = 10, 36, 30
-"""Pixels: thickness of walls, width of doors, width of a leaf of a double door."""
+"""Thickness of walls, width of doors, and width of one leaf of a double door, pixels."""
 SIZE = (1300, 900)
 SCALE = 0.025
-"""Meters a pixel."""
+"""Resolution, meters per pixel."""
 
 
 def plan(*, hatched: bool = False, furnished: bool = True, entrance: bool = False) -> Image.Image:
@@ -51,7 +51,7 @@ def _solid_wall(image: Image.Image, ends: tuple[int, int, int, int]) -> None:
 
 
 def _hatched_wall(image: Image.Image, ends: tuple[int, int, int, int]) -> None:
-    """Two lines with slanted strokes between."""
+    """Draw a wall as two lines with slanted strokes between them."""
     half = WALL // 2 + 1
     left, top, right, bottom = ends[0] - half, ends[1] - half, ends[2] + half, ends[3] + half
     ImageDraw.Draw(image).rectangle((left, top, right, bottom), outline=0, fill=255, width=3)
@@ -62,7 +62,7 @@ def _hatched_wall(image: Image.Image, ends: tuple[int, int, int, int]) -> None:
 
 
 def _door(pen: ImageDraw.ImageDraw, x: int, y: int, *, up: bool) -> None:
-    """An opening with a leaf, its arc, and a line where the wall would be."""
+    """Draw an opening with a leaf, its arc, and a line in place of the wall."""
     half = WALL // 2 + 3
     pen.rectangle((x, y - half, x + DOOR, y + half), fill=255)
     pen.line((x, y, x, y - DOOR if up else y + DOOR), fill=0, width=3)
@@ -71,7 +71,7 @@ def _door(pen: ImageDraw.ImageDraw, x: int, y: int, *, up: bool) -> None:
 
 
 def _double_door(pen: ImageDraw.ImageDraw, x: int, y: int) -> None:
-    """An opening in a vertical wall with two leaves, whose arcs meet in its middle."""
+    """Draw an opening in a vertical wall with two leaves, whose arcs meet in its middle."""
     half = WALL // 2 + 3
     pen.rectangle((x - half, y, x + half, y + 2 * LEAF), fill=255)
     for hinge, angles in ((y, (0, 90)), (y + 2 * LEAF, (270, 360))):

@@ -1,4 +1,4 @@
-"""A hall with rows of shelves, as large as a team needs."""
+"""Hall with rows of shelves, large enough for a team."""
 
 import math
 
@@ -9,9 +9,10 @@ from sim.common.grid import OccupancyGrid
 
 
 def hall(robots: int = 50) -> tuple[OccupancyGrid, list[Pose2]]:
-    """A hall with rows of shelves, and the places between them, in an order that mixes them.
+    """Return a hall with rows of shelves, and the free places in it, in random but fixed order.
 
-    For up to 50 robots it has 26 m by 14 m; for more, so many times both that it is no fuller.
+    For up to 50 robots it measures 26 m by 14 m. For more robots, both sides are multiplied by the same whole number,
+    so that the floor per robot is not smaller.
     """
     scale = math.ceil(math.sqrt(robots / 50))
     rows, cols = 280 * scale, 520 * scale

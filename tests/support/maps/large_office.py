@@ -1,4 +1,4 @@
-"""An office of 100 m x 100 m: 2000 x 2000 cells, 64 rooms and as many crossings of corridors."""
+"""Office of 100 m x 100 m: 2000 x 2000 cells, 64 rooms, and 64 crossings of corridors."""
 
 import numpy as np
 
@@ -9,15 +9,15 @@ from thbridge.hunt.rooms import Room
 
 RESOLUTION = 0.05
 PITCH = 250
-"""Cells from a room to the next."""
+"""Distance from one room to the next, cells."""
 CORRIDOR = 40
 DOOR = 24
 SIDE = 8
-"""Rooms in a row, and rows."""
+"""Number of rows, and of rooms in a row."""
 
 
 def large_office(side: int = SIDE) -> Map:
-    """A square of rooms of 10.5 m, with two desks each, and corridors of 2 m around all of them."""
+    """Return a square grid of rooms, 10.5 m wide, with two desks each, and corridors of 2 m around all of them."""
     cells = np.zeros((side * PITCH, side * PITCH), np.int8)
     cells[:2] = cells[-2:] = OCCUPIED
     cells[:, :2] = cells[:, -2:] = OCCUPIED
@@ -28,7 +28,8 @@ def large_office(side: int = SIDE) -> Map:
             begin, end = CORRIDOR // 2, PITCH - CORRIDOR // 2
             block[begin:end, begin : begin + 2] = block[begin:end, end - 2 : end] = OCCUPIED
             block[begin : begin + 2, begin:end] = block[end - 2 : end, begin:end] = OCCUPIED
-            # Doors in the south and, in every second room, in the north: many ways, and not all of them straight.
+            # Each room has a door in the south, every second room also one in the north: there are many paths, and not
+            # all of them are straight.
             block[begin : begin + 2, PITCH // 2 - DOOR // 2 : PITCH // 2 + DOOR // 2] = 0
             if (row + col) % 2:
                 block[end - 2 : end, PITCH // 3 : PITCH // 3 + DOOR] = 0

@@ -1,4 +1,4 @@
-"""A shipped map as the keeper tells it, and robots and rooms on it, for tests of the map view."""
+"""Shipped map in the form in which the keeper sends it, with robots and rooms on it, for tests of the map view."""
 
 import base64
 import zlib
@@ -49,7 +49,8 @@ def robot_at(number: int, x: float, y: float, theta: float = 0.0, selected: bool
 
 
 def busy_robots(shown: Map, count: int) -> list[RobotMark]:
-    """Robots at their starts, each with a full trail, a path to a room, an ellipse; the first selected."""
+    """Return robots at the start poses, each with a full trail, a path to a room and an ellipse; the first one is
+    selected."""
     share = np.linspace(0.0, 1.0, 44)[:, None]
     robots = []
     for number in range(count):

@@ -1,4 +1,4 @@
-"""Two and three rooms at a corridor."""
+"""Small arenas: two or three rooms at a corridor."""
 
 import numpy as np
 
@@ -11,7 +11,8 @@ from thbridge.offline.room_finding import find_rooms
 
 
 def three_rooms() -> OccupancyGrid:
-    """12 m x 8 m: a corridor of 2 m at the bottom, three rooms above it with doors of 1.2 m; a door from 1 to 2."""
+    """Return 12 m x 8 m: a corridor of 2 m at the bottom, three rooms above it with doors of 1.2 m, and a door from
+    room 1 to room 2."""
     cells = np.full((80, 120), FREE, dtype=np.int8)
     cells[[0, -1], :] = OCCUPIED
     cells[:, [0, -1]] = OCCUPIED
@@ -28,7 +29,7 @@ FOUND = arena_of(GRID, find_rooms(GRID, *radii(np.array(FOOTPRINT))), 2, ["West"
 
 
 def two_rooms() -> OccupancyGrid:
-    """8 m x 4 m: a room, a corridor, a room; doors 1 m wide at the bottom of both walls."""
+    """Return 8 m x 4 m: a room, a corridor and a room, with doors 1 m wide at the bottom of both walls."""
     cells = np.full((40, 80), FREE, dtype=np.int8)
     cells[[0, -1], :] = OCCUPIED
     cells[:, [0, -1]] = OCCUPIED

@@ -1,4 +1,4 @@
-"""A session, for ground stations, that answers whatever it hears."""
+"""Session for ground stations that answers every frame."""
 
 from collections.abc import Callable, Sequence
 
@@ -18,7 +18,7 @@ ANSWER = frame(mav.MAVLink_ping_message(7, 1, 255, 190), system=1)
 
 
 class AnsweringExchange:
-    """Answers each frame that it hears."""
+    """Exchange that answers each frame it receives."""
 
     def __init__(self) -> None:
         self.names: dict[LinkId, str] = {}

@@ -1,4 +1,4 @@
-"""Whoever wishes vehicles ill: random bytes, spoiled traffic, and whole frames with the worst that fields can hold."""
+"""Attacker of vehicles: random bytes, spoiled traffic, and complete frames with the worst possible values."""
 
 import copy
 import math
@@ -21,15 +21,15 @@ _SERVICES = (
 )
 
 ACTED_ON = tuple(number for number in KNOWN if mav.mavlink_map[number].msgname.startswith(_SERVICES))
-"""What vehicles may know; it comes more often than the rest."""
+"""Messages that vehicles may act on; the attacker sends them more often than others."""
 
 
 MODEL_NAMES = tuple(f"PARAM_{number:02}" for number in range(20))
-"""Parameters of robots that there are in tests only."""
+"""Parameters of robots that exist only in tests."""
 
 
 def orders(system):
-    """What a ground station says that wants to drive a vehicle."""
+    """Yield the messages of a ground station that wants to drive a vehicle."""
     east, north = -1_000_000, 515_000_000
     commands = {
         mav.MAV_CMD_COMPONENT_ARM_DISARM: [(1,), (1,), (1,), (0,), (1, 21196)],
@@ -77,12 +77,12 @@ def orders(system):
 
 
 class Foe:
-    """Says what it can think of, always the same for the same chance.
+    """Attacker that sends many kinds of data, always the same for the same random seed.
 
     Args:
-        chance: where from.
+        chance: source of random numbers.
         systems: ids of the vehicles.
-        names: of their parameters.
+        names: names of their parameters.
     """
 
     def __init__(self, chance, systems, names=MODEL_NAMES):
@@ -94,7 +94,7 @@ class Foe:
         self._sequence = 0
 
     def says(self):
-        """Some bytes: a few hundred at most."""
+        """Return some bytes: a few hundred at most."""
         what = self._chance.random()
         if what < 0.1:
             return self._chance.randbytes(self._chance.randint(1, LARGEST))
@@ -104,7 +104,8 @@ class Foe:
         return self._last
 
     def frame(self):
-        """A whole frame with a right checksum: a good order, a good one but for a field, or one bad in all fields."""
+        """Return a complete frame with a correct checksum: a valid order, a valid order with one bad field, or one with
+        all fields bad."""
         chance = self._chance
         what = chance.random()
         if what < 0.6:
@@ -121,12 +122,12 @@ class Foe:
         return self._framed(message)
 
     def _name(self, message):
-        """A message about a parameter is about one that there is."""
+        """Let a message about a parameter name an existing one."""
         if hasattr(message, "_param_id_raw"):
             message._param_id_raw = self._chance.choice(self._names)
 
     def _spoil(self, message):
-        """One field becomes the worst that it can be."""
+        """Set one field to the worst possible value."""
         kind = type(message)
         worst = decoded(kind.id, self._payload(kind))
         name = self._chance.choice(kind.fieldnames)
@@ -152,7 +153,7 @@ class Foe:
         return Frame(system, component, self._sequence, message_id, payload, crc_extra(message_id), version)
 
     def _aim(self, message):
-        """Most is meant for the vehicles, and says what they know."""
+        """Address most messages to the vehicles, with values that vehicles know."""
         chance = self._chance
         if chance.random() < 0.9:
             for name, ids in (("target_system", (0, *self._systems)), ("target_component", (0, 1))):
@@ -173,7 +174,7 @@ class Foe:
                 setattr(message, name, chance.choice(values))
 
     def _payload(self, kind):
-        """The values of a message, many of them as bad as they can be."""
+        """Return the payload of a message, with many of its values as bad as possible."""
         values = []
         layout = kind.unpacker.format
         for count, code in re.findall(r"(\d*)([a-zA-Z])", layout):
@@ -196,19 +197,19 @@ class Foe:
     def _spoiled(self, data):
         chance = self._chance
         match chance.randrange(6):
-            case 0:  # Bits fall over.
+            case 0:  # Bits are flipped.
                 bytes_since_good = bytearray(data)
                 for _ in range(chance.randint(1, 8)):
                     bytes_since_good[chance.randrange(len(bytes_since_good))] ^= 1 << chance.randrange(8)
                 return bytes(bytes_since_good)
-            case 1:  # It ends early.
+            case 1:  # The data end early.
                 return data[: chance.randint(1, len(data))]
-            case 2:  # It begins late.
+            case 2:  # The data begin late.
                 return data[chance.randrange(len(data)) :]
-            case 3:  # It comes again and again.
+            case 3:  # The data are repeated.
                 return data * chance.randint(2, 5)
-            case 4:  # Its length is another.
+            case 4:  # The length field is changed.
                 return data[:1] + chance.randbytes(1) + data[2:]
-            case _:  # Something else comes in between.
+            case _:  # Another frame is inserted.
                 place = chance.randrange(len(data))
                 return data[:place] + self.frame().to_bytes() + data[place:]

@@ -1,4 +1,4 @@
-"""A robot that does what its helm asks as tests want it to, and remembers what it was asked."""
+"""Robot whose answers a test sets, and which records the requests of its helm."""
 
 from dataclasses import dataclass, field, replace
 
@@ -30,14 +30,14 @@ AT_REST = RobotReadings(
 
 @dataclass
 class ModelRobot:
-    """Its legs end when a test says so; everything else is granted unless `refusal` says otherwise.
+    """Robot whose legs end when a test ends them; it grants every other request unless `refusal` is set.
 
     Attributes:
-        asked: every call that changes something, in order.
-        refusal: what the next calls are answered with; None: they are granted.
-        values: its parameters.
-        readings: what it tells.
-        barred: denials of places to which it cannot get, by meters east and north.
+        asked: calls that change something, in order.
+        refusal: answer to the next calls. If None, they are granted.
+        values: values of its parameters, by name.
+        readings: readings that it reports.
+        barred: denials of unreachable places, by meters east and north.
     """
 
     asked: list[tuple] = field(default_factory=list)
@@ -47,11 +47,11 @@ class ModelRobot:
     barred: dict[tuple[int, int], Denied] = field(default_factory=dict)
 
     def arrive(self):
-        """The leg under way ends well."""
+        """End the current leg as arrived."""
         self.readings = replace(self.readings, leg=replace(self.readings.leg, state=LegState.ARRIVED))
 
     def fail(self, reason):
-        """The leg under way ends badly."""
+        """End the current leg as failed."""
         self.readings = replace(self.readings, leg=replace(self.readings.leg, state=LegState.FAILED, reason=reason))
 
     def _done(self, *call):

@@ -1,7 +1,8 @@
-"""A ground station as clients are, without sockets and clocks: it asks, waits, and asks again.
+"""Ground station that behaves like common clients, without sockets and clocks; it repeats unanswered requests.
 
-It follows the guide's rules for a station, with the times of QGroundControl and MAVSDK: 1500 ms, 250 ms for an item
-that it asked for, five times. A transfer that was given up it begins again, as a person would.
+It follows the rules of MAVLink's guide for a station, with the timeouts and retries of QGroundControl and MAVSDK:
+250 ms for an item that it requested, 1500 ms for all other requests, and five retries. It restarts a failed transfer,
+as a person would.
 """
 
 import random
@@ -11,28 +12,28 @@ from thbridge.mavlink.values.vehicle_interface import Station
 from thbridge.mavlink.wire.dialect import decoded, mav, payload_of
 
 ITEM, OTHER = 13, 75
-"""Ticks until something is asked for again."""
+"""Ticks until a request is repeated: for an item, and for all other requests."""
 
 RETRIES = 5
 
-# The vehicle says the last of these when an item comes after its word that it had given up was lost.
+# The vehicle sends MAV_MISSION_ERROR if its message that it gave up the transfer was lost, and an item arrives later.
 GIVEN_UP = ("timeout", mav.MAV_MISSION_OPERATION_CANCELLED, mav.MAV_MISSION_ERROR)
 
 
 def waypoint(
     latitude, longitude, command=mav.MAV_CMD_NAV_WAYPOINT, params=(0.0, 0.0, 0.0, float("nan")), frame=6, z=0.0
 ):
-    """An item as a station keeps it, without number and target."""
+    """Return an item as a station stores it, without number and target."""
     return (frame, command, 0, 1, *params, latitude, longitude, z)
 
 
 class ModelStation:
-    """One station that talks to the vehicle of system 1.
+    """Station that talks to the vehicle of system 1.
 
     Attributes:
-        result: how its last transfer ended: a code of MAV_MISSION_RESULT, or "timeout"; None while it is under way.
-        downloaded: the items that it has read, as MISSION_ITEM_INT fields from `frame` on.
-        heard: everything that it has heard.
+        result: result of its last transfer: a code of MAV_MISSION_RESULT, or "timeout"; None during the transfer.
+        downloaded: items that it has read, as MISSION_ITEM_INT fields from `frame` on.
+        heard: all messages that it has received.
     """
 
     def __init__(self, system=255, component=190, patience=RETRIES, attempts=1):
@@ -66,7 +67,7 @@ class ModelStation:
         self._start(lambda: mav.MAVLink_mission_clear_all_message(1, 1, mission_type))
 
     def say(self, message):
-        """Say something without waiting for an answer."""
+        """Send a message without waiting for an answer."""
         self._out.append(message)
 
     def _start(self, begin):
@@ -89,7 +90,7 @@ class ModelStation:
             self.result = result
 
     def step(self, tick):
-        """What it says in this tick."""
+        """Return the messages that the station sends in this tick."""
         self._tick = tick
         if self._last is not None and tick >= self._due:
             if self._tries == self._patience:
@@ -101,7 +102,7 @@ class ModelStation:
         return out
 
     def hear(self, message):
-        """The vehicle said something."""
+        """Receive a message from the vehicle."""
         self.heard.append(message)
         if self._last is None:
             return
@@ -121,7 +122,7 @@ class ModelStation:
                     self._end(message.type)
 
     def _may_be_over(self):
-        """Whether an acknowledgement can be meant for what it does: an upload has sent its last item by then."""
+        """Return False if an acknowledgement cannot end the current upload, because the last item was not sent yet."""
         return not self._is("MISSION_ITEM_INT") or self._last.seq == len(self._items) - 1
 
     def _is(self, *names):
@@ -135,18 +136,19 @@ class ModelStation:
             self._end(mav.MAV_MISSION_ACCEPTED)
 
     def of(self, name):
-        """Everything that it has heard of one kind."""
+        """Return all received messages of one type."""
         return [message for message in self.heard if message.get_type() == name]
 
 
 class Air:
-    """What lies between stations and one vehicle's parts; it may lose, repeat and delay.
+    """Link between stations and the parts of one vehicle; it can lose, repeat and delay messages.
 
     Args:
-        parts: of a vehicle.
-        stations: each on a link of its own.
-        robot: has `readings`.
-        seed, loss, repeats, late: of each message, both ways.
+        parts: parts of a vehicle.
+        stations: ground stations, each on a separate link.
+        robot: robot with `readings`.
+        seed: random seed.
+        loss, repeats, late: probability that a message is lost, repeated or delayed, in both directions.
     """
 
     def __init__(self, parts, stations, robot, seed=0, loss=0.0, repeats=0.0, late=0.0):
@@ -157,7 +159,7 @@ class Air:
         self._up, self._down = [], []
 
     def run(self, ticks=1, until=lambda: False):
-        """Let ticks pass, until something is so."""
+        """Let ticks pass; stop earlier if a condition is true."""
         for _ in range(ticks):
             self.tick += 1
             for number, station in enumerate(self._stations):

@@ -1,4 +1,4 @@
-"""A hunt with the real robots, and a pilot at each one's helm."""
+"""Hunt with the real robots, and a pilot at each robot's helm."""
 
 from dataclasses import replace
 from functools import cache
@@ -25,7 +25,7 @@ STATION = Station(255, 190)
 
 
 class Parameters:
-    """One parameter, as a pilot passes it on."""
+    """Single parameter, as a pilot passes it on."""
 
     def settings(self):
         return [Parameter("ONE", 1.0)]
@@ -45,7 +45,7 @@ def setting(energy: float = 100.0) -> StudySetting:
 
 
 class PilotedHunt:
-    """A session with a silent participant and a pilot at each robot's helm."""
+    """Session with a silent participant and a pilot at each robot's helm."""
 
     def __init__(self, energy: float = 100.0, participant: TabUI | None = None) -> None:
         made = setting(energy)

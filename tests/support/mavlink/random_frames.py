@@ -1,4 +1,4 @@
-"""Frames to try things with, of every message of the dialect."""
+"""Random frames for tests, with any message of the dialect."""
 
 from hypothesis import strategies as st
 from pymavlink.dialects.v20 import all as mav
@@ -11,7 +11,7 @@ KINDS = {message_id: kind for message_id, kind in mav.mavlink_map.items() if mes
 
 @st.composite
 def frames(draw, versions=(V1, V2)):
-    """Any frame without a signature, of any message that is no secret."""
+    """Return frames without a signature, with any message that contains no secret."""
     version = draw(st.sampled_from(versions))
     known = sorted(KINDS) if version == V2 else [message_id for message_id in sorted(KINDS) if message_id < 256]
     message_id = draw(st.sampled_from(known))

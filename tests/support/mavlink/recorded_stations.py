@@ -1,4 +1,4 @@
-"""Recorded hunts with ground stations, which are ours, in the same process."""
+"""Recorded hunts with our own ground stations, in the same process."""
 
 import asyncio
 import math
@@ -28,7 +28,7 @@ STUDY = replace(Study(), seed=7, robots=2, mavlink=MavlinkSection(on=True))
 
 
 class Station:
-    """A ground station at a session, on a link of its own."""
+    """Ground station that is connected to a session by a separate link."""
 
     def __init__(
         self, session: Session, name: str = "udp 127.0.0.1:14550", system: int = 255, robot: int | None = None
@@ -53,7 +53,7 @@ class Station:
 
 
 class Follower:
-    """A participant who follows the hunt, and wishes nothing."""
+    """Participant who watches the hunt, and sends no requests."""
 
     def requests(self, view: View) -> tuple[ParticipantRequest, ...]:
         return ()
@@ -65,7 +65,7 @@ class Follower:
 def record(
     bag: Path, ticks: int, doing: Callable[[int, Session], None], study: Study = STUDY, follower: Follower | None = None
 ) -> None:
-    """A hunt that nobody plays, and something that is done from outside before each tick."""
+    """Record a hunt that nobody plays; call `doing`, which acts from outside the session, before each tick."""
     setting = read_setting(study, Path())
     simr = build_simr(setting)
     with build_writer(setting, bag) as writer:
@@ -101,8 +101,8 @@ def beating(stations: dict[str, Station]) -> Callable[[int, Session], None]:
 
 
 class Tour:
-    """A ground station that arms the robots and sends each from room to room, where it takes a picture and says that
-    what is there is the first treasure of all."""
+    """Ground station that arms the robots and sends each of them from room to room. In each room, the robot takes a
+    picture, and the station identifies the find as the first treasure."""
 
     def __init__(self, rooms: dict[int, list[int]], study: Study = STUDY) -> None:
         self._left = rooms

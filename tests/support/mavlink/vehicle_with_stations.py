@@ -1,4 +1,4 @@
-"""A vehicle with a model of a robot at its helm, and ground stations that send it one message at a time."""
+"""Vehicle with a model robot at its helm, and ground stations that send it one message at a time."""
 
 import math
 from dataclasses import replace
@@ -21,7 +21,7 @@ ACCEPTED, BUSY, DENIED, UNSUPPORTED, FAILED, IN_PROGRESS, CANCELLED, LONG_ONLY, 
 
 
 class Game(ModelRobot):
-    """A robot whose game grants at once who is in command of it, and who is under way as long as its leg is."""
+    """Robot whose game grants command at once. It is under way as long as its leg is."""
 
     def take(self, station):
         denied = super().take(station)
@@ -54,22 +54,22 @@ class Game(ModelRobot):
         self.readings = replace(self.readings, under_way=False)
 
     def come(self, remaining):
-        """The leg under way has this many meters to go."""
+        """Set the remaining distance of the current leg, meters."""
         self.readings = replace(self.readings, leg=replace(self.readings.leg, remaining=remaining))
 
     def calls(self, name):
-        """What was asked under this name."""
+        """Return the calls with this name."""
         return [call for call in self.asked if call[0] == name]
 
 
 class VehicleWithStations:
-    """One vehicle, system 3, stepped by hand; messages go through their bytes, as on a link.
+    """Vehicle of system 3. A test steps it tick by tick, and messages are encoded and decoded, as on a link.
 
     Attributes:
-        robot: at its helm.
-        vehicle: under test.
-        tick: the last one.
-        heard: everything that it has said by itself.
+        robot: robot at its helm.
+        vehicle: vehicle under test.
+        tick: latest tick.
+        heard: messages that it has sent without a request.
     """
 
     def __init__(self, **options):
@@ -80,7 +80,7 @@ class VehicleWithStations:
         self.run(1)
 
     def run(self, ticks=1, beating=()):
-        """Let ticks pass, in which these stations send heartbeats; what the vehicle says."""
+        """Let ticks pass, in which the stations in `beating` send heartbeats; return the messages of the vehicle."""
         said = []
         for _ in range(ticks):
             self.tick += 1
@@ -92,18 +92,18 @@ class VehicleWithStations:
         return said
 
     def hear(self, message, station=US, link=HERE):
-        """Send a message; what is answered at once."""
+        """Send a message to the vehicle; return its immediate answers."""
         again = decoded(message.get_msgId(), payload_of(message))
         return list(_sent(self.vehicle.handle_message(link, station, again)))
 
     def long(self, command, *params, station=US, link=HERE, confirmation=0):
-        """Send a command as COMMAND_LONG; the results of its acknowledgements."""
+        """Send a command as COMMAND_LONG; return the results in its acknowledgements."""
         params = (*params, *[NAN] * (7 - len(params)))
         message = mav.MAVLink_command_long_message(3, 1, command, confirmation, *params)
         return acks(self.hear(message, station, link), command)
 
     def int(self, command, *params, frame=0, x=0x7FFFFFFF, y=0x7FFFFFFF, station=US, link=HERE):
-        """Send a command as COMMAND_INT; the results of its acknowledgements."""
+        """Send a command as COMMAND_INT; return the results in its acknowledgements."""
         params = (*params, *[NAN] * (4 - len(params)))
         message = mav.MAVLink_command_int_message(3, 1, frame, command, 0, 0, *params, x, y, NAN)
         return acks(self.hear(message, station, link), command)
@@ -113,15 +113,15 @@ class VehicleWithStations:
         return self.int(command, x=round(y * 1e4), y=round(x * 1e4), frame=1, station=station, link=link)
 
     def arm(self, station=US, force=0, link=HERE):
-        """Arm it, as a way to take command."""
+        """Arm the vehicle, which is one method to take command."""
         return self.long(mav.MAV_CMD_COMPONENT_ARM_DISARM, 1, force, station=station, link=link)
 
     def disarm(self, station=US):
-        """Disarm it."""
+        """Disarm the vehicle."""
         return self.long(mav.MAV_CMD_COMPONENT_ARM_DISARM, 0, station=station)
 
     def mode(self, main, sub=0, station=US):
-        """Set a mode as PX4 numbers it."""
+        """Set a mode by its PX4 number."""
         return self.long(mav.MAV_CMD_DO_SET_MODE, 1, main, sub, station=station)
 
     @property
@@ -129,7 +129,7 @@ class VehicleWithStations:
         return self.vehicle.status
 
     def texts(self):
-        """The sentences told so far; chunks are joined."""
+        """Return the sentences that the vehicle has sent; chunks are joined."""
         self.run(3 * SECOND)
         texts, parts = [], b""
         for message in messages(self.heard, "STATUSTEXT"):
@@ -141,7 +141,7 @@ class VehicleWithStations:
 
 
 def home_of(robot, earth):
-    """The home of a robot alone."""
+    """Return the home position of a single robot."""
     home = HomePosition(robot, earth)
     list(home.step(0, robot.readings))
     return home
@@ -151,17 +151,17 @@ HEARTBEAT = mav.MAVLink_heartbeat_message(6, 8, 0, 0, 4, 3)
 
 
 def _sent(said):
-    """What is said, each message of it fit for the wire."""
+    """Yield the messages, after checking that each one can be encoded."""
     for word in said:
         payload_of(word.message)
         yield word
 
 
 def acks(said, command):
-    """The results of the acknowledgements of a command."""
+    """Return the results in the acknowledgements of a command."""
     return [ack.result for ack in messages(said, "COMMAND_ACK") if ack.command == command]
 
 
 def messages(said, kind=None):
-    """The messages said, or those of one kind."""
+    """Return the messages, or only those of one type."""
     return [word.message for word in said if kind in (None, word.message.get_type())]

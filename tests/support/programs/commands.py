@@ -1,4 +1,4 @@
-"""Commands in this process: their start, which takes seconds, is tested by real programs in `tests/system`."""
+"""Commands that run in this process. Real processes, which take seconds to start, are tested in `tests/system`."""
 
 from contextlib import chdir
 from pathlib import Path
@@ -24,21 +24,21 @@ def invoke(*words: object, **options: Any) -> Result:
 
 
 def output_of(*words: object) -> str:
-    """Everything that a command says, which succeeds."""
+    """Return the output of a command that must succeed."""
     done = invoke(*words)
     assert done.exit_code == 0, done.output
     return done.output
 
 
 def refusal_of(*words: object) -> str:
-    """Everything that a command says, which fails, on one line."""
+    """Return the output of a command that must fail, on one line."""
     done = invoke(*words)
     assert done.exit_code != 0
     return " ".join(done.output.split())
 
 
 def refusal(*words: object) -> str:
-    """The message of a command that must find its input bad, and change nothing."""
+    """Return the error message of a command that must reject its input and change no file."""
     before = sorted(Path().rglob("*"))
     done = invoke(*words)
     assert done.exit_code == 2, (done.output, done.exception)

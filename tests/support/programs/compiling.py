@@ -1,9 +1,9 @@
-"""Compiles what tests compute with, once for this machine and these sources.
+"""Compile the kernels that tests use, once for this machine and these sources.
 
     python -m tests.support.programs.compiling
 
-Else each process that shares the tests would compile it for itself, and whoever waits for a program would wait for that
-as well.
+Without this, each test process would compile the kernels itself, and tests that wait for a program would also wait for
+the compiler.
 """
 
 import os
@@ -32,12 +32,12 @@ things:
   - {name: visitor, shape: person, path: [[0, 2.0], [6, 2.0]], back_and_forth: true}
 """,
 )
-"""Short hunts: what robots usually compute with, and much of what they may compute with instead."""
+"""Short hunts that use the default software of robots, and many of its alternatives."""
 
 
 def compile_kernels() -> float:
-    """Play the hunts, unless that was done before; return how many seconds it takes or took."""
-    # All of the simulator is reached from the team: where any of its sources has changed, there is another folder.
+    """Play the hunts, unless that was done before; return the seconds that this took."""
+    # `team.py` imports all modules of the simulator: if any of its sources changes, the folder has another name.
     done = folder_of(ROOT / "sim" / "team.py") / "for_tests"
     if done.exists():
         return float(done.read_text())
@@ -56,7 +56,8 @@ def compile_kernels() -> float:
                     stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
                 )
             )  # fmt: skip
-        # At the same time, on all cores: what one compiles the other waits for.
+        # The hunts run at the same time, on all cores. If one of them compiles a kernel that another needs, the other
+        # waits.
         told = [played.communicate()[1] for played in hunts]
     for said in told:
         if "the game had not ended" not in said:
@@ -68,10 +69,10 @@ def compile_kernels() -> float:
 
 
 def compile_tests() -> None:
-    """Let pytest compile the tests of a fresh checkout; else each process that shares them compiles all."""
+    """Let pytest compile the tests of a fresh checkout; otherwise each test process would compile all of them."""
     if not any((ROOT / "tests" / "__pycache__").glob("conftest.*-pytest-*.pyc")):
         command = (sys.executable, "-m", "pytest", "--collect-only", "--quiet")
-        # What is wrong with a test is said when it runs.
+        # Errors in a test are reported when it runs.
         subprocess.run(command, cwd=ROOT, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=False)
 
 

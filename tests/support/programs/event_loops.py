@@ -1,4 +1,4 @@
-"""Tests that are coroutines, and waiting in them."""
+"""Tests that are coroutines, and a wait for conditions in them."""
 
 import asyncio
 from collections.abc import Awaitable, Callable

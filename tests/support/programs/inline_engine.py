@@ -1,4 +1,4 @@
-"""An engine that works in the test's own process."""
+"""Engine that runs tasks in the test's own process."""
 
 from collections import deque
 from collections.abc import Callable, Iterator
@@ -11,7 +11,7 @@ Task = TypeVar("Task", bound=BatchTask)
 
 
 class InlineEngine(Generic[Task]):
-    """Carries out tasks in this process; `dies` tells of each, before it is carried out, if its worker dies."""
+    """Engine that runs tasks in this process; before each task, `dies` returns True if its worker dies."""
 
     def __init__(self, dies: Callable[[Task], bool] = lambda _task: False) -> None:
         self._dies = dies

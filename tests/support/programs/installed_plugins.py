@@ -1,4 +1,4 @@
-"""Packages with plug-ins, as `pip install` leaves them, for tests."""
+"""Packages with plug-ins, installed as `pip install` does, for tests."""
 
 import sys
 from collections.abc import Mapping
@@ -13,11 +13,11 @@ def install_plugins(
     """Install the distribution `name` 1.0 for one test.
 
     Args:
-        folder: where its files are written.
-        monkeypatch: of the test.
-        name: of its module; the distribution has hyphens in place of underscores.
-        groups: names in its module by the names of entry points, by group.
-        source: of its module.
+        folder: folder for its files.
+        monkeypatch: fixture of the test.
+        name: name of its module; the distribution's name has hyphens instead of underscores.
+        groups: for each group, names in its module by the names of the entry points.
+        source: source text of its module.
     """
     info = folder / f"{name}-1.0.dist-info"
     info.mkdir()

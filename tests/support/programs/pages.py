@@ -1,4 +1,5 @@
-"""Pages of docs as a reader follows them: each block is run in order, and each command prints what the page shows."""
+"""Pages of docs, tested as a reader follows them: the blocks are run in order, and each command must print what the
+page shows."""
 
 import re
 import runpy
@@ -11,12 +12,13 @@ from tests.support.programs.commands import invoke
 
 
 def follow(page: Path) -> list[list[str]]:
-    """Carry out a page in the current folder: its scripts, its sessions in a terminal, its Python.
+    """Run a page in the current folder: its shell scripts, its terminal sessions and its Python code.
 
-    Other blocks are skipped. In what a session shows, `...` stands for any text, and `P-XXXXX` for a participant's id.
+    Other blocks are skipped. In the output that a session shows, `...` matches any text, and `P-XXXXX` a participant's
+    id.
 
     Returns:
-        the words of each command of the sessions.
+        Words of each command in the sessions.
     """
     said, run = "", []
     for kind, block in _blocks(page):
@@ -42,7 +44,7 @@ def _blocks(page: Path) -> Iterator[tuple[str, str]]:
 
 
 def _commands(session: str) -> Iterator[tuple[str, str]]:
-    """Yield the commands of a session in a terminal, each with what the page shows after it."""
+    """Yield the commands of a terminal session, each with the output that the page shows for it."""
     yield from re.findall(r"^\$ (.*)\n((?:(?!\$ ).*\n)*)", session, re.MULTILINE)
 
 
@@ -61,7 +63,7 @@ def _carried_out(command: str) -> str:
 
 
 def _assert_said(command: str, shown: str, said: str) -> None:
-    """Compare without regard to line breaks, since these depend on the width of the terminal."""
+    """Compare the outputs, ignoring line breaks, because these depend on the width of the terminal."""
     pattern = r"\s+".join(map(re.escape, shown.split()))
     for gap, anything in (("...", ".*"), ("P-XXXXX", "P-[2-9A-Z]{5}")):
         pattern = pattern.replace(re.escape(gap), anything)

@@ -1,6 +1,7 @@
-"""Programs of others that crash: a fault of theirs skips the test and shows the reason, a plain exit status does not.
+"""Other projects' programs that may crash: a crash skips the test and shows the reason; an exit status does not.
 
-A crash is an end by a signal that the test did not send. Programs report a fault in our files by an exit status.
+A program has crashed if it was ended by a signal that the test did not send. Programs report faults in our files by an
+exit status.
 """
 
 import signal
@@ -13,9 +14,9 @@ from typing import Any, Protocol
 import pytest
 
 ATTEMPTS = 4
-"""Starts of a program that crashes before the test is skipped."""
+"""Number of times that a crashing program is started before the test is skipped."""
 SETTLING = 1.0
-"""Seconds that a program which has just closed its connections gets to end."""
+"""Seconds that a program has to end after it has closed its connections."""
 
 
 class _Process(Protocol):
@@ -24,14 +25,14 @@ class _Process(Protocol):
 
 
 def skip_if_crashed(program: str, status: int | None, output: str = "") -> None:
-    """Skip the test if the program's exit status names a signal; `output` is what it printed."""
+    """Skip the test if the program's exit status names a signal; `output` is the program's output."""
     if status is not None and status < 0:
         last = output.strip().rpartition("\n")[2]
         pytest.skip(f"{program} crashed: {signal.Signals(-status).name}{last and f' ({last})'}")
 
 
 def run_peer(command: Sequence[str | Path], **options: Any) -> subprocess.CompletedProcess[str]:
-    """Run a program of others, with options of `subprocess.run`, and skip the test if it crashes."""
+    """Run another project's program, with options of `subprocess.run`, and skip the test if it crashes."""
     done = subprocess.run(command, capture_output=True, text=True, check=False, **options)
     skip_if_crashed(str(command[0]), done.returncode, done.stderr)
     return done
@@ -42,7 +43,7 @@ def skipping_if_crashed(program: str, process: _Process) -> Iterator[None]:
     """Skip the test if its body fails and the program has crashed."""
     try:
         yield
-    except BaseException:  # pytest's own failures are no Exception.
+    except BaseException:  # pytest's own failures are not derived from Exception
         with suppress(subprocess.TimeoutExpired):
             process.wait(SETTLING)
         skip_if_crashed(program, process.poll())
@@ -50,12 +51,12 @@ def skipping_if_crashed(program: str, process: _Process) -> Iterator[None]:
 
 
 class RestartedPeer:
-    """A program that is started again whenever it crashes, up to `ATTEMPTS` starts.
+    """Program that is started again after a crash, up to `ATTEMPTS` times in all.
 
     Args:
-        name: of the program, for the reason.
-        start: starts it.
-        output: what it has printed since its last start.
+        name: name of the program, for the message.
+        start: function that starts it.
+        output: function that returns its output since the last start.
     """
 
     def __init__(self, name: str, start: Callable[[], _Process], output: Callable[[], str]) -> None:
@@ -66,7 +67,8 @@ class RestartedPeer:
         self._process = start()
 
     def keep_running(self) -> None:
-        """Start the program again if it crashed; skip the test at its last crash, and fail at any other end."""
+        """Start the program again if it crashed. After the last attempt, skip the test. If it exited by itself,
+        fail."""
         status = self._process.poll()
         if status is None:
             return

@@ -1,21 +1,21 @@
-"""Ports for programs that have to be told theirs before they listen."""
+"""Ports for programs that must know their port before they listen."""
 
 import itertools
 import os
 import socket
 
 _FIRST, _COUNT = 20_000, 12_000
-"""All below those that the system itself hands out, to whoever connects or asks for any port: none of them is taken
-between its choice and its use by a program that did not mean to."""
+"""First port and number of ports, all below the range from which the system chooses ports for connections and for port
+0. No other program takes such a port by accident between its choice and its use."""
 
 _APART = 97
-"""How far apart workers begin that were started one after the other; none needs so many."""
+"""Distance between the first ports of workers that were started one after the other; no worker needs as many ports."""
 
 _numbers = itertools.count(os.getpid() * _APART)
 
 
 def free_port(kind: socket.SocketKind = socket.SOCK_STREAM) -> int:
-    """A port of this machine that nobody has, and that is not given out twice."""
+    """Return a port of this machine that no program uses, and that was not returned before."""
     for number in _numbers:
         port = _FIRST + number % _COUNT
         with socket.socket(socket.AF_INET, kind) as probe:

@@ -1,4 +1,4 @@
-"""Looking for words in the memory of another process."""
+"""Search for words in the memory of another process."""
 
 import re
 from collections.abc import Iterable, Iterator
@@ -10,14 +10,14 @@ _REGION = re.compile(r"([0-9a-f]+)-([0-9a-f]+) (\S+)")
 
 
 def found_in_memory(pid: int, words: Iterable[str]) -> set[str]:
-    """Those of the words that stand anywhere in what a process has written to its memory, as text of any width.
+    """Return the words that are anywhere in memory that a process has written, as text with 1, 2 or 4 bytes per letter.
 
     Args:
-        pid: the process.
-        words: of ASCII.
+        pid: process id.
+        words: ASCII words.
 
     Raises:
-        PermissionError: this system lets nobody look.
+        PermissionError: this system forbids reading another process's memory.
     """
     narrow = {word: word.encode("ascii") for word in words}
     widest = 4 * max(map(len, narrow.values()))
@@ -27,18 +27,19 @@ def found_in_memory(pid: int, words: Iterable[str]) -> set[str]:
             for place in range(start, end, CHUNK):
                 try:
                     memory.seek(place)
-                    # Chunks overlap, so that a word on an edge is whole in one of them.
+                    # Chunks overlap, so that a word at a boundary is complete in one of them.
                     data = memory.read(min(CHUNK + widest, end - place))
                 except OSError:
-                    continue  # It has just been given back.
-                # Without zeros, text of two and four bytes a letter is as text of one, and most of memory is nothing.
+                    continue  # the memory has just been freed
+                # Without zero bytes, text with 2 or 4 bytes per letter equals text with 1, and little of the memory
+                # remains.
                 data = data.translate(None, b"\0")
                 found |= {word for word, form in narrow.items() if form in data}
     return found
 
 
 def _written(pid: int) -> Iterator[tuple[int, int]]:
-    """The regions that the process may write to and of which some is in memory, or swapped out."""
+    """Yield the regions that the process may write to, and that are at least partly in memory or swapped out."""
     region: tuple[int, int] | None = None
     for line in Path(f"/proc/{pid}/smaps").read_text().splitlines():
         head = _REGION.match(line)

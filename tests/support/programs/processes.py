@@ -1,4 +1,4 @@
-"""Our programs as processes, as an admin starts them, and waiting for what they do."""
+"""Our programs as processes, started as an admin starts them, and waits for what they do."""
 
 import json
 import os
@@ -15,12 +15,12 @@ THBRIDGE = [sys.executable, "-c", "from ui.cli import main; main()"]
 
 
 class Program:
-    """One `thbridge ...` process. Its output goes to a file, where a failing test can show it.
+    """Process that runs a `thbridge` command. Its output goes to a file, so that a failing test can show it.
 
     Args:
-        folder: in which it runs.
-        arguments: behind `thbridge`.
-        environment: of the process.
+        folder: working folder.
+        arguments: arguments after `thbridge`.
+        environment: environment variables of the process.
         by: command that runs it, such as one that runs it on another machine.
     """
 
@@ -69,7 +69,8 @@ class Program:
 
 
 def until(what: str, condition: Callable[[], bool], programs: list[Program], seconds: float = 120.0) -> None:
-    """Wait for a condition, by looking; tell what everybody printed if it does not come."""
+    """Wait for a condition by testing it repeatedly. After the time limit, raise TimeoutError with all programs'
+    output."""
     end = time.monotonic() + seconds
     while not condition():
         if time.monotonic() > end:

@@ -1,4 +1,4 @@
-"""Environments in which libraries compute as on other processors."""
+"""Environment variables that let libraries compute as on other processors."""
 
 from numpy._core._multiarray_umath import __cpu_dispatch__, __cpu_features__
 

@@ -1,7 +1,7 @@
-"""Fields of cylinders with narrow passages, and drives through them by the parameters of such a course.
+"""Fields of cylinders with narrow passages, and drives through them with the parameters in narrow_passages.yaml.
 
-The local planner is ours, or ROS's own in a process of its own (bench/robots/peers/trajectory_planner_peer.cpp): with
-the same costmaps, global plans and recovery behaviors.
+The local planner is either ours, or that of ROS in a separate process (bench/robots/peers/trajectory_planner_peer.cpp).
+Both use the same costmaps, global plans and recovery behaviors.
 """
 
 import math
@@ -56,15 +56,15 @@ SOURCES = (
 FINE = 0.025
 """Side of a cell of the true map, meters."""
 SITE = 0.15
-"""Meters from one possible place of a cylinder to the next; a cylinder is as wide."""
+"""Distance between neighboring sites of cylinders, meters; it is also the diameter of a cylinder."""
 WIDTH, LENGTH = 30, 74
-"""Sites across the field, and along it."""
+"""Number of sites across the field, and along it."""
 OPEN_ENDS = 12
-"""Rows of sites without cylinders at either end, where the robot starts and arrives."""
+"""Rows of sites without cylinders at each end, where the robot starts and arrives."""
 MARGIN = 14
-"""Sites around the field in the map."""
+"""Number of sites by which the map extends beyond the field on each side."""
 PASSAGE = (0.6, 1.0)
-"""Meters of the narrowest passage on the widest path through a field, at least and at most."""
+"""Least and greatest width of the narrowest passage on the widest path through a field, meters."""
 START = Pose2(MARGIN * SITE + 2.25, MARGIN * SITE + 0.8, 0.5 * math.pi)
 GOAL = Pose2(START.x, START.y + 10.0, 0.5 * math.pi)
 GOAL_RADIUS = 1.0
@@ -83,18 +83,20 @@ WORLD = replace(
 
 
 def robot() -> RobotParameters:
-    """Software by the parameter file; it knows where it is, as there is no map to find that out with."""
+    """Return the software parameters in PARAMETERS, with the true pose as localization, because the robot's map is
+    empty."""
     return replace(read_ros_parameters([PARAMETERS], RobotParameters()).value, localization="truth")
 
 
 def known_map() -> OccupancyGrid:
-    """The robot's map, an empty one."""
+    """Return the robot's map, which is empty."""
     rows, cols = (round((size + 2 * MARGIN) * SITE / 0.05) for size in (LENGTH, WIDTH))
     return OccupancyGrid(np.zeros((rows, cols), np.int8), 0.05, Pose2(0.0, 0.0, 0.0))
 
 
 def field_of(seed: int) -> OccupancyGrid:
-    """A field of cylinders with PASSAGE: the first such one of those drawn by a seed."""
+    """Return the first field of cylinders drawn from a seed in which the narrowest passage has a width within
+    PASSAGE."""
     noise = NoiseStream.named(seed, "cylinders")
     for attempt in range(1000):
         grid = _drawn(_sites(noise, attempt))
@@ -104,7 +106,8 @@ def field_of(seed: int) -> OccupancyGrid:
 
 
 def _sites(noise: NoiseStream, attempt: int) -> NDArray[np.bool_]:
-    """(LENGTH, WIDTH) True where a cylinder stands: clumps grown from random ones by a cellular automaton."""
+    """Return a (LENGTH, WIDTH) array, True at sites with a cylinder: clumps that a cellular automaton grows from random
+    sites."""
     draws = noise.uniforms(attempt, 1 + WIDTH * LENGTH)
     taken = draws[1:].reshape(LENGTH, WIDTH) < 0.12 + 0.18 * draws[0]
     taken[:OPEN_ENDS] = taken[-OPEN_ENDS:] = False
@@ -127,7 +130,7 @@ def _drawn(sites: NDArray[np.bool_]) -> OccupancyGrid:
 
 
 def _passes(grid: OccupancyGrid, gap: float) -> bool:
-    """Return True when a disc of that diameter gets from the start to the goal within the field."""
+    """Return True if a disc with this diameter can move from the start to the goal within the field."""
     inner = slice(round(MARGIN * SITE / FINE), round((MARGIN + WIDTH) * SITE / FINE))
     away = cells_away(grid.cells == FREE)[:, inner] * FINE
     room, _ = label(away >= 0.5 * (gap + FINE))
@@ -140,8 +143,8 @@ class Passage:
     """Result of a drive.
 
     Attributes:
-        end: "reached", "collided", the reason for which the goal was given up, or "under way" after the time limit.
-        seconds: simulated, until then.
+        end: "reached", "collided", the reason why the robot gave up the goal, or "under way" after the time limit.
+        seconds: simulated seconds until then.
     """
 
     end: str
@@ -149,7 +152,7 @@ class Passage:
 
 
 def drive(true: OccupancyGrid, software: RobotParameters, limit: float = TIME_LIMIT) -> Passage:
-    """Drive through a field that the robot does not know, until it is within GOAL_RADIUS of the goal."""
+    """Drive through a field that the robot has no map of, until it is within GOAL_RADIUS of the goal."""
     team = Team(known_map(), WORLD, [software], [START], 1, math.inf, (), true)
     inputs = [SendGoal(0, Goal(0, GOAL))]
     for tick in range(1, round(limit / TICK) + 1):
@@ -167,11 +170,11 @@ def drive(true: OccupancyGrid, software: RobotParameters, limit: float = TIME_LI
 
 
 def build_peer(navigation: Path, folder: Path) -> Path:
-    """Compile ROS's planner, as ROS does for release, without ROS.
+    """Compile ROS's planner without ROS, with the compiler options of a ROS release.
 
     Args:
         navigation: checkout of github.com/ros-planning/navigation.
-        folder: where to.
+        folder: output folder.
     """
     for name in STAND_INS:
         header = folder / name
@@ -185,11 +188,11 @@ def build_peer(navigation: Path, folder: Path) -> Path:
 
 
 class Peer:
-    """ROS's own trajectory planner for one drive.
+    """ROS's own trajectory planner, for one drive.
 
     Args:
-        program: trajectory_planner_peer.
-        software: the robot's.
+        program: the compiled trajectory_planner_peer.
+        software: parameters of the robot.
     """
 
     def __init__(self, program: Path, software: RobotParameters) -> None:
@@ -202,14 +205,14 @@ class Peer:
         self._process = subprocess.Popen([str(program), *words], stdin=pipe, stdout=pipe)
 
     def command(self, costs: Costs, frame: CostFrame, pose: Pose2, twist: Twist, plan: FloatArray) -> Twist | None:
-        """Return its command, None if it finds none.
+        """Return the planner's command; None if it finds none.
 
         Args:
             costs: (rows, cols) the local costmap.
-            frame: its place in the map.
+            frame: position of the costmap in the map.
             pose: pose of the robot in the map.
-            twist: its velocity.
-            plan: (m, 2) points of a new plan; none: the last one.
+            twist: velocity of the robot.
+            plan: (m, 2) points of a new plan; if empty, the planner uses its last plan.
         """
         feed, answer = self._process.stdin, self._process.stdout
         assert feed is not None and answer is not None
@@ -221,12 +224,12 @@ class Peer:
         return Twist(v, w) if score >= 0.0 else None
 
     def close(self) -> None:
-        """End the process."""
+        """End the planner's process."""
         self._process.communicate()
 
 
 class PeerFollower(Follower):
-    """Follows an itinerary by a peer's commands; as in ROS, an obstacle on it is the planner's own affair."""
+    """Follower that drives by a peer's commands. As in ROS, it leaves obstacles on the itinerary to the planner."""
 
     peer: Peer
 
@@ -244,11 +247,11 @@ class PeerFollower(Follower):
         self._plan = itinerary.points
 
     def held_up(self, tick: int) -> bool:
-        """Never."""
+        """Return False."""
         return False
 
     def obstructed(self) -> bool:
-        """Never."""
+        """Return False."""
         return False
 
     def step(self, tick: int, pose: Pose2, twist: Twist, neighbours: Sequence[Neighbour]) -> FollowerOutput:
@@ -266,7 +269,7 @@ class PeerFollower(Follower):
 
 @contextmanager
 def driven_by(program: Path, software: RobotParameters) -> Iterator[None]:
-    """Let ROS's planner drive robots, instead of ours."""
+    """Let ROS's planner drive robots instead of ours, until the end of the block."""
     PeerFollower.peer = Peer(program, software)
     try:
         with patch.object(move_base, "Follower", PeerFollower):

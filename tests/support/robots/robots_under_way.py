@@ -1,4 +1,4 @@
-"""Robots that are always under way: what whole teams are measured with."""
+"""Robots that are always under way, for measurements of whole teams."""
 
 import gc
 import time
@@ -16,7 +16,7 @@ from sim.team import Team, TeamSnapshot
 
 
 class Errands:
-    """Sends every robot that stands to another place that nobody is at or under way to."""
+    """Generator of goals: it sends each standing robot to a place that no robot is at or driving to."""
 
     def __init__(self, goals: Sequence[Pose2], robots: int) -> None:
         self._goals = goals
@@ -41,7 +41,8 @@ class Errands:
 def drive(
     team: Team, goals: Sequence[Pose2], seconds: int, watch: Callable[[TeamSnapshot], None] = lambda _: None
 ) -> FloatArray:
-    """CPU seconds of each tick of so many simulated seconds; without goals all stand."""
+    """Return the CPU seconds of each tick of a drive of `seconds` simulated seconds. Without goals, all robots stand
+    still."""
     gc.freeze()  # as a session does before its first tick
     errands = Errands(goals, team.size)
     snapshot, spent = None, []
@@ -54,5 +55,6 @@ def drive(
 
 
 def best_ticks(runs: Sequence[FloatArray]) -> FloatArray:
-    """CPU seconds of each tick of the same drive, the least of several runs: all of them work out the same."""
+    """Return the CPU seconds of each tick, the least of several runs of the same drive; all runs do the same
+    computations."""
     return np.minimum.reduce(list(runs))

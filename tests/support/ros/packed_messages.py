@@ -1,4 +1,4 @@
-"""Messages that ROS's clients send, packed by rosbags."""
+"""Messages that ROS clients send, serialized by rosbags."""
 
 import math
 
@@ -8,7 +8,7 @@ STORE = typestore()
 
 
 def packed(msgtype: str, **fields: object) -> bytes:
-    """Bytes by rosbags' serializer: not by the code that is under test."""
+    """Return a message serialized by rosbags, not by the code under test."""
     kind = STORE.types[msgtype]
     return bytes(STORE.serialize_ros1(kind(**fields), msgtype))
 

@@ -1,4 +1,4 @@
-"""A client of services, as another program's node is one."""
+"""Client of ROS services, like a node in another program."""
 
 import asyncio
 from urllib.parse import urlsplit
@@ -10,7 +10,7 @@ from thbridge.rosgraph.wire.xmlrpc import MethodResponse
 
 
 async def call_service(master: str, service: str, md5: str, request: bytes) -> bytes | ServiceFailed:
-    """Ask the master at this URI where a service is, and call it."""
+    """Ask the master at this URI for a service's address, and call the service."""
     client = XmlRpcClient()
     found = await client.call(master, "lookupService", "/caller", service)
     await client.close()

@@ -8,7 +8,7 @@ SECOND = 1_000_000_000
 
 
 def straight(start: int, count: int, offset: float = 0.0, period: int = SECOND // 10) -> list[OdometrySample]:
-    """One meter a second along x from `offset`; recorded as it is stamped."""
+    """Return the odometry of a drive at 1 m/s along x from `offset`; it is received at the times of its stamps."""
     return [
         OdometrySample(start + i * period, start + i * period, Pose2(offset + i * period / SECOND, 0.0, 0.0))
         for i in range(count)

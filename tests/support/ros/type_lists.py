@@ -1,4 +1,4 @@
-"""The message and service types of other packages that we speak."""
+"""Message and service types of other packages that we use."""
 
 from thbridge.ros.messages.types import (
     BATTERY_STATE,
@@ -62,7 +62,7 @@ STANDARD_TYPES = (
     CLOCK,
     DIAGNOSTIC_ARRAY,
 )
-"""ROS types that sessions publish in bags and on a graph."""
+"""ROS types that sessions publish in bags and on a ROS graph."""
 FURTHER_TYPES = (CONFIG, CONFIG_DESCRIPTION, *MAVROS_TYPES)
-"""Types of packages that not every installed ROS has."""
+"""Types of packages that are missing in some ROS installations."""
 SERVICES = (EMPTY, GET_MAP, SET_MAP, GET_PLAN, RECONFIGURE, SET_POSE)

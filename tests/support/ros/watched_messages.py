@@ -1,4 +1,4 @@
-"""Messages as they are watched."""
+"""Messages as watch clients receive them."""
 
 import json
 from dataclasses import dataclass
@@ -56,7 +56,7 @@ def messages(second: int, *records: Record) -> list[StampedMessage]:
 
 
 def watched() -> SessionLog:
-    """A dialogue of robot 1, a tick a second from 1 s on."""
+    """Return the log of a dialogue of robot 1, one tick per second, starting at 1 s."""
     session_log = SessionLog()
     for second, records in enumerate(TICKS, start=1):
         for message in messages(second, *records):

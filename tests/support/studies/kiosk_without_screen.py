@@ -1,6 +1,7 @@
-"""A laboratory without a screen: a window that speaks the kiosk's messages, a person at it, games that end at once.
+"""Laboratory without a screen: a window that exchanges the kiosk's messages, a person at it, and games that end at
+once.
 
-Programs die in it at any event that is asked for.
+A test can let the program die at any event.
 """
 
 import asyncio
@@ -93,12 +94,12 @@ class KilledError(BaseException):
 
 
 class MortalLog(ExperimentLog):
-    """A log whose program dies with one of its events: when it is just written, or when it was about to be.
+    """Log whose program dies at one of its events, either just before or just after the event is written.
 
     Args:
-        path: of the log.
-        dies: so many events are appended before; None: it lives.
-        written: True where that event is still written.
+        path: path of the log.
+        dies: number of calls of `append` that succeed before the program dies. If None, it never dies.
+        written: True if the last event is still written.
     """
 
     def __init__(self, path: Path, dies: int | None, written: bool) -> None:
@@ -116,14 +117,14 @@ class MortalLog(ExperimentLog):
 
 @dataclass
 class Person:
-    """Somebody at the window.
+    """Person at the window.
 
     Attributes:
-        answers: to items, by their ids; else something that fits.
-        learns: they answer a check rightly once they were told to try again.
-        agrees: to take part.
-        does: what they do on a page instead, or nothing.
-        seen: pages that they were shown.
+        answers: answers by the ids of items; all other items get a valid answer.
+        learns: True if they answer a check correctly at the second attempt.
+        agrees: True if they agree to take part.
+        does: function that returns what they do on a page instead; None for the usual behavior.
+        seen: pages that they have seen.
     """
 
     answers: dict[str, Answer] = field(default_factory=dict)
@@ -174,11 +175,11 @@ class Person:
 
 
 class ShownWindow:
-    """A window at which a person sits; when the welcome comes again, it is closed.
+    """Window at which people sit, one after the other; after the last one, it is closed at the next welcome page.
 
     Args:
-        person: at it.
-        people: so many go through the study.
+        person: behavior of each of them.
+        people: number of people who go through the study.
     """
 
     def __init__(self, person: Person, people: int = 1) -> None:
@@ -213,12 +214,12 @@ class ShownWindow:
 
 
 class InstantGames:
-    """Games that are over at once.
+    """Games that end at once.
 
     Attributes:
-        played: names of the steps in which one was, and whether it went on.
-        during: done in a game.
-        missing: what nobody has done in practice when its game ends.
+        played: name of the step of each game, and True if it continued a game.
+        during: function that is called in each game.
+        missing: terms of practice that are not fulfilled when its game ends.
     """
 
     def __init__(self) -> None:
@@ -242,17 +243,17 @@ class InstantGames:
         watcher.passed(12.5, 0.0, 60.0)
         self.during()
         for _ in range(10):
-            # The window is heard between two ticks.
+            # Messages of the window are read between two ticks.
             await asyncio.sleep(0)
             watcher.has_left()
 
 
 class Laboratory:
-    """A study in a folder, and programs that take people through it.
+    """Study in a folder, and the program that takes people through it.
 
     Args:
-        folder: of the study.
-        text: its file; None: the folder has all files already.
+        folder: folder of the study.
+        text: text of experiment.yaml. If None, the folder already contains all files.
     """
 
     def __init__(self, folder: Path, text: str | None = STUDY) -> None:
@@ -267,7 +268,7 @@ class Laboratory:
         self._chance = random.Random(1)
 
     def run(self, person: Person, people: int = 1, dies: int | None = None, *, written: bool = True) -> None:
-        """Run the program until the window is closed, or it dies; raises KilledError."""
+        """Run the program until the window is closed; raise KilledError if the program dies."""
         clock = StudyClock()
         with MortalLog(self._log, dies, written) as log:
             conductor = Conductor(self.design, log, clock, self._chance.randrange)
@@ -291,13 +292,13 @@ class Laboratory:
 
 
 def headings(person: Person) -> list[str]:
-    """Headings of the pages that somebody was shown."""
+    """Return the headings of the pages that a person has seen."""
     found = (getattr(page, "heading", "") or getattr(page, "title", "") for page in person.seen)
     return [heading for heading, _ in itertools.groupby(filter(None, found))]
 
 
 class RehearsedGames:
-    """Games at the kiosk as simulated people play them, as fast as the machine can."""
+    """Games at the kiosk as simulated people play them, as fast as the machine permits."""
 
     def __init__(self, folder, design) -> None:
         self._folder, self._design = folder, design
@@ -320,7 +321,7 @@ class RehearsedGames:
 
 
 class Reader(Person):
-    """A person who understands the example's check, if they have read how the next game works."""
+    """Person who answers the example's check correctly after having read how the next game works."""
 
     def answer(self, item: FormItem) -> Answer:
         read = next((page.text for page in reversed(self.seen) if isinstance(page, TextToRead)), "")
@@ -330,7 +331,7 @@ class Reader(Person):
 
 
 class WindowOfTwo(ShownWindow):
-    """The kiosk's window, at which two people sit one after the other."""
+    """Window of the kiosk at which two people sit, one after the other."""
 
     given_up = False
 

@@ -1,4 +1,4 @@
-"""People who take part in studies, and what is left of them."""
+"""People who take part in studies, and the traces that they leave."""
 
 import hashlib
 import random
@@ -16,7 +16,7 @@ from thbridge.experiment.store.events import Clocks, EventKind, LoggedEvent
 
 
 def play_a_game(folder: ExperimentFolder) -> str:
-    """Have somebody play a game, with a recording; return their id."""
+    """Let a person play a recorded game; return their id."""
     with ExperimentLog(folder.log) as log:
         draw = random.Random(len(log.read())).randrange
         conductor = Conductor(folder.read(), log, lambda: Clocks("2026-01-02T09:00:00Z", 0), draw)
@@ -34,7 +34,7 @@ def people(study: Path) -> list[str]:
 
 
 def traces(root: Path, words: list[str]) -> list[str]:
-    """Files below a folder that have one of the words: in their names, their bytes or their tables."""
+    """Return a sentence for each word found in a file below a folder: in its name, its bytes or its table."""
     found = []
     for path in root.rglob("*"):
         inside = path.read_bytes() if path.is_file() else b""
@@ -55,7 +55,7 @@ steps:
 
 
 def another_person(study: Path, why: str) -> str:
-    """Let somebody take part, with a recording of a game; return their id."""
+    """Let another person take part in a study with a recorded game; return their id."""
     log = study / "store" / "log"
     before = participants(log) if log.exists() else set()
     Laboratory(study, STUDY).run(Person({"why": why}))

@@ -1,4 +1,4 @@
-"""Studies with people that simulated people take part in."""
+"""Studies with people, in which simulated people take part."""
 
 import itertools
 import random
@@ -41,7 +41,7 @@ steps:
 
 
 def rehearsed_export(root: Path) -> Path:
-    """Rehearse a mixed design, in which collaborators make more work, without games; return its export."""
+    """Rehearse a mixed design without games, in which collaborators cause more workload; return its export."""
     effect = PutInEffect("workload", 0.2, {"dialogue.condition": "collaborator"})
     people = SimulatedPeople(effects=(effect,), plays=False)
     folder = rehearse(root, people, 3, MIXED_DESIGN)
@@ -62,7 +62,7 @@ class RehearsedStudy:
 
 
 def rehearsed_study(root: Path) -> RehearsedStudy:
-    """A full study of eight places, a second between two events."""
+    """Return a complete study of eight people, with one second between two events."""
     write_experiment(root)
     folder = ExperimentFolder(root)
     design = folder.read()

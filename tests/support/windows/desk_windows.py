@@ -1,4 +1,4 @@
-"""The desk's window on a rehearsed study."""
+"""Window of the experimenter's desk, on a rehearsed study."""
 
 from collections.abc import Iterator
 
@@ -21,7 +21,7 @@ def study(tmp_path_factory: pytest.TempPathFactory) -> RehearsedStudy:
 
 @pytest.fixture
 def state(study: RehearsedStudy) -> DeskState:
-    """The study while somebody fills in a form."""
+    """Return the state of the study while a person fills in a form."""
     # The first item of a form has just been shown.
     begun = {entry.sequence for entry in study.entries if entry.event.kind == EventKind.STEP_BEGUN}
     shown = [entry.sequence for entry in study.entries if entry.event.kind == EventKind.ITEM_SHOWN]

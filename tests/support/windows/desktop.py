@@ -1,6 +1,7 @@
-"""A desktop of one's own: an X server without a screen, mouse and keys moved by tests, and a screen reader's eyes.
+"""Separate desktop for tests: an X server without a screen, a mouse and keyboard that tests control, and a screen
+reader.
 
-Everything that a test knows of a window it knows as assistive technology does (AT-SPI): names, roles, places.
+Tests see windows only as assistive technology does (AT-SPI): names, roles, positions.
 """
 
 import ctypes
@@ -21,7 +22,7 @@ from tests.support.programs.peer_programs import skip_if_crashed, skipping_if_cr
 DEBIAN_PYTHON = "/usr/bin/python3"
 LAUNCHER = Path("/usr/libexec/at-spi-bus-launcher")
 PATIENCE = 120.0
-"""Seconds; others may want the machine, too."""
+"""Time limit of waits, seconds; it is long because other programs may keep the machine busy."""
 Servers = dict[str, subprocess.Popen[bytes]]
 
 
@@ -42,7 +43,7 @@ needs_desktop = pytest.mark.skipif(MISSING is not None, reason=f"{MISSING} (make
 
 @dataclass(frozen=True)
 class Seen:
-    """One thing that a screen reader finds on the screen."""
+    """Object that a screen reader finds on the screen."""
 
     name: str
     description: str
@@ -64,11 +65,11 @@ class Seen:
 
 
 class Desktop:
-    """One X display with a session bus.
+    """X display with a session bus.
 
     Args:
-        environment: of programs that shall be seen there.
-        eyes: the screen reader.
+        environment: environment variables of the programs to show there.
+        eyes: process of the screen reader.
         servers: programs that the desktop needs, by name.
     """
 
@@ -78,7 +79,7 @@ class Desktop:
         self._servers = servers
 
     def look(self) -> list[Seen]:
-        """Everything that shows."""
+        """Return everything that is visible."""
         assert self._eyes.stdin is not None and self._eyes.stdout is not None
         with self._skipping_if_crashed():
             self._eyes.stdin.write("look\n")
@@ -93,14 +94,14 @@ class Desktop:
             yield
 
     def find(self, name: str, role: str | None = None) -> Seen | None:
-        """The first thing whose name begins so, whatever else it says."""
+        """Return the first object whose name begins with `name`; None if there is none."""
         return next(
             (seen for seen in self.look() if seen.name.startswith(name) and role in (None, seen.role)),
             None,
         )
 
     def wait(self, what: str, condition: Callable[[], object], seconds: float = PATIENCE) -> None:
-        """Look until it is so; else tell what shows."""
+        """Wait until a condition holds. After the time limit, raise TimeoutError with everything that is visible."""
         end = time.monotonic() + seconds
         while not condition():
             if time.monotonic() > end:
@@ -110,26 +111,27 @@ class Desktop:
             time.sleep(0.1)
 
     def found(self, name: str, role: str | None = None, seconds: float = PATIENCE) -> Seen:
-        """Wait for something of this name."""
+        """Wait for an object with this name; return it."""
         self.wait(name, lambda: self.find(name, role) is not None, seconds)
         seen = self.find(name, role)
         assert seen is not None
         return seen
 
     def rested(self, name: str, role: str | None = None, seconds: float = PATIENCE) -> Seen:
-        """Wait for something of this name that stays where and as it is from one look to the next."""
+        """Wait until an object with this name has the same position and state in two looks; return it."""
         before = self.found(name, role, seconds)
         while (now := self.found(name, role, seconds)) != before:
             before = now
         return now
 
     def do(self, *words: str) -> str:
-        """One command of xdotool; what it prints."""
+        """Run a command of xdotool; return its output."""
         done = subprocess.run(["xdotool", *words], env=self.environment, capture_output=True, text=True, check=False)
         return done.stdout.strip()
 
     def focus_window(self, title: str, seconds: float = PATIENCE) -> str:
-        """Wait for a window whose title begins so; keys go there from now on, for there is no window manager."""
+        """Wait for a window whose title begins with `title`, and give it the keyboard focus, because there is no window
+        manager to do so."""
         window = ""
 
         def there() -> bool:
@@ -142,11 +144,12 @@ class Desktop:
         return window
 
     def ask_to_close(self, window: str) -> None:
-        """Ask a window to close, as window managers do when somebody clicks on the cross."""
+        """Ask a window to close, as window managers do after a click on the close button."""
         _ask_to_close(self.environment["DISPLAY"], int(window))
 
     def leave_game(self) -> None:
-        """Close the participant's window in the middle of a game, and say so again while the question is too new."""
+        """Close the participant's window in the middle of a game. Repeat the click while the question does not yet
+        accept it."""
         self.ask_to_close(self.focus_window("Treasure hunt"))
         self.found("Leave the game", role="push button")
 
@@ -163,9 +166,9 @@ class Desktop:
         self.do("key", "--delay", "40", *keys)
 
     def click(self, at: Seen | tuple[float, float]) -> None:
-        """Click with the left button, as a hand does: go there, press, release."""
+        """Click with the left button like a person: move there, press, release."""
         x, y = at.middle if isinstance(at, Seen) else at
-        # Not --sync, which waits for a pointer that is there already to move.
+        # Without --sync, which waits forever if the pointer is already there.
         self.do("mousemove", str(round(x)), str(round(y)), "click", "1")
 
     def turn_wheel(self, x: float, y: float, *, down: bool) -> None:
@@ -173,18 +176,18 @@ class Desktop:
         self.do("mousemove", str(round(x)), str(round(y)), "click", "5" if down else "4")
 
     def drag(self, *points: tuple[float, float]) -> None:
-        """Press the left button at the first point, go through the others, let go at the last."""
+        """Press the left button at the first point, move through the others, and release it at the last one."""
         moves = [["mousemove", str(round(x)), str(round(y))] for x, y in points]
         self.do(*moves[0], "mousedown", "1", *(word for move in moves[1:] for word in move), "mouseup", "1")
 
     def picture(self, path: Path) -> None:
-        """What the screen shows."""
+        """Write a picture of the screen to a file."""
         subprocess.run(["import", "-window", "root", str(path)], env=self.environment, check=True)
 
 
 @contextmanager
 def desktop(width: int = 1280, height: int = 860) -> Iterator[Desktop]:
-    """A desktop, gone at the end with all that was started for it."""
+    """Yield a desktop; at the end of the block, stop all its programs."""
     servers: Servers = {}
     with ExitStack() as opened:
         environment = {
@@ -211,7 +214,8 @@ def desktop(width: int = 1280, height: int = 860) -> Iterator[Desktop]:
 
 @contextmanager
 def x_server(width: int, height: int, servers: Servers | None = None) -> Iterator[str]:
-    """An X server without a screen, which chooses its name itself: what DISPLAY has to be; it joins the `servers`."""
+    """Run an X server without a screen until the end of the block, and add it to `servers`; yield its name for
+    DISPLAY."""
     servers = {} if servers is None else servers
     screen = f"{width}x{height}x24"
     with ExitStack() as opened:
@@ -222,7 +226,7 @@ def x_server(width: int, height: int, servers: Servers | None = None) -> Iterato
 
 
 def _asked_for(opened: ExitStack, command: list[str], servers: Servers) -> str:
-    """Start a server that writes where it is to a file descriptor of ours; the place."""
+    """Start a server that writes its address to a file descriptor; return the address."""
     reading, writing = os.pipe()
     server = subprocess.Popen(
         [word.format(writing) for word in command], pass_fds=(writing,), stderr=subprocess.DEVNULL
@@ -243,7 +247,7 @@ def _started(command: list[str], environment: dict[str, str]) -> subprocess.Pope
 
 
 class _ClientMessage(ctypes.Structure):
-    """XClientMessageEvent, as long as Xlib's XEvent."""
+    """XClientMessageEvent of Xlib, padded to the size of XEvent."""
 
     _fields_ = (
         ("type", ctypes.c_int),

@@ -1,10 +1,10 @@
-"""What a screen reader sees of the desktop: run by Debian's Python, which has AT-SPI's bus and names.
+"""Program that reports what a screen reader sees on the desktop; run by Debian's Python, which has AT-SPI's packages.
 
-Each line `look` at standard input is answered with one line of JSON: every accessible that shows on the screen.
+For each line `look` on standard input, it prints one line of JSON: all accessible objects that are visible.
 
-All that is asked of the things of one depth is asked at once, and answered by a program in one go. One question after
-the other, as screen readers ask, has to wait for its turn some hundred times on a busy machine: by then it is a look at
-many moments, and most of what happens has been missed.
+All requests about the objects of one depth are sent at once, and a program answers all of them in one turn. Screen
+readers send one request after the other; on a busy machine, each of these some hundred requests waits for its turn.
+Their answers would then describe different moments, and miss most changes.
 """
 
 import json
@@ -14,7 +14,7 @@ import time
 from gi.repository import Atspi, Gio, GLib
 
 PATIENCE = 10.0
-"""Seconds for which something that changes while it is looked at is looked at again."""
+"""Seconds for which a look is repeated if objects vanish during it."""
 TIMEOUT = 60_000
 """Milliseconds that a program may take for an answer."""
 
@@ -23,11 +23,11 @@ NOBODY = "/org/a11y/atspi/null"
 ACCESSIBLE, COMPONENT, TEXT = (f"org.a11y.atspi.{name}" for name in ("Accessible", "Component", "Text"))
 PROPERTIES = "org.freedesktop.DBus.Properties"
 LONGEST = 5000
-"""Letters of a text that are read."""
+"""Number of characters of a text that are read."""
 
 
 def bus():
-    """The one on which programs speak of what they show."""
+    """Return a connection to the accessibility bus, on which programs describe what they show."""
     session = Gio.bus_get_sync(Gio.BusType.SESSION)
     asked = ("org.a11y.Bus", "/org/a11y/bus", "org.a11y.Bus", "GetAddress", None, None)
     (address,) = session.call_sync(*asked, Gio.DBusCallFlags.NONE, TIMEOUT, None).unpack()
@@ -36,10 +36,10 @@ def bus():
 
 
 def together(connection, questions):
-    """The answers to questions, each of somebody, by an interface and a method, with arguments.
+    """Send all requests at once; return their answers. A request has an object, an interface, a method and arguments.
 
     Raises:
-        GLib.Error: one of them is not there any more.
+        GLib.Error: one of the objects does not exist any more.
     """
     answers = [None] * len(questions)
     loop, left, failed = GLib.MainLoop(), len(questions), []
@@ -65,17 +65,17 @@ def together(connection, questions):
 
 
 def owned(interface, name):
-    """The question for a property."""
+    """Return the request for a property."""
     return PROPERTIES, "Get", GLib.Variant("(ss)", (interface, name))
 
 
 def level(connection, places, kinds):
-    """What is there to be known of these, and the places of what is in each.
+    """Return the properties of objects, and the addresses of their children.
 
     Args:
-        connection: to the bus.
-        places: of things of one depth.
-        kinds: what is known for good, the interfaces and the role of each place.
+        connection: connection to the bus.
+        places: addresses of the objects of one depth.
+        kinds: interfaces and role of each address, which never change.
     """
     new = [place for place in places if place not in kinds]
     of_new = [(ACCESSIBLE, "GetInterfaces", None), (ACCESSIBLE, "GetRole", None)]
@@ -95,7 +95,7 @@ def level(connection, places, kinds):
         bits = states[0] | states[1] << 32
         interfaces, kind = kinds[place]
         known.append({"interfaces": interfaces, "bits": bits, "role": kind, "name": name, "description": description})
-        # What does not show has nothing in it that does; a program as a whole neither shows nor hides.
+        # A hidden object has no visible children. A program itself is neither visible nor hidden.
         is_open = kind == "application" or bits >> int(Atspi.StateType.SHOWING) & 1
         inside.append([tuple(child) for child in children if is_open and child[1] != NOBODY])
     boxed = [(place, one) for place, one in zip(places, known, strict=True) if COMPONENT in one["interfaces"]]
@@ -115,7 +115,7 @@ def level(connection, places, kinds):
 
 
 def tree(connection, kinds):
-    """All things, each with those in it."""
+    """Return all objects as a tree, each with its children."""
     ((applications,),) = together(connection, [(DESKTOP, ACCESSIBLE, "GetChildren", None)])
     root = {"inside": []}
     places, parents = [tuple(place) for place in applications], [root] * len(applications)
@@ -130,7 +130,7 @@ def tree(connection, kinds):
 
 
 def seen(things, window=""):
-    """Those that show, from the front of the tree to its back."""
+    """Yield the visible objects of a tree, parents before children."""
     for one in things:
         is_in = {name: bool(one["bits"] >> int(getattr(Atspi.StateType, name.upper())) & 1) for name in STATES}
         within = one["name"] if one["role"] in ("frame", "window", "dialog") else window
@@ -146,7 +146,7 @@ STATES = ("showing", "enabled", "focusable", "focused", "checked")
 
 
 def look(connection, kinds):
-    """All that shows, from one look in which nothing went away."""
+    """Return all visible objects; repeat the look if an object vanished during it."""
     end = time.monotonic() + PATIENCE
     while True:
         try:

@@ -1,4 +1,4 @@
-"""English where another language should be: on screens, in pages, and in the names of a study."""
+"""English words where another language is expected: on screens, in pages, and in the names of a study."""
 
 import re
 from collections.abc import Iterable, Iterator
@@ -14,33 +14,34 @@ from thbridge.roles.shared.view import View
 from ui.model.playing.screen import Screen
 
 CODES = {"act", "key", "state", "drawn", "speaker", "kind", "phase", "sound", "names", "picked", "typed", "value"}
-"""Fields of screens that nobody reads; the state of a card is words, and that of a room a code."""
+"""Fields of screens that are not shown to people. `state` is a code in rooms; in cards it is shown, so it is tested
+there."""
 
 
 def written(language: str) -> set[str]:
-    """All words in the texts of a language."""
+    """Return all words in the texts of a language."""
     texts = shipped_texts(language).entries.values()
     forms = (form for text in texts for form in ((text,) if isinstance(text, str) else text))
     return {word for form in forms for word in words_in(re.sub(r"£\w+£", " ", form))}
 
 
 def words_in(text: str) -> list[str]:
-    """Words of two letters or more; one alone is a key."""
+    """Return the words with at least two letters; a single letter is the name of a key."""
     return re.findall(r"[^\W\d_]{2,}(?:'[a-z]+)?", text.casefold())
 
 
 ENGLISH_ONLY = written("en") - written("de")
-"""Words of the English texts that no German text has."""
+"""Words in the English texts that are in no German text."""
 
 
 def shown(value: object, field: str = "") -> Iterator[str]:
-    """All that people read on a screen, or in a part of it."""
+    """Yield all texts that people read on a screen, or in a part of it."""
     if is_dataclass(value) and not isinstance(value, type):
         for each in fields(value):
             if each.name not in CODES or (each.name == "state" and hasattr(value, "energy")):
                 yield from shown(getattr(value, each.name), each.name)
     elif isinstance(value, tuple):
-        # Who says a sentence is a code.
+        # The first part of a sentence is a code: its speaker.
         for each in value[1:] if field == "sentences" and value and isinstance(value[0], str) else value:
             yield from shown(each, field)
     elif isinstance(value, str):
@@ -48,7 +49,7 @@ def shown(value: object, field: str = "") -> Iterator[str]:
 
 
 def said_by_others(view: View) -> set[str]:
-    """Words in a view that come from the study: its sentences, names and properties."""
+    """Return the words in a view that come from the study: its sentences, names and properties."""
     talks = [*view.dialogues, *view.last_words]
     sentences = [sentence for talk in talks for sentence in (*talk.said, *getattr(talk, "choices", ()))]
     values = [value for room in view.rooms for value in room.known.values()]
@@ -61,7 +62,7 @@ def said_by_others(view: View) -> set[str]:
 
 
 def english_on(screen: Screen, others: Iterable[str]) -> list[tuple[str, str]]:
-    """English words on a screen, with the text that has them; `others` are words that come from the study."""
+    """Return the English words on a screen, each with its text; `others` are words that come from the study."""
     longest_first = sorted(map(re.escape, others), key=len, reverse=True)
     theirs = re.compile("|".join(longest_first) or "(?!)", re.IGNORECASE)
     return [(word, text) for text in shown(screen) for word in words_in(theirs.sub("", text)) if word in ENGLISH_ONLY]
@@ -71,14 +72,14 @@ _VALUE = re.compile("£\\w+£")
 
 
 def english_in(words: Iterable[str], language: str = "de") -> list[tuple[str, str]]:
-    """English texts among words that are to be of another language: each with the words that have it."""
+    """Return the English texts in words that should be in another language, each with the words that contain it."""
     whole = [each for each in words if each]
     return [(text, each) for each in whole for text, found in _english(language) if found.search(each)]
 
 
 @cache
 def _english(language: str) -> tuple[tuple[str, re.Pattern[str]], ...]:
-    """English texts that are not the same in the other language, and how each is found."""
+    """Return the English texts that differ from those of the other language, each with a pattern that finds it."""
     other = {form for text in shipped_texts(language).entries.values() for form in _forms(text)}
     english = {form for text in shipped_texts().entries.values() for form in _forms(text)}
     return tuple((form, _pattern(form)) for form in sorted(english - other) if _has_words(form))
@@ -93,13 +94,13 @@ def _has_words(form: str) -> bool:
 
 
 def _pattern(form: str) -> re.Pattern[str]:
-    """It as a whole: no part of longer words."""
+    """Return a pattern that finds a text, but not within longer words."""
     parts = ".+".join(re.escape(part) for part in _VALUE.split(form.strip()))
     return re.compile(rf"(?<!\w){parts}(?!\w)", re.DOTALL)
 
 
 def strings_in(value: object, without: frozenset[str] = frozenset()) -> Iterator[str]:
-    """All strings in lists and mappings, save those under some keys."""
+    """Yield all strings in lists and mappings, except those under the keys `without`."""
     match value:
         case str():
             yield value
@@ -113,7 +114,7 @@ def strings_in(value: object, without: frozenset[str] = frozenset()) -> Iterator
 
 
 def english_names(setting: StudySetting) -> set[str]:
-    """All English words of map and templates that are others in German."""
+    """Return the English names in map and templates that differ in German."""
     templates, german = setting.templates, setting.set_words
     pairs = list(german.names.items())
     for own, said in zip(templates.properties, german.properties, strict=True):

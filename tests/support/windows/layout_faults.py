@@ -1,4 +1,4 @@
-"""Faults of a window's layout: what is cut off, what cannot be reached, what lies over something else."""
+"""Faults in a window's layout: parts that are cut off, unreachable, or covered by other parts."""
 
 from collections.abc import Iterator
 from itertools import combinations
@@ -30,23 +30,23 @@ SIZES = ((1000, 560), (1024, 600), (1200, 800), (1920, 1080))
 """Sizes of windows, logical pixels."""
 
 TEXTS = (*(pytest.param(each, marks=pytest.mark.slow) for each in (0.8, 1.0, 1.5)), 2.0)
-"""Sizes of text, multiples of the usual one; the largest, which needs most room, is tested by default."""
+"""Sizes of text, as multiples of the normal size; the default tests use only the largest, which needs most space."""
 
 
 def settle() -> None:
-    """Let layouts come to rest; each may cause another."""
+    """Process events until layouts are stable; a change of one layout may change another one."""
     for _ in range(6):
         QApplication.processEvents()
         QApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete)
 
 
 def misfits(window: QWidget) -> list[str]:
-    """Return what is wrong with the layout of a window as it is shown; it is scrolled meanwhile."""
+    """Return the faults in the layout of a window as it is shown; the search scrolls the window."""
     return [*_cut_off(window), *_words_cut(window), *_overlapping(window), *_too_wide(window)]
 
 
 def _cut_off(window: QWidget) -> Iterator[str]:
-    """Yield the buttons that are not wholly in sight, and cannot be scrolled into it."""
+    """Yield the buttons that are not completely visible, even after scrolling."""
     for button in window.findChildren(QAbstractButton):
         if not button.isVisible() or not _is_own(button):
             continue
@@ -62,7 +62,7 @@ def _cut_off(window: QWidget) -> Iterator[str]:
 
 
 def _words_cut(window: QWidget) -> Iterator[str]:
-    """Yield the buttons and labels that are too small for their words."""
+    """Yield the buttons and labels that are too small for their text."""
     for button in window.findChildren(QAbstractButton):
         if not button.isVisible() or not _is_own(button):
             continue
@@ -83,7 +83,7 @@ def _words_cut(window: QWidget) -> Iterator[str]:
 
 
 def _overlapping(window: QWidget) -> Iterator[str]:
-    """Yield parts beside each other that lie over each other, or stick out of what they are in."""
+    """Yield neighboring parts that overlap, and parts that extend beyond the part around them."""
     for home in (window, *window.findChildren(QWidget)):
         if not home.isVisible() or isinstance(home, _LAYERED):
             continue
@@ -97,7 +97,7 @@ def _overlapping(window: QWidget) -> Iterator[str]:
 
 
 def _too_wide(window: QWidget) -> Iterator[str]:
-    """Yield scrolled parts that are wider than what is seen of them, and cannot be scrolled sideways."""
+    """Yield scrolled parts that are wider than their visible area, and cannot be scrolled sideways."""
     for area in window.findChildren(QScrollArea):
         seen, off = area.viewport().width(), Qt.ScrollBarPolicy.ScrollBarAlwaysOff
         fixed = area.horizontalScrollBarPolicy() == off and not isinstance(area, HorizontalScrollArea)
@@ -106,18 +106,20 @@ def _too_wide(window: QWidget) -> Iterator[str]:
 
 
 _LAYERED = (Card, MapArea, MapView, QAbstractScrollArea, QComboBox, QLineEdit, QTabBar)
-"""Kinds of widgets that put parts over each other on purpose, or scroll them; arrows of Qt's tab bars overlap."""
+"""Kinds of widgets that intentionally put parts over each other, or scroll them; the arrows of Qt's tab bars
+overlap."""
 
 
 def _is_laid_out(part: QWidget) -> bool:
-    """Return False for what is not shown, lies above all, or is kept far out of sight by Qt behind another tab."""
+    """Return False for parts that are hidden, lie above all others, or are behind another tab, where Qt moves them out
+    of sight."""
     scrolled = isinstance(part.parent(), QWidget) and isinstance(part.parent().parent(), QAbstractScrollArea)
     hidden = not part.isVisible() or part.isWindow() or (isinstance(part, QDockWidget) and part.x() < 0)
     return not (hidden or scrolled or isinstance(part, ModalOverlay | QSizeGrip) or part.objectName().startswith("qt_"))
 
 
 def _scroll_to(widget: QWidget) -> None:
-    """Have all scroll areas around a widget show it."""
+    """Scroll all scroll areas around a widget so that it is visible."""
     at = widget.parentWidget()
     while at is not None:
         if isinstance(at, QScrollArea):
@@ -126,7 +128,7 @@ def _scroll_to(widget: QWidget) -> None:
 
 
 def _is_own(button: QAbstractButton) -> bool:
-    """Return False for buttons that Qt itself puts into tab bars, title bars and lines of text."""
+    """Return False for buttons that Qt itself adds to tab bars, title bars and text fields."""
     return not button.objectName().startswith("qt_") and not isinstance(button.parentWidget(), QTabBar | QLineEdit)
 
 

@@ -1,4 +1,4 @@
-"""The participant's window on sample screens, with a clock of its own."""
+"""Participant's window on sample screens, with a simulated clock."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -19,14 +19,14 @@ from ui.windows.participant.widgets.buttons import ParticipantButton
 
 @dataclass
 class Opened:
-    """A window, its model, and its clock."""
+    """Window, its model, and its clock."""
 
     window: ParticipantWindow
     model: sample_screens.SampleModel
     now: float = 0.0
 
     def show(self, screen: Screen, after: float = 1.0) -> None:
-        """Another screen, so many seconds later, and another second until it can be answered."""
+        """Show another screen `after` seconds later."""
         self.now += after
         self.model.shown = screen
         self.window.refresh()
@@ -39,7 +39,7 @@ class Opened:
 
 @pytest.fixture
 def opened(qtbot: QtBot, qapp: QApplication) -> Callable[..., Opened]:
-    """Opens a window on a screen."""
+    """Return a function that opens a window on a screen."""
 
     def make(screen: Screen, width: int = 1024, height: int = 768, texts: Texts = sample_screens.ENGLISH) -> Opened:
         look.apply_palette(qapp, LIGHT)
@@ -74,7 +74,7 @@ def that_asks(window: QWidget, act: Act) -> ParticipantButton:
 
 
 def room_on_map(shown: Opened, room: int) -> QPoint:
-    """The middle of a room on the map."""
+    """Return the middle of a room on the map, in pixels."""
     corners = next(mark.region for mark in shown.model.rooms(0.0) if mark.room == room)
     return shown.window.map.pixel(*corners.mean(axis=0)).toPoint()
 
@@ -101,5 +101,5 @@ def press(qtbot: QtBot, window: QWidget, key: str) -> None:
 
 
 def covered(shown: Opened, panel: QWidget) -> QRect:
-    """The place of a panel, in pixels of the map."""
+    """Return the rectangle of a panel, in pixels of the map."""
     return QRect(shown.window.map.mapFromGlobal(panel.mapToGlobal(QPoint(0, 0))), panel.size())

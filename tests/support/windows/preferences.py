@@ -1,4 +1,4 @@
-"""Preferences of tests, in a file of their own."""
+"""Preferences of tests, in a separate file."""
 
 from pathlib import Path
 
@@ -10,6 +10,6 @@ from ui.windows.preferences import Preferences
 
 
 def preferred(qapp: QApplication, folder: Path, choice: Choice = "light", *, has_sound: bool = True) -> Preferences:
-    """Preferences that are kept in a folder."""
+    """Return preferences that are stored in a folder."""
     kept = QSettings(str(folder / "settings.ini"), QSettings.Format.IniFormat)
     return Preferences(qapp, kept, choice, has_sound=has_sound)

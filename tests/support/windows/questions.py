@@ -9,7 +9,8 @@ from PySide6.QtWidgets import QApplication, QMessageBox
 
 @contextmanager
 def answering(words: str) -> Iterator[list[str]]:
-    """While this lasts, press a button of each question as soon as it is asked."""
+    """Press the button with these words in each question of a window, until the end of the block; yield the questions
+    asked."""
     asked: list[str] = []
 
     def look() -> None:

@@ -71,7 +71,7 @@ def later(texts: Texts) -> Action:
 
 @cache
 def floor_plan(name: str = "arena8") -> FloorPlan:
-    """One of our maps as the notice that a participant gets."""
+    """Return one of our maps as the message that a participant's program receives."""
     drawn = read_map(ROOT / "maps" / name)
     rows, cols = drawn.grid.cells.shape
     cells = np.where(drawn.grid.cells == 100, 1, np.where(drawn.grid.cells < 0, 2, 0)).astype(np.uint8)
@@ -133,7 +133,7 @@ def card(
 def commanded(
     robot: int, *, selected: bool = False, asked: bool = False, state: str = "driving", texts: Texts = ENGLISH
 ) -> RobotCard:
-    """One that a ground station commands."""
+    """Return the card of a robot that a ground station commands."""
     key = "B" if selected else ""
     label = texts.text("cards.asked_back" if asked else "cards.ask_back")
     ask = Action(RequestHandbackAct(robot), label, key, not asked, hint="The ground station commands it.")
@@ -142,7 +142,7 @@ def commanded(
 
 
 def left(robot: int, *, selected: bool = False, texts: Texts = ENGLISH) -> RobotCard:
-    """One that stands where something was left."""
+    """Return the card of a robot at a treasure that was left undecided."""
     key = "Ctrl+Z" if selected else ""
     again = Action(TakeUpTreasureAct(robot), texts.text("cards.take_up"), key, hint="You left the treasure in room 3.")
     return replace(card(robot, selected=selected, texts=texts), take_up=again)
@@ -173,7 +173,7 @@ def tile(number: int, rooms: int, *, considered: bool = False, texts: Texts = EN
 
 
 def playing(robots: int = 3, rooms: int = 8, considered: int | None = None, texts: Texts = ENGLISH) -> Screen:
-    """The usual state: robots at work, one room looked at."""
+    """Return the usual state: robots at work, and one room considered."""
     cards = tuple(
         card(
             robot,
@@ -286,7 +286,7 @@ def treasure(
 
 
 def arguing(texts: Texts = ENGLISH) -> DialoguePopup:
-    """A robot that argues, with as many answers as there can be, all of them long."""
+    """Return a dialogue with a robot that argues, with the greatest number of answers, all of them long."""
     room = "room 6 (North east)"
     return DialoguePopup(
         robot=0,
@@ -321,7 +321,7 @@ def arguing(texts: Texts = ENGLISH) -> DialoguePopup:
 
 
 def questions(texts: Texts = ENGLISH) -> DialoguePopup:
-    """The questions that can be put to the robot that argues."""
+    """Return the questions that the participant can ask the robot that argues."""
     asked = ("Why room 2 (West)?", "Why not room 6 (North east)?", "What would change your mind?", "Back.")
     keys = ("1", "2", "3", "Esc")
     choices = tuple(
@@ -331,7 +331,7 @@ def questions(texts: Texts = ENGLISH) -> DialoguePopup:
 
 
 def ended(texts: Texts = ENGLISH) -> DialoguePopup:
-    """The end of a dialogue with a robot that argues."""
+    """Return the end of a dialogue with a robot that argues."""
     talk = arguing(texts)
     close = Action(ShowNext(), texts.text("popups.close"), "Esc")
     outcome = texts.text("popups.agreed_room", robot=0, room=2)
@@ -339,7 +339,7 @@ def ended(texts: Texts = ENGLISH) -> DialoguePopup:
 
 
 def naming(texts: Texts = ENGLISH) -> DialoguePopup:
-    """The robot asks whether what it found shall be named, with its picture beside the talk."""
+    """Return the question of a robot if its find may be identified, with its picture next to the dialogue."""
     find = treasure(picture=True, texts=texts)
     talk = replace(dialogue(texts), robot=find.robot, room=find.room, warning="")
     return replace(talk, facts=find.facts or (), picture=find.picture, enlarge=find.enlarge)
@@ -388,7 +388,7 @@ CONSENT = "\n\n".join(
 
 
 def states(texts: Texts = ENGLISH) -> Mapping[str, Screen]:
-    """Every state worth a look, by name."""
+    """Return all states that tests look at, by name."""
     usual = playing(considered=5, texts=texts)
     right = texts.text("popups.right", name="Pink can", count=30)
     wrong = texts.text("popups.wrong", name="Blue bottle", count=5)
@@ -444,7 +444,7 @@ def states(texts: Texts = ENGLISH) -> Mapping[str, Screen]:
 
 @dataclass
 class SampleModel:
-    """A model that shows a given screen, and keeps the acts done."""
+    """Model that shows a given screen, and records the acts."""
 
     shown: Screen
     floor_plan: FloorPlan | None = None

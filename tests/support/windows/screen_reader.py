@@ -1,4 +1,4 @@
-"""Names that screen readers say in a window, and the order of Tab in it."""
+"""Names that a screen reader reads in a window, and the order in which Tab visits its widgets."""
 
 from collections.abc import Iterator
 from itertools import pairwise
@@ -11,7 +11,7 @@ from ui.windows.participant.widgets.buttons import ParticipantButton
 
 
 def stops(inside: QWidget) -> list[QWidget]:
-    """Return the widgets inside a widget that can have the focus just now, in Tab's order."""
+    """Return the widgets inside a widget that can now have the focus, in Tab's order."""
     found: list[QWidget] = []
     at = inside
     while True:
@@ -27,7 +27,7 @@ def _stops_at(widget: QWidget) -> bool:
 
 
 def nameless(inside: QWidget) -> list[str]:
-    """Return the widgets that can be used or have the focus, and have no name for a screen reader."""
+    """Return the widgets that can be used or have the focus, but have no name for a screen reader."""
     return [
         f"{type(widget).__name__} {widget.objectName()} in {type(widget.parent()).__name__}"
         for widget in inside.findChildren(QWidget)
@@ -43,7 +43,7 @@ def _spoken(widget: QWidget) -> str:
 
 
 def words_in(inside: QWidget) -> list[str]:
-    """Return all words that are read in a widget, or that a screen reader says."""
+    """Return all words that a widget shows, or that a screen reader reads."""
     found = [inside.windowTitle()]
     for widget in inside.findChildren(QWidget):
         shown = widget.face.label if isinstance(widget, ParticipantButton) and widget.face is not None else ""
@@ -54,7 +54,8 @@ def words_in(inside: QWidget) -> list[str]:
 
 
 def against_the_eye(stops: list[QWidget], inside: QWidget) -> list[tuple[str, str]]:
-    """Return neighbors in an order whose later one ends above the other, or left of it in the same row."""
+    """Return pairs of neighbors in a Tab order, if the second widget lies above the first, or left of it in the same
+    row."""
     return list(_wrong(stops, inside))
 
 

@@ -1,4 +1,4 @@
-"""The window of a study's form."""
+"""Window with a study's form."""
 
 from pathlib import Path
 
@@ -18,14 +18,14 @@ def open_study(qtbot: QtBot, path: Path) -> StudyWindow:
 
 
 def leave_study(window: StudyWindow) -> None:
-    """Close without a question."""
+    """Close the window, and discard its changes."""
     with answering("Discard"):
         window.close()
     window.deleteLater()
 
 
 def settled(qtbot: QtBot, window: StudyWindow) -> None:
-    # What is typed is checked a little later.
+    # Typed text is checked after a short delay.
     qtbot.waitUntil(lambda: window.editor.settled)
 
 

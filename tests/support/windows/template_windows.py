@@ -1,4 +1,4 @@
-"""The window of templates."""
+"""Window of template sets."""
 
 from pathlib import Path
 
