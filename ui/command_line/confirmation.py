@@ -12,7 +12,7 @@ def confirm(question: str, otherwise: str, *, yes: bool) -> None:
 
     Args:
         question: the question to ask.
-        otherwise: clause for the error message: what was not done.
+        otherwise: clause for the error message that says what was not done.
         yes: True to skip the question.
     """
     if yes:

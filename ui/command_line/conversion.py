@@ -38,7 +38,7 @@ def convert_if_given(command: TyperCommand | TyperGroup, context: typer.Context)
 
 
 def _described(annotation: object) -> tuple[object, ParameterInfo]:
-    """Return the type of a parameter, without None, and its other declarations."""
+    """Return the type of a parameter without None, and the metadata of its annotation."""
     kind, info = getattr(annotation, "__origin__", annotation), ParameterInfo()
     for mark in getattr(annotation, "__metadata__", ()):
         info = mark if isinstance(mark, ParameterInfo) else info

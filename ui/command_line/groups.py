@@ -17,7 +17,8 @@ class CommandGroup(TyperGroup):
     """Group of commands, each imported when it is first needed.
 
     Attributes:
-        paths: for each command, its module and, after a colon, its function or Typer application; or a group.
+        paths: for each command, the path of its function, Typer application or group: the module, a colon, and the
+            name.
     """
 
     paths: "Mapping[str, str | CommandGroup]"
@@ -80,7 +81,8 @@ def paths_of(commands: Mapping[str, str]) -> dict[str, str]:
     """Return the path of each command.
 
     Args:
-        commands: names of commands with blanks between, by the path that begins the names of their functions.
+        commands: names of commands, separated by blanks, for each beginning of a path. Together, beginning and name are
+            the path of the command's function.
     """
     return {name: start + name.replace("-", "_") for start, names in commands.items() for name in names.split()}
 

@@ -40,7 +40,7 @@ def watch_of(
         study: the study, as changed by options.
         file: file of the study.
         options: options of the command.
-        ring: keys of the session. Windows use them too if there are no keys for windows alone.
+        ring: keys of the session. They also admit windows, unless there are separate keys for windows.
     """
     section = study.watch
     host, port = section.host, section.port

@@ -68,7 +68,7 @@ def check_doors(
 
 
 def _plain_doors(study: Study, graph: GraphAddress | None) -> dict[str, str]:
-    """Return the hosts of the servers that use no keys, except the text server."""
+    """Return the hosts of the servers that require no key, without the text server."""
     mavlink = study.mavlink
     hosts = {} if graph is None else {"ROS": graph.host}
     if mavlink.on:

@@ -154,7 +154,7 @@ class ClientOptions:
 
 
 def the_study(by_position: Path | None, by_option: Path | None) -> Path | None:
-    """Return the study file, given as an argument or, as in older versions, by --study."""
+    """Return the study file, which is an argument or, in the form of older versions, the option --study."""
     if by_position is not None and by_option is not None:
         fail(BAD_INPUT, f"--study: {by_position} is already given as an argument. Omit one of the two.")
     return by_position or by_option

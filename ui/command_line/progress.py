@@ -100,7 +100,7 @@ def shown_progress(
         kind: bar or lines, as --progress says.
         doing: name of the work until something is counted.
         every: seconds from one line to the next.
-        beside_text: True for a command that prints events meanwhile, so that a terminal needs no bar.
+        beside_text: True for a command that also prints events. A terminal then shows no bar.
     """
     if kind is ProgressKind.AUTO and err.is_terminal:
         if beside_text:

@@ -21,7 +21,8 @@ from ui.command_line.terminal import BAD_INPUT, bad_input, fail, note
 def study_of(file: Path | None, changes: Mapping[str, object]) -> Study:
     """Return the study of a file, or a built-in study, as changed by options; None changes nothing.
 
-    Without a file, each key has its default. These are the values of the 2016 game, which other programs expect.
+    Without a file, each key has its default. The defaults are the values of the 2016 game, because other programs
+    expect them.
     """
     with bad_input():
         study, loaded = study_at(file)
@@ -109,7 +110,7 @@ def map_of(study: Study, file: Path | None) -> Map:
 
 
 def _written(file: Path | None) -> Loaded[Study] | None:
-    """Return the study as written in its file, so that faults name lines of the file; None without a file."""
+    """Return the study as the file contains it, so that error messages name lines of the file; None without a file."""
     return study_at(file)[1]
 
 

@@ -26,11 +26,11 @@ THBRIDGE = (sys.executable, "-c", "from ui.cli import main; main()")
 FAILED = 1
 BAD_INPUT = 2
 DECLINED = 3
-"""The participant did not agree to take part."""
+"""Exit code if the participant did not agree to take part."""
 """Exit codes; 0 means success."""
 
 NOT_TAKING_PART = "The participant did not agree to take part. Nothing was recorded."
-"""Message of the exit code `DECLINED`."""
+"""Error message that goes with the exit code `DECLINED`."""
 
 
 class VisibleConsole(Console):
@@ -48,9 +48,9 @@ class VisibleConsole(Console):
 _KEPT = "\n\t"
 _DISK_FAULTS = frozenset({errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EIO, errno.EFBIG})
 _STANDARD_ERROR = 2
-"""Descriptor of the last standard stream."""
+"""File descriptor of standard error, the last standard stream."""
 _LONGEST_NAME = 200
-"""Number of characters shown of the name of a bad file."""
+"""Greatest number of characters of a bad file's name that an error message shows."""
 out = VisibleConsole()
 err = VisibleConsole(stderr=True)
 
@@ -120,7 +120,7 @@ class _ForgivingFile(io.FileIO):
 
 
 def forgive_standard_error() -> None:
-    """Ignore failed writes of messages, so that a full disk neither ends a hunt nor changes an exit code."""
+    """Ignore failed writes of messages, so that a full disk does not end a hunt or change an exit code."""
     usual = sys.stderr
     if usual is not sys.__stderr__ or usual is None:
         return
@@ -130,7 +130,7 @@ def forgive_standard_error() -> None:
 
 
 class _ClosedOutput(io.RawIOBase):
-    """Standard output that is closed. It drops what is written to it.
+    """Substitute for a closed standard output. It drops what is written to it.
 
     Attributes:
         lost: True after something was written.

@@ -180,7 +180,7 @@ def play(
         play_in_window(games, offered, ("--look", look.value))
         return
     if who == PERSON:
-        START_BAR.close()  # A person who types needs the line.
+        START_BAR.close()  # A person who types needs the line that the bar occupies.
         text = None if legacy.TABUI in others else setting.consent
         player = player_of_person(setting.texts, None if text is None else ask_for_consent(setting.texts, text))
     else:

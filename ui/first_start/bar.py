@@ -43,7 +43,7 @@ class StartBar:
 
     def open(self, look: str | None = None) -> None:
         """Show the bar on a terminal; if `look` names colors of windows, also in a window."""
-        atexit.register(self.close)  # Also after an error, because the bar hides the terminal's cursor.
+        atexit.register(self.close)  # Close the bar even after an error, because the bar hides the terminal's cursor.
         if self._terminal is None and err.is_terminal:
             what = "Compiling the remaining parts" if is_unfinished() else "First start: compiling"
             columns = (TextColumn(what), BarColumn(20), MofNCompleteColumn(), TimeElapsedColumn())
@@ -63,7 +63,7 @@ class StartBar:
             Thread(target=self._wait_for_cancel, args=(self._window,), daemon=True).start()
 
     def show(self, done: int, total: int) -> None:
-        """Show how many of all kernels are compiled."""
+        """Show the number of compiled kernels, and the number of all kernels."""
         if self._terminal is not None:
             self._terminal.update(self._task, completed=done, total=total)
         if self._window is not None and self._window.stdin is not None:
@@ -85,7 +85,7 @@ class StartBar:
             process.kill()
 
     def _wait_for_cancel(self, window: "subprocess.Popen[str]") -> None:
-        """End the program if the user cancels. At this time, nothing is open that must be closed."""
+        """End the program if the user cancels. At this point, nothing is open that would have to be closed."""
         with window:
             if window.stdout is not None and window.stdout.readline() == "cancel\n":
                 self.stop_compiling()

@@ -37,9 +37,9 @@ def compile_ahead(*, whole_hunt: bool, look: str | None = None) -> None:
     """Compile what a hunt usually needs, and show the progress; Ctrl-C and Cancel end the program.
 
     Args:
-        whole_hunt: True to return when everything is compiled. False to return when the first tick can run; the rest is
-            compiled during the hunt, which waits for parts that it needs. Parts that an earlier start left are always
-            compiled before the hunt. Otherwise short hunts would leave them again and again.
+        whole_hunt: True to return when everything is compiled. False to return when the first tick can run. The rest is
+            then compiled during the hunt, which waits for parts that it needs. Parts that an earlier start did not
+            compile are always compiled before the hunt, because a series of short hunts would never compile them.
         look: colors of the window with the bar. If None, there is no window.
     """
     calls = missing(before_moves=False)
@@ -73,17 +73,17 @@ def _notice(count: int, unfinished: bool) -> str:
 
 
 def _wait_for(calls: list[str], done: dict[str, Event]) -> None:
-    """Wait until calls are compiled, and show their number."""
+    """Wait until calls are compiled, and show the number of compiled calls."""
     while left := [call for call in calls if not done[call].is_set()]:
         START_BAR.show(len(calls) - len(left), len(calls))
         done[left[0]].wait(PERIOD)
 
 
 def _compiled(calls: list[str], beside: set[str]) -> dict[str, Event]:
-    """Return an event for each call, set when it was compiled or when no process is left to compile it.
+    """Return an event for each call. It is set when the call is compiled, or when no process is left to compile it.
 
-    Processes compile the calls in the given order. This process waits for them before it compiles one itself. Calls
-    in `beside` are compiled during the hunt, at low priority.
+    Other processes compile the calls in the given order. The hunt's process waits for them before it compiles a call
+    itself. Calls in `beside` are compiled during the hunt, at low priority.
     """
     done = {call: Event() for call in calls}
     answered: list[str] = []

@@ -10,7 +10,7 @@ from sim.numerics.signatures import compile_call
 
 def compile_calls() -> None:
     """Compile the calls that arrive on standard input, and write an empty line after each."""
-    # Only the hunt handles Ctrl-C. When it ends, this input ends too.
+    # Only the hunt's process handles Ctrl-C. When it ends, the standard input of this process ends too.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     # A compiler creates many objects but few cycles; searching for cycles would take an eighth of its time.
     gc.disable()

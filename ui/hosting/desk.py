@@ -27,7 +27,7 @@ from ui.sources.experiment import ExperimentSource
 GATHERED = 0.2
 """Seconds for which events are collected before one update."""
 RENEWED = 20.0
-"""Seconds after which the state is sent even without events, so that elapsed minutes stay current."""
+"""Seconds after which the state is sent even without events, so that the displayed minutes stay current."""
 
 
 class DeskFailed(Exception):  # noqa: N818 - it is shown as a sentence
@@ -57,7 +57,7 @@ class StudyUnderWay(Protocol):
         """Let the next person begin at the kiosk."""
 
     def note(self, text: str, participant: str) -> str | None:
-        """Record a note about a person or, if `participant` is empty, about no person."""
+        """Record a note about a person. If `participant` is empty, the note is about the study."""
 
     def exclude(self, participant: str, reason: str) -> str | None:
         """Exclude a run from the data."""

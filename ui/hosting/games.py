@@ -33,7 +33,8 @@ PRACTICE = Study(map="practice", templates="practice", robots=1)
 
 
 def practice_setting(game: StudySetting) -> StudySetting:
-    """Return the setting of the practice game before a game: same seed, server, sound, answers and language."""
+    """Return the setting of the practice game. Random seed, server, sound, answers and language are those of the game
+    after it."""
     study = game.study
     participant = dataclasses.replace(PRACTICE.participant, sound=study.participant.sound)
     own = setting_of(dataclasses.replace(PRACTICE, seed=study.seed, server=study.server, participant=participant), None)
@@ -146,7 +147,7 @@ class WindowGames:
         def story(moment: TickRecord) -> None:
             print_story(moment, rooms)
 
-        # Messages of the window are answered all the time.
+        # Messages of the window are answered at any time, even during a game.
         await asyncio.to_thread(compile_ahead, whole_hunt=options.rate > 0.0)
         try:
             return await hunt.play(setting, None, options, ready, story, self.hosts)

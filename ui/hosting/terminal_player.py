@@ -52,7 +52,7 @@ from ui.model.playing.words import commander_in_words, outcome_of, verdict_words
 
 @dataclass(slots=True)
 class TerminalPlayer:
-    """Player who types. Steps that are agreed on, or need no decision, follow without another question.
+    """Player who types. Steps that were agreed, or that need no decision, are taken without another question.
 
     Attributes:
         show: function that prints a line.
@@ -151,7 +151,7 @@ class TerminalPlayer:
                 self.show(self.texts().text("terminal.question"))
 
     def _answer(self, view: View, choice: int) -> None:
-        """Answer the first waiting dialogue; -1 is its last choice."""
+        """Answer the first waiting dialogue; the choice -1 is the last one."""
         dialogue = _waiting(view)
         if dialogue is None:
             self.show(self.texts().text("terminal.nobody_waits"))
@@ -222,13 +222,13 @@ def _waiting(view: View) -> DialogueView | None:
 
 
 def _letters(view: View) -> dict[str, int]:
-    """Return the choices of the first waiting dialogue by their letters; empty if choices are numbered."""
+    """Return the choices of the first waiting dialogue by their letters; empty if the choices are numbered."""
     dialogue = _waiting(view) if view.has_last_word is None else None
     return {} if dialogue is None else {letter: at for at, (letter, _) in enumerate(_lettered(dialogue))}
 
 
 def _lettered(dialogue: DialogueView) -> list[tuple[str, str]]:
-    """Return the choices of a dialogue, each after its letter, which is also its key in the window."""
+    """Return the choices of a dialogue by their letters; the window uses the same letters as keys."""
     keys = map(str.lower, choice_keys(dialogue.choices))
     return list(zip(keys, dialogue.choices, strict=True))
 
@@ -382,7 +382,8 @@ class Telling:
         return " ".join([seen, *more, texts.text("terminal.name_it", number=number)])
 
     def _asked(self, dialogue: DialogueView, told: int = 0) -> list[str]:
-        """Return lines about a dialogue that waits for an answer: its sentences from number `told` on, and choices."""
+        """Return lines about a dialogue that waits for an answer: its sentences from number `told` on, and its
+        choices."""
         robot = dialogue.robot
         if not dialogue.choices:
             return [self.texts.text("window.thinking", robot=robot)]

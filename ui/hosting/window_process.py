@@ -17,7 +17,7 @@ WINDOW = (*THBRIDGE, "tabui", "--hosted")
 MAX_CRASHES = 3
 """Number of crashes in a row after which the window is not opened again."""
 ROW_ENDS = 60.0
-"""Seconds after which crashes are counted from 0 again, if the window has stayed open."""
+"""Seconds after which the number of crashes in a row restarts at 0, if the window has stayed open."""
 
 
 class WindowProcess(Generic[FromHostT, FromWindowT]):
@@ -37,7 +37,7 @@ class WindowProcess(Generic[FromHostT, FromWindowT]):
         self._protocol = protocol
         self._process: Process | None = None
         self._requests: asyncio.Queue[FromWindowT] = asyncio.Queue()
-        # Messages to repeat if the window is opened again.
+        # Messages that a reopened window receives again.
         self._kept: list[FromHostT] = []
         self.given_up = False
         """True if the window has crashed too often."""
@@ -50,7 +50,7 @@ class WindowProcess(Generic[FromHostT, FromWindowT]):
         await self._write(message)
 
     async def next_request(self) -> FromWindowT:
-        """Wait for the next message of the window; the last one, `closed`, arrives when it is closed for good."""
+        """Wait for the next message of the window. If the window is closed for good, the last message is `closed`."""
         return await self._requests.get()
 
     def pending_request(self) -> FromWindowT | None:
@@ -87,7 +87,8 @@ class WindowProcess(Generic[FromHostT, FromWindowT]):
 
     async def _open_once(self) -> bool:
         """Open the window and listen until it closes; return True if it closed on purpose."""
-        # In a session of its own: Ctrl-C in the terminal ends this program, which then closes the window.
+        # The window runs in a separate process session: Ctrl-C in the terminal ends only this program, which then
+        # closes the window.
         process = await asyncio.create_subprocess_exec(*self._command, stdin=PIPE, stdout=PIPE, start_new_session=True)
         self._process = process
         try:
@@ -111,7 +112,7 @@ class WindowProcess(Generic[FromHostT, FromWindowT]):
             try:
                 message = self._protocol.decode_from_window(text)
             except msgspec.DecodeError:
-                continue  # Output of a library, not a message.
+                continue  # This line is output of a library, not a message.
             if message == self._protocol.closed:
                 return True
             self._requests.put_nowait(message)
@@ -125,4 +126,4 @@ class WindowProcess(Generic[FromHostT, FromWindowT]):
             process.stdin.write(self._protocol.encode(message))
             await process.stdin.drain()
         except ConnectionError:
-            pass  # The window has just closed; the window that replaces it gets the message again.
+            pass  # The window has just closed; its successor receives the message again.

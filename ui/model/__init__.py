@@ -1,1 +1,1 @@
-"""View models of all windows, as values and without Qt: the contents of windows, and the acts of people in them."""
+"""View models of all windows: contents of windows, and acts of people in them, as plain values without Qt."""

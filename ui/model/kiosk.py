@@ -1,7 +1,7 @@
 """Messages between the program that runs a study with people (host) and the window that shows them its pages (kiosk).
 
-The window is a process of its own. It has the contents of its page, but no access to the study's log. Each page has a
-number, and messages about any other page are ignored.
+The window runs in a separate process. It has the contents of its page, but no access to the study's log. Each page has
+a number. A message about any other page is ignored. The docstring of each message begins with its sender.
 """
 
 from collections.abc import Sequence
@@ -17,7 +17,8 @@ Answer: TypeAlias = float | str | tuple[str, ...] | None
 
 
 class StudyTexts(msgspec.Struct, frozen=True, tag=True):
-    """Host: the texts of the study's language, before all other messages; without them, a window shows nothing."""
+    """Host: the texts of the study's language. They come before all other messages; until then, a window shows
+    nothing."""
 
     texts: GameTexts
 
@@ -34,13 +35,14 @@ class TextToRead(msgspec.Struct, frozen=True, tag=True):
 
     Attributes:
         page: number of the page.
-        heading: above the text; empty: none.
-        text: in paragraphs, or Markdown.
-        button: label of the button that leads on. If None, it is the usual word; if empty, there is no button, and the
-            page stays until another one comes.
+        heading: heading above the text; empty for none.
+        text: text in paragraphs, or in Markdown.
+        button: label of the button that leads to the next page. If None, it is the usual word. If empty, there is no
+            button, and the page stays until another one arrives.
         markdown: True if the text is Markdown.
-        code: completion code to copy down; empty: none.
-        `anew`: True if the next person begins: the preferences of the person before (size of text, sound) are reset.
+        code: completion code for the person to write down; empty for none.
+        `anew`: True if the next person begins. The preferences of the previous person (size of text, sound) are then
+            reset.
         progress: position in the person's run.
     """
 
@@ -68,7 +70,7 @@ class FormItem(msgspec.Struct, frozen=True):
 
     Attributes:
         labels: labels of the options, in their order; if empty, the options themselves are shown.
-        one_line: True if the answer is a word or a code, and Enter leads on.
+        one_line: True if the answer is a word or a code. Enter then goes to the next item.
     """
 
     id: str
@@ -95,10 +97,10 @@ class FormToFill(msgspec.Struct, frozen=True, tag=True):
 
     Attributes:
         page: number of the page.
-        title: of the form.
-        instructions: above the items; empty: none.
-        items: of this page, in their order.
-        answers: answers so far, complete or begun, by the item's id.
+        title: title of the form.
+        instructions: instructions above the items; empty for none.
+        items: items of this page, in their order.
+        answers: answers so far, complete or incomplete, by the item's id.
         timed_out: ids of items that were closed by their time limits.
         missing: ids of required items without an answer, to be marked.
         part: number of the page within the form, from 1.
@@ -121,7 +123,7 @@ class FormToFill(msgspec.Struct, frozen=True, tag=True):
 
 
 class AnswerKept(msgspec.Struct, frozen=True, tag=True):
-    """Host: an answer is in the log; `timed_out` is True if the time limit of its item was over."""
+    """Host: an answer is in the log; `timed_out` is True if the time limit of its item had ended."""
 
     page: int
     item: str
@@ -130,7 +132,7 @@ class AnswerKept(msgspec.Struct, frozen=True, tag=True):
 
 
 class GamePrepared(msgspec.Struct, frozen=True, tag=True):
-    """Host: a game is being prepared, or ends; `sentence` says so to the person."""
+    """Host: a game is being prepared, or is ending; `sentence` informs the person about this."""
 
     page: int
     sentence: str
@@ -189,7 +191,7 @@ class InstructionsSoFar(msgspec.Struct, frozen=True, tag=True):
 
 
 class GameRecorded(msgspec.Struct, frozen=True, tag=True):
-    """Host: the game has ended and is recorded; a window that does not show the game's end shows this text instead."""
+    """Host: the game has ended and is recorded. A window that no longer shows the end of the game shows this text."""
 
     page: int
     heading: str
@@ -198,13 +200,13 @@ class GameRecorded(msgspec.Struct, frozen=True, tag=True):
 
 
 class CloseKiosk(msgspec.Struct, frozen=True, tag=True):
-    """Host: close; the host ends in good order, and no run is under way."""
+    """Host: close the window. The host ends normally, and no run is under way."""
 
 
 class HostStops(msgspec.Struct, frozen=True, tag=True):
-    """Host: it ends during a person's run; the window stays and shows this text until another window opens.
+    """Host: it ends during a person's run. The window stays open and shows this text until another window opens.
 
-    If the host ends without this message or `CloseKiosk`, the window says so in the study's language.
+    If the host ends without this message or `CloseKiosk`, the window reports that in the study's language.
     """
 
     heading: str
@@ -212,7 +214,7 @@ class HostStops(msgspec.Struct, frozen=True, tag=True):
 
 
 class WentOn(msgspec.Struct, frozen=True, tag=True):
-    """Window: the person went on from a page."""
+    """Window: the person continued from a page."""
 
     page: int
 
@@ -236,10 +238,10 @@ class ItemNews(msgspec.Struct, frozen=True, tag=True):
 
     Attributes:
         page: number of the page.
-        item: its id.
-        what: "shown": it came into full view; "touched": its answer was begun; "changed": it has another answer;
-            "given": the person went on from it; "pasted": text was pasted into it; "timed out": its time limit was
-            over.
+        item: id of the item.
+        what: "shown": the item became fully visible; "touched": the person began the answer; "changed": the answer
+            changed; "given": the person went to another item or page; "pasted": text was pasted into the answer; "timed
+            out": the time limit of the item ended.
         window_ns: monotonic time of the window, nanoseconds.
         answer: the present answer; meaningless for an item that is shown, touched or pasted into.
         characters: number of pasted characters.
@@ -254,7 +256,7 @@ class ItemNews(msgspec.Struct, frozen=True, tag=True):
 
 
 class FocusNews(msgspec.Struct, frozen=True, tag=True):
-    """Window: keys and clicks go to another window, or to this one again."""
+    """Window: the keyboard focus moved to another window, or returned to this one."""
 
     has_focus: bool
     window_ns: int
@@ -282,7 +284,7 @@ class BeginNext(msgspec.Struct, frozen=True, tag=True):
 
 
 class KioskClosed(msgspec.Struct, frozen=True, tag=True):
-    """Window: a person closed it on purpose."""
+    """Window: a person closed the window on purpose."""
 
 
 ToKiosk: TypeAlias = (
@@ -321,7 +323,8 @@ def _answered(form: FormToFill, kept: AnswerKept) -> FormToFill:
 
 
 def _kept(before: Sequence[ToKiosk], message: ToKiosk) -> Sequence[ToKiosk]:
-    """Keep the texts, the last page with the logged answers of its form, a game's last news, and the instructions."""
+    """Keep the texts, the last page with the logged answers of its form, the last news of a game, and the
+    instructions."""
     match message:
         case GameNews() | InstructionsSoFar():
             return [*(one for one in before if type(one) is not type(message)), message]

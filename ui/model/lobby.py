@@ -1,6 +1,7 @@
 """Messages between the program that runs the games (host) and the participant's window, before and after a game.
 
-The window is a process of its own, so it contains nothing of a game that the game has not sent to it.
+The window runs in a separate process. It therefore has only the data of a game that the game has sent to it. The
+docstring of each message begins with its sender.
 """
 
 from collections.abc import Mapping, Sequence
@@ -59,7 +60,7 @@ class Join(msgspec.Struct, frozen=True, tag=True):
 
 
 class Thanks(msgspec.Struct, frozen=True, tag=True):
-    """Host: thank the participant, who does not take part, and ask nothing more.
+    """Host: thank a participant who does not take part, and ask nothing more.
 
     Attributes:
         texts: texts of the study's language.
@@ -93,11 +94,11 @@ class ChooseLanguage(msgspec.Struct, frozen=True, tag=True):
 
 
 class Back(msgspec.Struct, frozen=True, tag=True):
-    """Window: leave this game and show the start page."""
+    """Window: leave this game, and show the start page."""
 
 
 class WindowClosed(msgspec.Struct, frozen=True, tag="Leave"):
-    """Window: the participant closed it on purpose."""
+    """Window: the participant closed the window on purpose."""
 
 
 FromHost: TypeAlias = Offer | Preparing | Join | Thanks
@@ -105,7 +106,7 @@ FromWindow: TypeAlias = Agreed | Declined | Begin | Practise | ChooseLanguage | 
 
 
 def _kept(before: Sequence[FromHost], message: FromHost) -> Sequence[FromHost]:
-    """Keep the last page, which replaces all messages before it."""
+    """Keep only the last page, which replaces all earlier messages."""
     return [message] if isinstance(message, Offer | Thanks) else [*before, message]
 
 

@@ -53,7 +53,7 @@ def _reason_in_words(framework: ArgumentationFramework, extension: Extension, na
     steps, attackers = grounded_steps(framework), _attackers(framework, name)
 
     def answer_to(target: str) -> str | None:
-        # An argument that became grounded first does not depend on the argument that it defends.
+        # An argument that became grounded first does not need the argument that it defends.
         those = [each for each in _attackers(framework, target) if each in extension]
         ranks = [(steps[framework.index[each]] is None, steps[framework.index[each]] or 0) for each in those]
         return those[ranks.index(min(ranks))] if those else None

@@ -18,7 +18,7 @@ def show_summary(found: RecordingSummary) -> None:
         recorded = found.session.versions
         versions = ", ".join(f"{name} {version}" for name, version in recorded.items() if name not in MACHINE)
         say(f"recorded by thbridge, seed {found.session.seed}: {visible(versions)}")
-        # Processor features are many words that only programs compare.
+        # The list of processor features is long, and only programs compare it.
         machine = ", ".join(
             f"{name} {recorded[name]}" for name in MACHINE if name in recorded and "features" not in name
         )

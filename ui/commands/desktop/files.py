@@ -39,7 +39,7 @@ def desktop_entry(program: str) -> str:
         program: absolute path of the program `thbridge`.
     """
     quoted = "".join(f"\\{letter}" if letter in '"`$\\' else letter for letter in program).replace("%", "%%")
-    # The value is unescaped once as a string before it is unquoted.
+    # The desktop removes escapes twice: first those of strings, then those within the quotes.
     command = f'"{quoted}" watch %f'.replace("\\", "\\\\")
     return (
         "[Desktop Entry]\nType=Application\nVersion=1.0\nName=thbridge watch\n"

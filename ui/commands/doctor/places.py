@@ -10,9 +10,9 @@ from thbridge.files.errors import reason_of
 from ui.commands.doctor.result import HealthCheck, fault, ok, warning
 
 LITTLE = 1_000_000_000
-"""Size of several long recordings, in bytes."""
+"""Size of several long recordings, bytes: with less free space, the check warns."""
 TOO_LITTLE = 50_000_000
-"""Size of a recording, in bytes."""
+"""Size of one recording, bytes: with less free space, the check reports a fault."""
 
 
 def check_folder(name: str, folder: Path) -> HealthCheck:

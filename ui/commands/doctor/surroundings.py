@@ -30,7 +30,8 @@ def check_libraries(load: Callable[[str], object] = ctypes.CDLL) -> HealthCheck:
 
 
 def check_clock(now: float, monotonic: Callable[[], float] = time.monotonic) -> Iterator[HealthCheck]:
-    """Check that the clock is not older than thbridge's files, that time never goes back, and the time zone.
+    """Check that the clock is not earlier than thbridge's files, that time never goes back, and that the time zone is
+    set.
 
     Args:
         now: time of the computer's clock, seconds since 1970.

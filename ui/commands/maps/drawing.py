@@ -39,23 +39,23 @@ from ui.commands.maps.trips import measure_trips, times_matrix, write_times
 
 SEED = 1
 LEFT_OUT = "left-out.pgm"
-"""Image next to map.yaml: black where something was removed from the plan, white elsewhere."""
+"""Image next to map.yaml: black where lines of the plan were removed, white elsewhere."""
 MOST_FLOOR = 0.5
-"""Share of the floor that must be reachable, unless the user says that thin lines are walls."""
+"""Least share of the floor that must be reachable, unless the user says that thin lines are walls."""
 MOST_INK = 0.5
-"""Share of a plan's lines; if more is removed, walls are probably among it."""
+"""Share of a plan's drawn area. If more than this share is removed, it probably includes walls."""
 MOST_PLACES = 4
 """Greatest number of blocked paths that a message names."""
 LEAST_CELL, LARGEST_CELL = 0.001, 0.5
-"""Least and greatest size of a cell, meters; larger cells cannot show a door."""
+"""Least and greatest size of a cell, meters; a map with larger cells cannot show doors."""
 MOST_STRETCH = 10.0
 """Ratio of the scales of an image's two sides, above which one of them is probably a typing error."""
 FINE, FINE_ENOUGH = 0.01, 0.02
-"""Meters: pixels smaller than the first value are merged into cells of up to the second."""
+"""Sizes in meters: pixels smaller than the first size are merged into cells of at most the second size."""
 MOST_CELLS, COARSE_ENOUGH = 4_000_000, 0.05
-"""Number of pixels from which an image's pixels are merged into cells of up to this size, meters."""
+"""In images with more pixels than the first number, pixels are merged into cells of at most the second size, meters."""
 MANY = 15
-"""Number of rooms from which the command says that its measurement can be stopped."""
+"""Number of rooms from which the command tells the user that the measurement can be stopped and continued."""
 WIDEST = 300.0
 """Size of a map, meters, above which it is probably wrong."""
 
@@ -181,7 +181,7 @@ def is_map_file(source: Path) -> bool:
 
 
 def _closed(drawing: CleanedDrawing, inscribed: float) -> CleanedDrawing:
-    """Return the plan with its openings to the outside closed, and print where they were."""
+    """Return the plan with its openings to the outside closed, and print the places of the openings."""
     grid, openings = closed_to_outside(drawing.grid, inscribed)
     if openings:
         places = _listed([f"({x:.1f}, {y:.1f})" for x, y in openings])
@@ -195,7 +195,8 @@ def _listed(places: Sequence[str]) -> str:
 
 
 def _note_lost_walls(grid: OccupancyGrid, drawing: CleanedDrawing, thinner: int, inscribed: float) -> None:
-    """Print a warning if more than lines and letters was removed, and a width that keeps the walls."""
+    """Print a warning if more than lines and letters was removed, and suggest a value of --thinner that keeps the
+    walls."""
     share = float(drawing.left_out.sum() / max(np.count_nonzero(grid.cells != FREE), 1))
     if share > MOST_INK:
         closed = blocked_paths(grid, inscribed)
@@ -204,7 +205,8 @@ def _note_lost_walls(grid: OccupancyGrid, drawing: CleanedDrawing, thinner: int,
 
 
 def _note_closed_floor(grid: OccupancyGrid, inscribed: float, remedy: str | None) -> None:
-    """Print a warning if most of the floor is unreachable; with a remedy, also if a room is unreachable."""
+    """Print a warning if most of the floor is unreachable. If `remedy` is given, also print one if a room is
+    unreachable."""
     reached, others = reached_floor(grid, inscribed)
     if 0.0 < reached < MOST_FLOOR:
         message = f"Only {reached:.0%} of the floor is reachable"
@@ -259,7 +261,7 @@ def note_size(grid: OccupancyGrid) -> None:
 
 
 def read_left_out(folder: Path, grid: OccupancyGrid) -> Mask | None:
-    """Return the cells that were removed from the plan of a map; None if the map has no record of them.
+    """Return the cells that were removed from the plan of a map; None if the map has no file `LEFT_OUT`.
 
     Raises:
         BadFile: the record cannot be read.
@@ -326,7 +328,7 @@ def measure_map(folder: Path, place: Map, runs: int, jobs: int, tell: Tell) -> b
 
 
 def unreached_words(times: Sequence[TripTimes], folder: Path) -> str:
-    """Return a sentence about paths that no trip completed: where, why, and what to do."""
+    """Return a sentence about the paths that no trip completed: their rooms, the main reason, and what to do."""
     failed = [pair for pair in times if pair.mean is None]
     ends = Counter(place for pair in failed for place in (pair.start, pair.goal) if not place.is_corridor)
     rooms = ", ".join(

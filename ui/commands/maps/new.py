@@ -164,7 +164,7 @@ def maps_edit(
     def write(drawn: Arena) -> None:
         nonlocal saved
         write_rooms(folder, drawn.rooms, drawn.starts, language=language)
-        # Archive at once, not when the window is closed: a game may start before.
+        # Archive now and not when the window is closed, because a game may start before that.
         if times.exists() and not same_trips(saved, drawn):
             times.replace(old)
         elif measured and not times.exists() and same_trips(arena, drawn):

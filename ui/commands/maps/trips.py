@@ -28,14 +28,14 @@ def measure_trips(
     tell: Tell,
     again: str = "the same command",
 ) -> tuple[TripTimes, ...]:
-    """Drive all trips, several at a time; their number at a time does not change the result.
+    """Drive all trips, several at the same time; the number of simultaneous trips does not change the result.
 
     Args:
         course: map and robot.
         runs: trips per pair of places.
-        jobs: trips driven at a time.
-        result: file for the times. Trips are kept next to it, and a later run drives only the others. If None, no trips
-            are kept.
+        jobs: number of trips driven at the same time.
+        result: file for the times. Finished trips are stored next to it, and a later run drives only the missing ones.
+            If None, no trips are stored.
         `tell`: receives the progress.
         again: command that continues after a stop.
 
@@ -68,10 +68,10 @@ def _driven(
     jobs: int,
     tell: Tell,
 ) -> dict[RoomTrip, TripResult]:
-    """Drive the remaining trips; return all trips."""
+    """Drive the missing trips; return all trips."""
     left = [trip for trip in wanted if trip not in done]
     tell("trips", len(done), len(wanted))
-    # A fork would copy the progress thread in the middle of its work.
+    # A forked process would copy the thread that shows progress in the middle of its work.
     pool = ProcessPoolExecutor(jobs, get_context("spawn"), signal.signal, (signal.SIGINT, signal.SIG_IGN))
     try:
         for ended in as_completed(pool.submit(partial(drive, course), trip) for trip in left):
@@ -86,7 +86,7 @@ def _driven(
 
 
 def write_times(result: Path, text: str) -> None:
-    """Write the result, then remove the trips next to it. Raises BadFile if the file cannot be written."""
+    """Write the result, then remove the trips stored next to it. Raise BadFile if the file cannot be written."""
     write_whole(result, text.encode("ascii"), "choose another file with --out")
     kept_path(result).unlink(missing_ok=True)
 

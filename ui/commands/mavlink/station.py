@@ -172,7 +172,7 @@ async def station_at(address: Address, tcp: bool, key: Path | None) -> AsyncIter
 
 
 def fail_without_robots(link: StationSocket, address: Address, key: Path | None) -> NoReturn:
-    """End the command, with the reason why no robot may have answered."""
+    """End the command with a message about why no robot may have answered."""
     if link.refused:
         fail(
             FAILED, f"{address}: {link.refused} frames were refused, because they are not signed with the key in {key}."

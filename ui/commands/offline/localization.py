@@ -53,7 +53,8 @@ def pose_in(triple: tuple[float, float, float]) -> Pose2:
 def read_localization_parameters(
     files: list[Path], localization: str
 ) -> tuple[RobotParameters, tuple[str, ...], tuple[RosDefault, ...]]:
-    """Return a localizer's parameters in ROS files, notices about all of them, and amcl defaults that hunts do not use.
+    """Return a localizer's parameters from ROS files, messages about the parameters, and the defaults of amcl that
+    differ from those of hunts.
 
     Parameters of amcl that no file sets have ROS's defaults, also without files.
     """
@@ -101,7 +102,7 @@ def corrected_localization(
         software: parameters and choice of the filter.
         start: pose of the robot at the beginning. If None, it may be anywhere.
         seed: random seed.
-        offset: seconds. If None, a first run estimates it; it is 0 if that fails.
+        offset: time offset, seconds. If None, a first run estimates it; if the estimate fails, it is 0.
         `tell`: receives the progress.
     """
     if offset is None:
@@ -236,7 +237,8 @@ def offset_sentence(offset: TimeOffset | None, applied: float) -> str:
     """Return a sentence about the time offset of odometry to scans.
 
     Args:
-        offset: estimate with the stamps of odometry later by `applied`; None if there is no estimate.
+        offset: estimate from a run in which `applied` was added to the stamps of odometry; None if there is no
+            estimate.
         applied: corrected offset, seconds.
     """
     corrected = f" Of this, {applied:.3f} s are corrected." if applied else ""
@@ -251,7 +253,7 @@ def offset_sentence(offset: TimeOffset | None, applied: float) -> str:
 
 
 def offset_warning(result: LocalizationResult) -> str | None:
-    """Return a warning about an offset that was not corrected; None if it is small or uncertain."""
+    """Return a warning about an offset that was not corrected; None if the offset is small or uncertain."""
     offset = result.time_offset
     if offset is None or abs(offset.seconds) < max(WARNED, 2.0 * offset.deviation):
         return None

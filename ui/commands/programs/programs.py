@@ -230,7 +230,7 @@ def tabui(
         visited = sum(room.state == "visited" for room in last.rooms)
         print_json({"score": last.score, "rooms_visited": visited, "over": last.over})
     else:
-        if participant != PERSON:  # A person who types has already read it.
+        if participant != PERSON:  # A person who plays in the terminal has already read this.
             show(f"The game is over. Score {last.score}.")
         note(ANOTHER_GAME)
 

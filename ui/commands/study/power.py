@@ -53,7 +53,8 @@ def power_tasks(
     most = design.allocation.size
     sizes = tuple(sorted({*people})) or tuple(sorted({max(2, math.ceil(most * part / 6)) for part in range(1, 7)}))
     question = PowerQuestion(score, factor, sizes)
-    # Results are stored under this key, so they are not reused for another question, experiment or set of people.
+    # Results are stored under this key, so that they are reused only for the same question, experiment and set of
+    # people.
     asked = f"{fingerprint_of(folder, versions()).digest} {question} {simulated}"
     place = results / hashlib.sha256(asked.encode()).hexdigest()[:16]
     return [

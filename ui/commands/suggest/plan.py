@@ -67,7 +67,7 @@ def plan_of(setting: StudySetting, rooms: Collection[Room], planner: TeamPlanner
 
 
 def team_starts(setting: StudySetting) -> tuple[TourStart, ...]:
-    """Return where the tours of a study's robots begin, with the costs that its game uses."""
+    """Return the places where the tours of a study's robots begin, with the costs that its game uses."""
     study, corridor = setting.study, tuple(setting.costs.rows[CORRIDOR.people])
     if not setting.by_position:
         return (TourStart(corridor, study.game.energy),) * study.robots

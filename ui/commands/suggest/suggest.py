@@ -66,7 +66,7 @@ def _suggest_to_robot(costs: Path, at: int, unvisited: str, as_json: bool) -> No
     if isinstance(tour, RequestRefused):
         fail(FAILED, tour.sentence)
     visits_all = {*tour.rooms} == {*places} - {start}
-    # A bound on a tour of the reachable rooms is not known if some rooms are unreachable.
+    # If some rooms are unreachable, no bound is known for a tour of the reachable rooms.
     least = tour.cost if compared else None
     if visits_all and not compared:
         # Only the bound needs scipy, and importing it takes longer than finding most tours.

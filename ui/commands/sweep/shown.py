@@ -1,4 +1,4 @@
-"""Run of `thbridge sweep`, with its progress."""
+"""`thbridge sweep run` with a display of its progress."""
 
 from collections.abc import Sequence
 

@@ -23,7 +23,7 @@ class TalkCheck:
     Attributes:
         folder: folder that was checked.
         games: games that it adds or replaces; empty if they have faults.
-        languages: languages to which it adds words; likewise.
+        languages: languages to which it adds words; empty if they have faults.
         faults: faults of its files.
         advice: missing parts of its languages.
     """

@@ -38,7 +38,7 @@ class TerminalTalk:
     Attributes:
         exchange: exchange to play.
         people: sides that a person plays.
-        game: only game that may be opened. If None, the nine cases determine the games.
+        game: the only game that players may open. If None, the nine cases determine the games.
         seed: random seed of programs' choices among moves that the example leaves open.
         wording: wording that turns moves into sentences.
         show: function that prints a line.
@@ -58,7 +58,7 @@ class TerminalTalk:
         """Play the exchange to its end. Raise Quit when the person quits."""
         exchange = self.exchange if self.game is None else replace(self.exchange, course=())
         self._now = exchange.start
-        # Two programs say only what the example says.
+        # Two programs make only the moves of the example.
         alone = not self.people and self.game is None
         strategy = None if alone else ArguingStrategy()
         choosers: Mapping[Side, Chooser] = {
@@ -103,7 +103,7 @@ class TerminalTalk:
         try:
             return f'"{self.wording.sentence(move, side)}"'
         except ValueError:
-            # A locution of a lab may have no words yet.
+            # A locution that a lab has added may have no words yet.
             return ""
 
     def _choice_lines(self, side: Side, possible: tuple[ExchangeAct, ...], *, between: bool) -> Iterator[str]:

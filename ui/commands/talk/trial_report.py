@@ -19,7 +19,7 @@ class TrialReport:
     Attributes:
         name: name of the program that was tried.
         summary: extent of the trial, as the beginning of a sentence.
-        figures: the same for programs.
+        figures: extent of the trial as numbers, for programs.
         faults: faults that were found.
     """
 

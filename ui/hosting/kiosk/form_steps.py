@@ -56,7 +56,7 @@ class FormSteps:
         return item.required and run.given.get(item.id) is None and item.id not in run.timed_out
 
     async def _fill_in_page(self, form: Form, items: tuple[Item, ...], part: int, parts: int, *, back: bool) -> bool:
-        """Show a page of a form until it is filled in. Return False if the person goes back to the page before it.
+        """Show a page of a form until it is filled in. Return False if the person goes back to the previous page.
 
         An optional item without an answer is recorded with an empty answer.
         """

@@ -39,7 +39,7 @@ class GamesOfStudy(Protocol):
     """Player of games, such as `StudyGames`."""
 
     async def practise(self, run: Run, step: PlannedStep, watcher: GameWatcher) -> PracticeCount:
-        """Play the practice game; return the actions counted in it."""
+        """Play the practice game; return the counts of the person's actions."""
 
     async def play(
         self, run: Run, step: PlannedStep, watcher: GameWatcher, *, goes_on: bool
@@ -101,7 +101,7 @@ class GameSteps:
                 await self._pages.read(TextToRead(0, self._pages.texts.text("kiosk.once_more"), text))
 
     async def play(self, step: PlannedStep, how: ResumeRule | None) -> None:
-        """Run the game of a trial; after a crash, `how` says how it resumes. If None, the game begins."""
+        """Run the game of a trial. After a crash, `how` says how the game resumes; if None, a new game begins."""
         visit = _Visit(self._pages, self._clock, self._token, practice=False)
         if self._pages.run.game is None:
             goes_on = how is ResumeRule.EXACT
@@ -131,7 +131,8 @@ class GameSteps:
         return played
 
     async def _read_result(self, visit: "_Visit", result: GameRecorded) -> None:
-        """Show that a game has ended until the person continues; if the window still shows the game, use that page."""
+        """Show that a game has ended until the person continues. If the window still shows the game, use that page for
+        it."""
         if visit.page != self._pages.number or visit.page == 0:
             await self._pages.read(result)
             return

@@ -31,7 +31,7 @@ from thbridge.timing.pace_meter import GamePace, PaceMeter
 from ui.first_start.compiling import compile_ahead
 
 SEEN_WITHIN = 10 * TICKS_PER_SECOND
-"""Ticks after the end of a game for which the program waits until the window shows the end."""
+"""Ticks for which the program waits after the end of a game until the window shows the end."""
 
 
 class KioskStopped(Exception):  # noqa: N818 - nothing went wrong with the program
@@ -39,7 +39,7 @@ class KioskStopped(Exception):  # noqa: N818 - nothing went wrong with the progr
 
 
 class GameWatcher(Protocol):
-    """Host of a person who plays a game."""
+    """Host that takes a person through a game."""
 
     def ready(self, where: ListeningAddress) -> None:
         """Let the window join the game."""
@@ -107,7 +107,7 @@ class StudyGames:
             run: run of the person.
             step: step of the trial.
             watcher: host of the person.
-            goes_on: True to resume the game of an earlier program; False to start it again.
+            goes_on: True to resume the game that an earlier process began; False to start the game again.
 
         Returns:
             Its entry in the log; None if the game did not reach its end.
@@ -122,7 +122,7 @@ class StudyGames:
             return None
         bag, attempt = self._folder.bag(run.participant, step.number), run.begun.get(step.number, 1)
         if attempt > 1:
-            # The log names the recording of the earlier attempt.
+            # The log contains the path of the earlier attempt's recording.
             bag = bag.with_stem(f"{bag.stem}-attempt-{attempt}")
         log = _inputs_of(bag)
         try:
@@ -130,7 +130,7 @@ class StudyGames:
             earlier = make_room(bag)
             if not goes_on or (earlier is not None and not log.exists()):
                 _break_off(log, bag, earlier, watcher)
-            # Also games of programs that died before they could record this.
+            # These include games of programs that died before they could record the end of the game.
             for left in moved_aside(bag):
                 watcher.cut_off(left)
             options = self._options(step, setting.study.rate, bag)
@@ -138,7 +138,7 @@ class StudyGames:
                 observer = GameObserver()
                 ended = await self._play(setting, options, watcher, observer.record)
             except GameDiffers:
-                # The log is of another release or of a changed study, so the game cannot be reproduced.
+                # The log of inputs is from another release or from a changed study, so the game cannot be reproduced.
                 make_room(bag)
                 _break_off(log, bag, earlier, watcher)
                 observer = GameObserver()
@@ -206,9 +206,9 @@ def _break_off(log: Path, bag: Path, earlier: Path | None, watcher: GameWatcher)
     """Keep the files of an abandoned game; do nothing if there are none.
 
     Args:
-        log: log of its inputs.
+        log: log of the abandoned game's inputs.
         bag: path of the recording of the game that replaces it.
-        earlier: its recording, which was moved. If None, there is none.
+        earlier: new path of its recording. If None, there is no recording.
         watcher: host, which is notified.
     """
     if log.exists():

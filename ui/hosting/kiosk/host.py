@@ -162,7 +162,7 @@ class KioskHost:
                 return admitted.participant
 
     async def _go_through(self, participant: str, *, again: bool = False) -> None:
-        """Take a person through all remaining steps; `again` is True after an earlier program died."""
+        """Take a person through all remaining steps; `again` is True after an earlier program crashed."""
         self._pages.person = participant
         with contextlib.suppress(RunOver):
             await self._ask_recruiting_code(again=again)
@@ -186,7 +186,7 @@ class KioskHost:
         return step is not None
 
     async def _do(self, step: PlannedStep, how: ResumeRule | None) -> None:
-        """Run a step; after a crash, `how` says how it resumes. If None, the step begins."""
+        """Run a step. After a crash, `how` says how the step resumes; if None, the step begins."""
         match step.entry.step:
             case StepKind.CONSENT:
                 await self._text_steps.consent(step)
@@ -200,7 +200,7 @@ class KioskHost:
                 await self._text_steps.read(step)
 
     async def _part(self, participant: str) -> None:
-        """Show the last pages until the person has left."""
+        """Show the last pages, and record that the person has left."""
         await self._debrief()
         heading, text = words.farewell(self._texts, self._conductor.progress.runs[participant])
         code = self._conductor.progress.runs[participant].code
@@ -223,7 +223,7 @@ class KioskHost:
                 self._conductor.end(self._pages.person, step)
 
     async def _read_last(self, page: TextToRead) -> bool:
-        """Show a page after the end of a run until the person continues. Return False if the researcher continued."""
+        """Show a page after the end of a run. Return True if the person continued, and False if the researcher did."""
         if not self._pages.admits:
             await self._pages.show(page)
         message: FromKiosk | Woken | None = None
@@ -244,7 +244,7 @@ class KioskHost:
             match await self._pages.next_of_run():
                 case ItemNews(what="changed" | "given", answer=answer):
                     code = answer.strip() if isinstance(answer, str) else ""
-                    # If the window crashes, the window that replaces it has the answer.
+                    # If the window crashes, the new window receives the answer from here.
                     await self._pages.kept(asked.id, answer)
                 case WentOn() if code:
                     break
@@ -253,7 +253,7 @@ class KioskHost:
         self._conductor.tell_of_run(EventKind.RECRUITING_CODE, self._pages.person, {"code": code}, "participant")
 
     async def _show_repetition(self, run: Run) -> None:
-        """Show a person who failed a check that it will be repeated; do nothing if it will not."""
+        """Show a person who failed a check that the check is repeated; do nothing if it is not."""
         check = next((step for step in run.plan[run.step - 1 :] if step.number in run.attempts), None)
         if check is None or check.number in run.failed:
             return

@@ -67,7 +67,7 @@ class HostedStudy:
         return None
 
     def exclude(self, participant: str, reason: str) -> str | None:
-        """Exclude a run from the data; a person who is in it is informed that it ends."""
+        """Exclude a run from the data. A person whose run is under way is informed that it ends."""
         if participant not in self.progress.runs:
             return f"No participant has the id {participant}."
         if self.progress.runs[participant].state is RunState.EXCLUDED:
@@ -90,12 +90,13 @@ class HostedStudy:
         return None
 
     def busy_with(self, participant: str) -> str | None:
-        """Return a sentence if a participant cannot withdraw now because they are still at the kiosk."""
+        """Return a sentence that says why a participant cannot withdraw while they are at the kiosk; otherwise None."""
         run = self.progress.runs.get(participant)
         if participant == self._pages.person or (run is not None and run.state is RunState.UNDER_WAY):
             return f"{participant} is still at the kiosk. End the run first, then leave its last page."
         return None
 
     def _other_in(self, reason: str, participant: str) -> str | None:
-        """Return another participant named in a reason; the reason would remain when that participant withdraws."""
+        """Return another participant whose id is in a reason, because the reason would remain after that participant
+        withdraws."""
         return next((other for other in self.progress.runs if other in reason and other != participant), None)

@@ -130,7 +130,7 @@ class KioskPages:
         return StudyProgress(*self._conductor.progress.step_count(self.person))
 
     async def kept(self, item: str, answer: Answer, *, timed_out: bool = False) -> None:
-        """Inform the window that an answer on its page is in the log."""
+        """Inform the window that an answer on its page is now in the log."""
         await self.window.send(AnswerKept(self.number, item, answer, timed_out))
 
     async def read(self, page: TextToRead | GameRecorded) -> None:
@@ -158,14 +158,15 @@ class KioskPages:
             raise RunOver
 
     def waiting(self) -> Iterator[FromKiosk | Woken]:
-        """Yield the messages that `next` would return without waiting."""
+        """Yield all messages that `next` can return without waiting."""
         while not self._messages.empty():
             message = self._taken(self._messages.get_nowait())
             if message is not None:
                 yield message
 
     def _taken(self, message: FromKiosk | Woken) -> FromKiosk | Woken | None:
-        """Handle messages that do not depend on the page; return others, or None for a message about another page."""
+        """Handle messages that do not depend on the page. Return other messages; None for a message about another
+        page."""
         match message:
             case KioskClosed():
                 self.closed = True

@@ -53,7 +53,7 @@ def headed(texts: Texts, name: str) -> tuple[str, str]:
 
 
 def no_place(texts: Texts, why: NoPlace) -> tuple[str, str]:
-    """Return heading and text for people who come when no place is free."""
+    """Return heading and text for people who arrive when no place in the study is free."""
     heading, text = headed(texts, NO_PLACES[why])
     return heading, f"{text} {texts.text('kiosk.tell_researcher')}"
 
@@ -93,7 +93,7 @@ def practice_again(texts: Texts, still: Iterable[str]) -> str:
 
 
 def result(texts: Texts, game: Mapping[str, JsonValue] | None) -> str:
-    """Return the text after a game, for a person who no longer sees its end."""
+    """Return the text about a game's result, for a person who no longer sees the end of the game."""
     ready = texts.text("kiosk.go_on_when_ready")
     if game is None:
         return ready

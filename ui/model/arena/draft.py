@@ -20,7 +20,7 @@ from thbridge.offline.arena import Arena, cells_inside
 from ui.model.arena.floor import ArenaFloor, ArenaHandle, ArenaRefusalReason, Outcome, with_room
 
 BRIDGE = 0.5
-"""Meters between two rooms that are merged over a door or a thin wall."""
+"""Greatest distance between two rooms that can be merged across a door or a thin wall, meters."""
 
 
 class ArenaTool(StrEnum):
@@ -106,7 +106,7 @@ class ArenaDraft:
         return self._take(with_room(self.arena, dataclasses.replace(self.arena.rooms[number - 1], name=name)))
 
     def renumber(self, number: int, wanted: int) -> RequestRefused | None:
-        """Give a room another number; the numbers of the rooms in between move up or down."""
+        """Give a room another number. The rooms with numbers in between move up or down by one."""
         rooms = list(self.arena.rooms)
         if not 1 <= wanted <= len(rooms):
             return RequestRefused(ArenaRefusalReason.NUMBER, f"Rooms are numbered 1 to {len(rooms)}.")
@@ -114,11 +114,11 @@ class ArenaDraft:
         return self._take(_numbered(self.arena, rooms))
 
     def remove_room(self, number: int) -> RequestRefused | None:
-        """Remove a room, so that its floor becomes corridor."""
+        """Remove a room; its floor then belongs to the corridor."""
         return self._take(_numbered(self.arena, [room for room in self.arena.rooms if room.room.people != number]))
 
     def draw_room(self, one: Point, other: Point) -> RequestRefused | None:
-        """Make a room of the free floor in a box; walls and other rooms limit it."""
+        """Make a room from the free floor in a box; walls and other rooms limit the new room."""
         (left, right), (low, high) = (sorted(pair) for pair in zip(one, other, strict=True))
         x, y = self.floor.map.centres(self.floor.map.everywhere)
         within = (x >= left) & (x <= right) & (y >= low) & (y <= high)
@@ -130,7 +130,7 @@ class ArenaDraft:
         return self._take(_numbered(self.arena, [*self.arena.rooms, made]))
 
     def cut_room(self, one: Point, other: Point) -> RequestRefused | None:
-        """Divide a room by a line. The line's middle selects the room; the line is extended at both ends."""
+        """Divide a room by a line. The middle of the line selects the room; both ends are extended to the walls."""
         middle = (one[0] + other[0]) / 2, (one[1] + other[1]) / 2
         room = next((room for room in self.arena.rooms if room.holds(*middle)), None)
         if room is None:
@@ -189,13 +189,13 @@ class ArenaDraft:
         return self._take(with_room(self.arena, dataclasses.replace(room, goal=_turned(room.goal, angle))))
 
     def remove_start(self, index: int) -> RequestRefused | None:
-        """Remove a start pose; later robots move up."""
+        """Remove a start pose; the numbers of later robots decrease by one."""
         starts = self.arena.starts
         return self._take(dataclasses.replace(self.arena, starts=(*starts[:index], *starts[index + 1 :])))
 
 
 def room_at(arena: Arena, x: float, y: float) -> int | None:
-    """Number of the room that contains a point of the map frame."""
+    """Return the number of the room that contains a point of the map frame."""
     return next((room.room.people for room in arena.rooms if room.holds(x, y)), None)
 
 
@@ -252,7 +252,7 @@ class ArenaPointer:
                 self._told(self.draft.add_start(x, y))
 
     def drag(self, x: float, y: float) -> None:
-        """Continue to this point."""
+        """Continue the stroke or drag to this point."""
         if self.stroke is not None:
             self.stroke = (self.stroke[0], (x, y))
         elif self._held is not None:
@@ -276,7 +276,7 @@ class ArenaPointer:
         self.shown = self.draft.arena
 
     def _handle_at(self, x: float, y: float, reach: float) -> ArenaHandle | None:
-        """The nearest handle within `reach` meters of a point; only the selected room has corners."""
+        """Return the nearest handle within `reach` meters of a point; only the selected room has corners."""
         arena = self.draft.arena
         near = [
             (math.hypot(start.x - x, start.y - y), ArenaHandle(0, index)) for index, start in enumerate(arena.starts)
@@ -303,7 +303,7 @@ class ArenaPointer:
         return None if self.chosen is None else ArenaHandle(self.chosen)
 
     def change(self, made: Callable[[], RequestRefused | None]) -> None:
-        """Make a change; keep the selection if its object still exists."""
+        """Make a change; keep the selection if the selected object still exists."""
         self._told(made())
         if self.chosen is not None and self.chosen > len(self.draft.arena.rooms):
             self.chosen = None

@@ -70,7 +70,7 @@ class ArenaFloor:
         self._faults: tuple[Arena, tuple[str, ...]] | None = None
 
     def doors(self, arena: Arena) -> tuple[Doorway, ...]:
-        """The openings of the rooms that are wide enough for a robot, computed from the outlines and the walls."""
+        """Return the room openings that are wide enough for a robot, computed from the outlines and the walls."""
         if self._doors is None or self._doors[0] is not arena:
             owners = np.zeros(self.map.grid.cells.shape, dtype=np.int32)
             for room in arena.rooms:
@@ -79,7 +79,7 @@ class ArenaFloor:
         return self._doors[1]
 
     def faults(self, arena: Arena) -> tuple[str, ...]:
-        """Sentences about all faults that make games impossible."""
+        """Return sentences about all faults that make games impossible."""
         if self._faults is None or self._faults[0] is not arena:
             self._faults = arena, self._found_faults(arena)
         return self._faults[1]
@@ -98,7 +98,7 @@ class ArenaFloor:
         return tuple(told)
 
     def taken(self, arena: Arena, *but: int) -> Mask:
-        """Cells of all rooms except those in `but`."""
+        """Return the cells of all rooms except those in `but`."""
         taken = np.zeros(self.map.grid.cells.shape, dtype=np.bool_)
         for room in arena.rooms:
             if room.room.people not in but:
@@ -120,7 +120,7 @@ class ArenaFloor:
         return MapRoom(Room(number), name, outline, goal)
 
     def moved(self, arena: Arena, handle: ArenaHandle, x: float, y: float) -> Outcome:
-        """The arena after a move of a goal, a corner or a start pose."""
+        """Return the arena after a move of a goal, a corner or a start pose."""
         x, y = round(x, 3), round(y, 3)
         if handle.is_start:
             starts = list(arena.starts)
@@ -167,6 +167,6 @@ class ArenaFloor:
 
 
 def with_room(arena: Arena, room: MapRoom) -> Arena:
-    """Return an arena with this room in place of the room of the same number."""
+    """Return an arena in which this room replaces the room with the same number."""
     rooms = tuple(room if other.room == room.room else other for other in arena.rooms)
     return dataclasses.replace(arena, rooms=rooms)

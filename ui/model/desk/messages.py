@@ -1,6 +1,7 @@
 """Messages between the program that runs a study with people (host) and the researcher's window (desk).
 
-Each `DeskState` contains all that the desk shows; the latest one replaces those before it.
+Each `DeskState` contains everything that the desk shows; the latest one replaces all earlier ones. The docstring of
+each message begins with its sender.
 """
 
 from typing import TypeAlias
@@ -11,7 +12,7 @@ from ui.model.shared.window_protocol import WindowProtocol
 
 
 class DeskCell(msgspec.Struct, frozen=True):
-    """A combination of between-person levels.
+    """Combination of levels of the factors between people.
 
     Attributes:
         name: its levels in words.
@@ -39,7 +40,7 @@ class DeskRun(msgspec.Struct, frozen=True):
         steps: number of the person's steps, without those that their condition skips.
         step_name: name of the step; empty after the last.
         step_kind: kind of the step; empty after the last.
-        under_way: True while the step is under way.
+        under_way: True during the step.
         since: date and time at which the step began or the run ended; ISO 8601 in UTC.
         minutes: minutes from the beginning of the run until now, or until its end.
         missing: ids of required items of the current form that have no answer.
@@ -68,7 +69,7 @@ class DeskEvent(msgspec.Struct, frozen=True):
     Attributes:
         sequence: its number in the log.
         wall: date and time of day, ISO 8601 in UTC.
-        actor: the one who did it.
+        actor: person or program that caused the event.
         words: the event in words for people.
     """
 
@@ -99,14 +100,14 @@ class DeskState(msgspec.Struct, frozen=True, tag=True):
         title: title of the study.
         planned: number of planned runs that count.
         counted: number of runs that count so far.
-        cells: by combinations of between-person levels.
+        cells: combinations of levels, with their numbers of runs.
         changed: sentences about changes since the study was frozen. If None, it is not frozen.
         runs: in the order in which they began.
         kiosk: in words, what people see at the kiosk now; empty if unknown.
         troubles: sentences about troubles that need attention.
         notes: notes of the experimenter, in their order.
         shown: id of the person whose events are listed; empty for none.
-        events: of that person, in their order.
+        events: events of that person, in their order.
         no_next: reason why the next person cannot begin now; empty if they can.
         rehearsal: True if the people are simulated.
         read_only: reason why the desk cannot send requests; empty if it can.
@@ -168,7 +169,7 @@ class WithdrawRun(msgspec.Struct, frozen=True, tag=True):
 
 
 class DeskClosed(msgspec.Struct, frozen=True, tag=True):
-    """Desk: the researcher closed it on purpose; the study goes on."""
+    """Desk: the researcher closed the desk on purpose; the study continues."""
 
 
 FromDesk: TypeAlias = NextParticipant | ShowRun | WriteNote | ExcludeRun | EndRun | WithdrawRun | DeskClosed

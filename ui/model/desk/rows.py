@@ -19,7 +19,7 @@ def local_time(wall: str, form: str = "%d %b %H:%M") -> str:
 
 
 def ordered_runs(state: DeskState) -> tuple[DeskRun, ...]:
-    """Runs in the order of the table: those under way, then the latest first."""
+    """Return the runs in the order of the table: first those under way, then the others, the latest first."""
     latest_first = state.runs[::-1]
     return tuple(sorted(latest_first, key=lambda run: run.state != "under way"))
 

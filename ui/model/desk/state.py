@@ -17,7 +17,7 @@ NO_PLACE = {
 }
 _BEGINNINGS = frozenset({EventKind.STEP_BEGUN, EventKind.STEP_RESUMED})
 _BY_ITSELF = frozenset(EventKind) - {EventKind.NOTE, EventKind.FAREWELL_READ, EventKind.RUN_EXCLUDED}
-"""Kinds of events that can end a run by itself. An exclusion can follow weeks later."""
+"""Kinds of events with which a run can end. An exclusion is not among them, because it can follow weeks later."""
 _BUT_NOTES = _BY_ITSELF | {EventKind.RUN_EXCLUDED}
 
 
@@ -135,7 +135,7 @@ def _last(events: Sequence[LoggedEvent], kinds: Collection[str]) -> str:
 
 
 def _minutes(begin: str, end: str) -> float:
-    """Minutes between two times; 0 if the clock was set back in between."""
+    """Return the minutes between two times; 0 if the clock was set back between them."""
     seconds = (datetime.fromisoformat(end) - datetime.fromisoformat(begin)).total_seconds()
     return max(seconds, 0.0) / 60.0
 
@@ -146,7 +146,7 @@ def _told_event(progress: Progress, entry: LoggedEvent) -> DeskEvent:
 
 
 def _named(progress: Progress, event: NewEvent) -> str:
-    """Return the step of an event, with the number that the kiosk and the table of runs show.
+    """Return the name of the step of an event, with the number that the kiosk and the table of runs show.
 
     Skipped steps do not count.
     """

@@ -139,7 +139,8 @@ def _in_play(memory: ParticipantMemory, hunt: HuntMemory, act: Act, now: float) 
         case Cancel():
             _cancel(memory, hunt)
         case CloseWindow(ends):
-            # It replaces the sheet of rules and any other question, because these would keep its answers' keys.
+            # The question replaces the sheet of rules and any other question, because these would keep the keys of its
+            # answers.
             hunt.pending_step, memory.help_open = LeaveWindow(ends), False
         case _ if hunt.pending_step is not None:
             note(memory, hunt.texts.text("hints.answer_first"), now)
@@ -248,9 +249,9 @@ def _argues(view: View) -> bool:
 
 
 def _discuss(hunt: HuntMemory, request: OpenDialogue) -> None:
-    """Request a dialogue about it, unless both sides already agree on it."""
+    """Request a dialogue about a matter, unless both sides already agree on it."""
     agreed = [each for each in hunt.view.consents if (each.matter, each.room) == (request.matter, request.room)]
-    # An agreement on another name does not count.
+    # An earlier agreement on another name does not count.
     if all(each.name not in {"", request.name} for each in agreed):
         hunt.pending.ask(request, hunt.view)
 
@@ -317,7 +318,7 @@ def _ask_advice(memory: ParticipantMemory, hunt: HuntMemory, now: float) -> None
 
 
 def _ask_to_go(memory: ParticipantMemory, hunt: HuntMemory, request: SelectRoom | RequestSuggestion) -> None:
-    """Ask a robot to go. If it would leave a treasure behind that it can still name, ask for confirmation first."""
+    """Ask a robot to go. If it would leave behind a treasure that it can still name, ask for confirmation first."""
     view, robot = hunt.view, request.robot
     room = undecided_beside(hunt.known, robot)
     if room is not None and view.room(room).found and why_not_name(hunt.texts, hunt.known, robot, room) is None:
@@ -402,7 +403,7 @@ def _put_aside(memory: ParticipantMemory, hunt: HuntMemory) -> None:
     if isinstance(item, DestinationItem) and hunt.pending.destination_request(item.robot) is not None:
         hunt.pending.forget_destination(item.robot)
     elif hunt.reading is not None:
-        if memory.last_drawn.dialogue is None:  # Otherwise it was meant for the dialogue, which ended.
+        if memory.last_drawn.dialogue is None:  # Otherwise the answer was meant for the dialogue that has ended.
             hunt.read.add(hunt.reading)
     else:
         hunt.popups.put_aside()
@@ -416,7 +417,7 @@ def _show(hunt: HuntMemory, robot: int, room: int | None) -> None:
 
 
 def _refused(memory: ParticipantMemory, reason: str | None, now: float) -> bool:
-    """Show the reason why something is not possible at the moment; return True if there is one."""
+    """Show the reason why an act is not possible at the moment; return True if there is such a reason."""
     if reason is None:
         return False
     note(memory, reason, now)

@@ -24,7 +24,7 @@ from ui.model.playing.words import commanded_words, commander_in_words
 
 
 def cards(memory: ParticipantMemory, hunt: HuntMemory) -> tuple[RobotCard, ...]:
-    """One card per robot, in the team's order."""
+    """Return one card per robot, in the team's order."""
     return tuple(_card(memory, hunt, robot) for robot in hunt.view.robots)
 
 
@@ -47,7 +47,7 @@ def is_in_trouble(robot: RobotView) -> bool:
 
 
 def card_sentence(memory: ParticipantMemory, hunt: HuntMemory, robot: int) -> str:
-    """The card of a robot as a sentence for screen readers."""
+    """Return the card of a robot as a sentence for screen readers."""
     texts, card = hunt.texts, _card(memory, hunt, hunt.view.robots[robot])
     energy = texts.clause("cards.energy", energy=card.energy)
     things = (card.place, card.state, energy, card.warning, card.commanded)
@@ -207,7 +207,7 @@ def _resting(hunt: HuntMemory, robot: RobotView, motion: RobotMotion) -> str:
 
 
 def nothing_waits(texts: Texts, team: Sequence[RobotCard], *, answering: bool) -> str:
-    """Return the sentence for a participant for whom no pop-up waits: it names robots that can be sent.
+    """Return the sentence that is shown when no pop-up waits; it names robots that can be sent.
 
     Args:
         texts: texts of the game's language.
@@ -234,7 +234,7 @@ def _warning(hunt: HuntMemory, robot: RobotView) -> str:
 
 
 def _is_stranded(hunt: HuntMemory, robot: RobotView) -> bool:
-    """Return True if rooms are left, and this robot at rest lacks the energy to reach any of them."""
+    """Return True if rooms are left, but this robot, which is at rest, lacks the energy to reach any of them."""
     view, state = hunt.view, hunt.known.state
     if robot.moving_to is not None or is_in_trouble(robot) or view.over is not None:
         return False

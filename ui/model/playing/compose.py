@@ -40,7 +40,7 @@ from ui.model.playing.words import outcome_of, progress_of, verdict_words
 
 
 def compose(memory: ParticipantMemory, now: float) -> Screen:
-    """The screen at this moment, without announcements."""
+    """Return the screen at this moment, without announcements."""
     texts, hunt = memory.texts, memory.hunt
     phase = phase_of(memory)
     playing = hunt if phase is Phase.PLAYING else None
@@ -104,19 +104,20 @@ def _progress(hunt: HuntMemory) -> str:
 
 
 def _enlarged(hunt: HuntMemory | None, screen: Screen) -> bytes | None:
-    """The picture of the pop-up, if it is to be shown enlarged and nothing lies above it."""
+    """Return the picture of the pop-up if it is shown enlarged and nothing covers it; otherwise None."""
     if hunt is None or hunt.enlarged is None or screen.popup is None or screen.confirmation is not None or screen.help:
         return None
     return screen.popup.picture
 
 
 def _without_digits(screen: Screen) -> Screen:
-    """The screen without numbers of rooms printed as keys, because the digits belong to the answers of its pop-up."""
+    """Return the screen without room numbers as printed keys, because digits are the keys of the pop-up's answers."""
     return replace(screen, tiles=tuple(replace(tile, choose=replace(tile.choose, key="")) for tile in screen.tiles))
 
 
 def _without_letters(screen: Screen) -> Screen:
-    """The screen without letters printed next to its pop-up, because the letters belong to its list of names."""
+    """Return the screen without printed letter keys outside the pop-up, because letters select a name in the pop-up's
+    list."""
 
     def bare(action: Action) -> Action:
         return replace(action, key="") if is_letter(action.key) else action
@@ -135,7 +136,7 @@ def _without_letters(screen: Screen) -> Screen:
 
 
 def phase_of(memory: ParticipantMemory) -> Phase:
-    """The page to show."""
+    """Return the page to show."""
     if memory.hunt is None:
         return Phase.CONNECTING
     if memory.hunt.view.consent is not None:
@@ -144,7 +145,7 @@ def phase_of(memory: ParticipantMemory) -> Phase:
 
 
 def next_change(memory: ParticipantMemory, now: float) -> float:
-    """Time at which the screen changes without any event; infinite if never."""
+    """Return the time at which the screen changes without any event; infinite if never."""
     due = [memory.connection.next_change(now), memory.typed_until]
     if memory.note is not None:
         due.append(memory.note.until)

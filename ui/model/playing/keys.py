@@ -3,7 +3,8 @@
 Keys are named as on the keyboard: "Tab", "Shift+Tab", "Enter", "Esc", "Space", "Up", "Down", "Home", "End", "F1", a
 digit, a capital letter, "Ctrl+" and a capital letter, "?".
 
-While a pop-up asks for the name of a treasure, letters go to its list, whatever has the focus; see `is_for_list`.
+While a pop-up asks for the name of a treasure, letters go to its list, regardless of the keyboard focus; see
+`is_for_list`.
 """
 
 import string
@@ -85,7 +86,7 @@ PLAYING = (
     KeyBinding((SETTINGS_KEYS,), ShowSettings(), "keys.settings"),
     KeyBinding(("E",), EndGameAct(), "keys.end"),
 )
-"""Keys during a game. While letters belong to a list, Ctrl plus the letter does what the letter usually does."""
+"""Keys during a game. While letters select a name in a list, Ctrl plus a letter has the usual effect of the letter."""
 
 CONSENT = (
     KeyBinding(("A",), GiveConsentAct(), "keys.agree"),
@@ -95,23 +96,26 @@ OVER = (
     KeyBinding(("A",), PlayAgainAct(), "keys.play_again"),
     KeyBinding(("Enter",), GoOnFromGame(), "keys.go_on"),
 )
-"""Keys after the game, one for each way to continue; the page offers one of them."""
+"""Keys after the game, one for each method to continue; the page offers one of them."""
 HELP = KeyBinding(("F1", "H"), ShowHelp(), "keys.help")
 
 WAITING_KEY = "W"
-"""The second key of `ShowNext`, printed on the button that shows what waits, because "Esc" would be unclear there."""
+"""Second key of `ShowNext`. It is printed on the button that shows the waiting pop-ups, because "Esc" would be unclear
+there."""
 
 _TABLES = (PLAYING, CONSENT, OVER, (HELP,))
 _CTRL = "Ctrl+"
 _TAKEN = frozenset((*(key for binding in (*PLAYING, HELP) for key in binding.keys), "L", "N", "P"))
-"""Keys that no answer gets: with Ctrl, L, N and P are keys of the pop-up that dialogues replace."""
+"""Letters that are never keys of answers, because a key of the game needs them; with Ctrl, L, N and P are keys of
+pop-ups that a dialogue replaces."""
 BACK = "close-questions"
 """Word for the answer that leads from the questions back to the other answers."""
 _STEPS = ("Up", "Down", "Home", "End")
 
 
 def question_keys(texts: Texts) -> tuple[KeyBinding, KeyBinding]:
-    """Keys while the program asks for confirmation, letters of the language; all other keys are ignored."""
+    """Return the keys while the program asks for confirmation, which are letters of the language. All other keys are
+    ignored then."""
     return (
         KeyBinding((texts.text("keys.letter_of_yes"),), Confirm(), "keys.yes"),
         KeyBinding((texts.text("keys.letter_of_no"), "Esc"), Cancel(), "keys.no"),
@@ -119,12 +123,12 @@ def question_keys(texts: Texts) -> tuple[KeyBinding, KeyBinding]:
 
 
 def key_of(act: Act) -> str:
-    """The key to print on the button of an act; empty if it has no key of its own."""
+    """Return the key to print on the button of an act; empty if the act has no key."""
     return next((binding.keys[0] for table in _TABLES for binding in table if binding.act == act), "")
 
 
 def keyed(act: Act, label: str, enabled: bool = True, hint: str = "", pending: bool = False) -> Action:
-    """The action of an act, with its own key."""
+    """Return the action of an act, with the act's key."""
     return Action(act, label, key_of(act), enabled, hint, pending)
 
 
@@ -132,9 +136,10 @@ def choice_keys(choices: Sequence[str], acts: Sequence[str] = ()) -> tuple[str, 
     """Return a key for each possible answer.
 
     Args:
-        choices: sentences. Each gets a letter of its first word if one is free, such as C for Continue.
-        acts: words for the effects of the choices, for robots that argue: their answers are numbered, and Esc leads
-            back.
+        choices: answers as sentences. The key of an answer is the first free letter of its text, such as C for
+            Continue.
+        acts: words for the effects of the choices if robots argue; then the answers are numbered, and Esc is the key of
+            the answer that leads back. Empty if robots do not argue.
     """
     if acts:
         return tuple("Esc" if act == BACK else str(number) for number, act in enumerate(acts, start=1))
@@ -149,7 +154,7 @@ def choice_keys(choices: Sequence[str], acts: Sequence[str] = ()) -> tuple[str, 
 
 
 def act_for(key: str, screen: Screen) -> Act | None:
-    """The act of a key on a screen; None if the key has none.
+    """Return the act of a key on a screen; None if the key has none.
 
     Args:
         key: name of the key, as in the docstring of this module.
@@ -160,7 +165,7 @@ def act_for(key: str, screen: Screen) -> Act | None:
     if key in HELP.keys or (screen.help and key == "Esc"):
         return HELP.act
     if screen.help:
-        # The sheet covers the contents that the other keys are for.
+        # The sheet covers everything that the other keys act on.
         return None
     if screen.confirmation is not None:
         answers = screen.confirmation.yes, screen.confirmation.no
@@ -180,7 +185,7 @@ def act_for(key: str, screen: Screen) -> Act | None:
 
 
 def is_for_list(key: str, screen: Screen) -> bool:
-    """Return True if a key is a letter of a name in the list shown, or a space within one."""
+    """Return True if a key is a letter of a name in the visible list, or a space within a name."""
     pop = screen.popup
     if not isinstance(pop, TreasurePopup) or not pop.asks_for_name or _is_covered(screen):
         return False
@@ -188,7 +193,7 @@ def is_for_list(key: str, screen: Screen) -> bool:
 
 
 def _is_covered(screen: Screen) -> bool:
-    """Return True while something lies above the pop-up."""
+    """Return True while something covers the pop-up."""
     return screen.confirmation is not None or bool(screen.help) or screen.enlarged is not None
 
 
@@ -213,7 +218,7 @@ def help_line(texts: Texts, binding: KeyBinding) -> tuple[str, str]:
 def help_lines(
     texts: Texts, rooms: int, silent: str = "", *, properties: bool = False, numbered: bool = False
 ) -> tuple[tuple[str, str], ...]:
-    """The help sheet, as pairs (keys, effect).
+    """Return the help sheet, as pairs (keys, effect).
 
     Args:
         texts: texts of the window's language.
@@ -285,7 +290,8 @@ def _playing(key: str, screen: Screen) -> Act | None:
 
 
 def _digit(digit: int, screen: Screen) -> Act | None:
-    """Act of a digit: part of a room's number, or an answer if answers are numbered and no number was begun."""
+    """Return the act of a digit: part of a room number. If answers are numbered and no number was begun, it is an
+    answer."""
     pop = screen.popup
     if not isinstance(pop, DialoguePopup) or not pop.numbered or screen.typed:
         return TypeDigit(digit)

@@ -26,7 +26,8 @@ class MapMarks:
         self._footprint = _corners(floor_plan.footprint)
 
     def rooms(self, tiles: tuple[RoomTile, ...]) -> tuple[RoomMark, ...]:
-        """Marks of the rooms, with the state that their tiles show; rooms that the floor plan lacks are left out."""
+        """Return the marks of the rooms, with the state that their tiles show; rooms that the floor plan lacks are left
+        out."""
         return tuple(
             RoomMark(
                 room=tile.room,
@@ -46,7 +47,7 @@ class MapMarks:
     def robots(
         self, texts: Texts, moving: tuple[DisplayedRobot, ...], view: View, selected: int
     ) -> tuple[RobotMark, ...]:
-        """Marks of the robots at their places in this frame."""
+        """Return the marks of the robots at their places in this frame."""
         return tuple(
             RobotMark(
                 robot=robot.robot,

@@ -1,7 +1,7 @@
-"""Poses of robots between two messages of pose telemetry: smooth, slightly delayed, and never jumping back.
+"""Poses of robots between two messages of pose telemetry: smooth, slightly delayed, and without backward jumps.
 
 A simulation reports the places of its robots many times a second. A message travels over a network and can arrive late,
-early or not at all. The simulation itself can run at another rate, stand still or restart. `MotionPlayback` keeps the
+early or not at all. The simulation itself can run at another rate, pause or restart. `MotionPlayback` keeps the
 last messages as samples, runs a clock of simulated time slightly behind the newest sample, and reads the poses at that
 clock.
 """
@@ -27,13 +27,15 @@ KEPT_SAMPLES = 64
 """Number of samples kept: 2.5 s at 25 Hz."""
 
 JUMP = 0.5
-"""A robot this far, in meters, from its expected place was moved by hand; the screen shows the new place at once."""
+"""Distance in meters between a robot and its expected place from which it counts as moved by hand; the screen then
+shows the new place at once."""
 
 MAX_SPEED = 1.5
 """Greatest speed of robots, m/s; it limits the plausible distance between samples."""
 
 MAX_ACCELERATION = 10.0
-"""Greatest acceleration of robots, m/s². A robot that seems to exceed it twice has corrected its estimate instead."""
+"""Greatest acceleration of robots, m/s². A robot that seems to have more than twice this acceleration has corrected its
+estimate instead."""
 
 MAX_TURN_ACCELERATION = 25.0
 """Greatest acceleration of turning, rad/s²."""
@@ -51,7 +53,7 @@ MAX_HELD_CORRECTION = 0.2
 """A correction smaller than this, in meters, never moves a driving robot backwards."""
 
 MOVING_SPEED = 0.03
-"""A robot counts as driving above this speed, m/s."""
+"""Speed in m/s above which a robot counts as driving."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -60,8 +62,8 @@ class DisplayedRobot:
 
     Attributes:
         pose: its estimated pose.
-        trail: (k, 2) places where it was shown, oldest first, without its own place.
-        path: (m, 2) rest of its planned path, its own place first; (0, 2) without a path.
+        trail: (k, 2) earlier places at which it was shown, oldest first.
+        path: (m, 2) rest of its planned path, beginning at the robot; (0, 2) without a path.
         ellipse: uncertainty of its place, if the telemetry has it.
         truth: its true pose, if the telemetry has it.
     """
@@ -86,12 +88,12 @@ class _Sample:
 class MotionPlayback:
     """Interpolator of all robots' poses from pose telemetry.
 
-    Times called `now` are monotonic seconds of this program. A message that arrived before the last call of `at` may be
-    received after that call; otherwise times must not run backwards.
+    Arguments called `now` are monotonic seconds of this program. They must not decrease, with one exception: `receive`
+    may be called after `at` for a message that arrived before that call.
 
-    The past is always kept in the frame of the newest estimate. When a robot corrects its estimate, the correction is
-    added to its past samples. An offset of the same size, which fades within 0.2 s, keeps the robot on the screen from
-    jumping. The same offset absorbs the error of extrapolation.
+    All kept samples are in the frame of the newest estimate: when a robot corrects its estimate, the correction is
+    added to its earlier samples. An offset of the same size, which fades within 0.2 s, prevents a jump on the screen.
+    The same offset absorbs the error of extrapolation.
     """
 
     def __init__(self) -> None:
@@ -116,7 +118,7 @@ class MotionPlayback:
             self._receive_poses(notice, now)
 
     def at(self, now: float) -> tuple[DisplayedRobot, ...]:
-        """Every robot at this moment, in the team's order; none before the first telemetry."""
+        """Return all robots at this moment, in the team's order; none before the first telemetry."""
         if not self._samples:
             return ()
         self._fade(now)
@@ -160,11 +162,13 @@ class MotionPlayback:
         self._faded = now
 
     def _correct(self, sample: _Sample, newest: _Sample) -> NDArray[np.bool_]:
-        """Move the kept samples into the frame of a new one; return (n,) True for each robot that was moved by hand.
+        """Move the kept samples into the frame of a new one; return (n,) flags, True for robots that were moved by
+        hand.
 
-        If a robot's motion changes, it has either changed its speed or corrected its estimate. The share of the change
-        that counts as a correction grows with the part that motors cannot do. If the step before was just as odd, the
-        change is no correction, because a speed lasts and a correction does not.
+        If a robot's motion changes, it has either changed its speed or corrected its estimate. The more the change
+        exceeds the motors' greatest acceleration, the larger is the share of it that counts as a correction. If the
+        previous step had the same speed, the change is not a correction, because a speed persists and a correction does
+        not.
         """
         passed = sample.time - newest.time
         moved = sample.poses - newest.poses
@@ -203,7 +207,8 @@ class MotionPlayback:
         )
 
     def _bracket(self, time: float) -> tuple[_Sample, _Sample]:
-        """The samples before and after a simulated time; at an end, the same sample twice."""
+        """Return the samples before and after a simulated time. Beyond the first or last sample, return that sample
+        twice."""
         later = self._samples[-1]
         if time >= later.time:
             return later, later
@@ -214,7 +219,8 @@ class MotionPlayback:
         return later, later
 
     def _read(self, time: float) -> FloatArray:
-        """(n, 3) poses at a simulated time: between two samples, or extrapolated from the last."""
+        """Return (n, 3) poses at a simulated time: interpolated between two samples, or extrapolated from the last
+        one."""
         one, other = self._bracket(time)
         if one is not other:
             return _between(one.poses, other.poses, (time - one.time) / (other.time - one.time))
@@ -235,7 +241,7 @@ class MotionPlayback:
         return read
 
     def _fade(self, now: float) -> None:
-        """Reduce the offsets by the part that fades until now.
+        """Reduce the offsets by the part that fades between the last call and now.
 
         If a driving robot corrects its place slightly back along its path, it is held in place until the correction has
         faded, so that it never seems to drive backwards.
@@ -257,13 +263,13 @@ class MotionPlayback:
 
 
 def _driven_on(late: float) -> float:
-    """Seconds at full speed by which robots are extrapolated, `late` seconds after the last sample."""
+    """Return the seconds at full speed by which robots are extrapolated, `late` seconds after the last sample."""
     late = min(max(late, 0.0), MAX_EXTRAPOLATION)
     return late - late * late / (2.0 * MAX_EXTRAPOLATION)
 
 
 def _between(one: FloatArray, other: FloatArray, share: float) -> FloatArray:
-    """Poses at a share of the distance from one to the other; angles take the shorter turn."""
+    """Return poses at a share of the distance between two others; angles take the shorter direction."""
     change = other - one
     change[:, 2] = _wrapped(change[:, 2])
     between: FloatArray = one + share * change
@@ -271,7 +277,8 @@ def _between(one: FloatArray, other: FloatArray, share: float) -> FloatArray:
 
 
 def _oddity(speeds: FloatArray, others: FloatArray, passed: float) -> FloatArray:
-    """(n,) implausibility of a change between (n, 3) speeds in `passed` seconds: 0 possible, 1 impossible."""
+    """Return (n,) the implausibility of a change between (n, 3) speeds in `passed` seconds: 0 possible, 1
+    impossible."""
     change = np.abs(speeds - others)
     moves, turns = np.hypot(change[:, 0], change[:, 1]) / MAX_ACCELERATION, change[:, 2] / MAX_TURN_ACCELERATION
     odd: FloatArray = np.clip(np.maximum(moves, turns) / passed - 1.0, 0.0, 1.0)

@@ -27,14 +27,14 @@ class Participant:
     """The view model of the participant's window.
 
     It receives messages of the game and acts of the participant, and returns the screen to show and the requests to
-    send. Times called `now` are monotonic seconds that never run backwards, with one exception: a message may have
+    send. Arguments called `now` are monotonic seconds that never decrease, with one exception: a message may have
     arrived slightly before the last call of `screen`.
 
     Args:
         time_of_day: function that returns the time of day, for the record of consent.
         sound_on: True if the participant wants sounds.
         can_sound: True if the computer can play sounds.
-        once: True if one game is played, and something else follows.
+        once: True if only one game is played, and another part of a study follows.
         texts: texts until the game sends its own. If None, they are English.
     """
 
@@ -58,11 +58,11 @@ class Participant:
         self._marks: MapMarks | None = None
         self._screen: Screen | None = None
         self._rooms: tuple[RoomMark, ...] = ()
-        # Tiles and shapes at the last computation of the rooms' marks.
+        # Tiles and shapes from which the marks of the rooms were last computed.
         self._marked: tuple[tuple[RoomTile, ...], MapMarks | None] = ((), None)
-        # Time at which the screen is computed again; at once after a message or an act.
+        # Time at which the screen is computed again. After a message or an act, it is computed again at once.
         self._due = -math.inf
-        # Robots with motions newer than the screen, and whether the time played is newer. Both arrive many times a
+        # Robots whose motions are newer than the screen, and True if the time played is newer. Both arrive many times a
         # second and change little on the screen.
         self._moved: set[int] = set()
         self._ticked = False
@@ -84,9 +84,9 @@ class Participant:
 
     @property
     def why_silent(self) -> str:
-        """The reason why there is no sound, as a sentence.
+        """Reason why there is no sound, as a sentence.
 
-        It is empty if there can be sound, or the game is not known yet.
+        It is empty if sound is possible, or no game is known yet.
         """
         memory = self._memory
         return "" if memory.hunt is None else why_silent(memory, memory.hunt)
@@ -159,7 +159,7 @@ class Participant:
         self._due = -math.inf
 
     def screen(self, now: float) -> Screen:
-        """The screen to show now; the same object as long as nothing changes."""
+        """Return the screen to show now; the same object as long as nothing changes."""
         memory = self._memory
         if self._screen is not None and now < self._due:
             if self._moved or self._ticked:
@@ -183,7 +183,7 @@ class Participant:
         return self._screen or fresh
 
     def rooms(self, now: float) -> tuple[RoomMark, ...]:
-        """The rooms on the map of the last screen; the same object as long as nothing changes."""
+        """Return the rooms on the map of the last screen; the same object as long as nothing changes."""
         tiles = (self._screen or self.screen(now)).tiles
         if self._marked[0] is not tiles or self._marked[1] is not self._marks:
             self._marked = (tiles, self._marks)
@@ -191,18 +191,19 @@ class Participant:
         return self._rooms
 
     def robots(self, now: float) -> tuple[RobotMark, ...]:
-        """The robots on the map, in this frame."""
+        """Return the robots on the map, in this frame."""
         hunt = self._memory.hunt
         if self._marks is None or hunt is None:
             return ()
         return self._marks.robots(hunt.texts, self._playback.at(now), hunt.view, self._memory.selected)
 
     def requests(self) -> tuple[ParticipantRequest, ...]:
-        """All requests to the game, oldest first; each must be sent again until it is no longer listed."""
+        """Return all requests to the game, oldest first; each must be sent repeatedly until it is no longer in this
+        list."""
         return () if self._memory.hunt is None else open_requests(self._memory.hunt)
 
     def _receive_motions(self, motions: tuple[RobotMotion, ...], now: float) -> bool:
-        """Process the robots' motions; return True if they change more of the screen than cards."""
+        """Process the robots' motions; return True if they change other parts of the screen than the cards."""
         memory = self._memory
         was_still = memory.connection.is_still(now)
         memory.connection.receive(now)
@@ -215,7 +216,8 @@ class Participant:
         return bool(moved) and self._screen is not None and self._screen.confirmation is not None
 
     def _until_arrived(self, motions: tuple[RobotMotion, ...]) -> tuple[RobotMotion, ...]:
-        """Return the motions.
+        """Return the motions. A robot that has stopped at the end of its path keeps this progress until the view shows
+        it at its goal.
 
         A robot that came to rest is at the end of its path until the view shows it at its goal.
         """
@@ -228,14 +230,14 @@ class Participant:
         )
 
     def _announcing(self, fresh: Screen) -> Screen:
-        """Return the screen with the newest announcement, or with the last one if there is no new one."""
+        """Return the screen with the newest announcement; without a new one, with the previous one."""
         announcement = self._memory.history.take_announcements()
         before = ("", 0) if self._screen is None else (self._screen.announcement, self._screen.announcement_number)
         announcement, number = (announcement, before[1] + 1) if announcement else before
         return replace(fresh, announcement=announcement, announcement_number=number)
 
     def _sounding(self, fresh: Screen) -> Screen:
-        """Return the screen with the most important new sound, or with the last one if there is no new one."""
+        """Return the screen with the most important new sound; without a new one, with the previous one."""
         memory = self._memory
         heard = memory.sounds if memory.sound_on and memory.hunt is not None and memory.hunt.view.sound else []
         before = (None, 0) if self._screen is None else (self._screen.sound, self._screen.sound_number)

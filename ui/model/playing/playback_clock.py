@@ -13,7 +13,7 @@ FIRST_DELAY = 0.05
 """Delay in seconds before the network is known."""
 
 CATCH_UP_BURST = 0.1
-"""Seconds after a standstill within which arriving samples may have been delayed by the network."""
+"""Seconds after a standstill in which the network may deliver delayed samples at once."""
 
 MAX_SAMPLES = 128
 """Largest number of kept samples, at any rate."""
@@ -28,7 +28,8 @@ At 25 samples a second, this causes errors of millimeters, and draws robots 20 m
 """
 
 STANDSTILL = 0.25
-"""Seconds without a sample that count as a standstill of simulated time or the network; they do not affect the rate."""
+"""Seconds without a sample after which simulated time or the network counts as stopped; such a pause does not affect
+the rate."""
 
 HORIZON = 0.25
 """Seconds of real time for which simulated time is assumed to continue without a sample."""
@@ -38,12 +39,13 @@ CATCH_UP = 0.15
 
 
 class PlaybackClock:
-    """Simulated time to show at a moment: monotonic, smooth, and with the least delay that the network's jitter allows.
+    """Clock of the simulated time to show: monotonic, smooth, and with the least delay that the network's jitter
+    allows.
 
-    Each sample says "simulated time s, received at moment a". The samples with the shortest travel times give lines s +
-    rate (now - a), which estimate the present time of the simulation. The lateness of the slowest sample of the last
-    second, and the time between samples, determine the delay of the clock, so that robots are not extrapolated for
-    long.
+    Each sample has a simulated time s and the moment a of its arrival. The present time of the simulation is estimated
+    as the greatest s + rate (now - a) of all samples, which is that of the samples with the shortest travel times. The
+    clock's delay follows from the lateness of the slowest sample in the last second and from the time between samples,
+    so that robots are not extrapolated for long.
 
     Attributes:
         rate: simulated seconds per second.
@@ -58,7 +60,8 @@ class PlaybackClock:
         self._stood_until = -math.inf
 
     def receive(self, time: float, now: float) -> None:
-        """Add a sample of this simulated time that arrived now; each must be later than the one before."""
+        """Add a sample with this simulated time that arrived now; its time must be later than that of the previous
+        sample."""
         if self._samples and now - self._samples[-1][1] > STANDSTILL:
             self._stood_until = now
         if now < self._stood_until + CATCH_UP_BURST:
@@ -75,7 +78,7 @@ class PlaybackClock:
             self._delay = min((1.0 - EXTRAPOLATED_SHARE) * spacing + lateness, MAX_DELAY)
 
     def at(self, now: float) -> float:
-        """Simulated time to show."""
+        """Return the simulated time to show."""
         if not self._samples:
             return 0.0
         front = self._front(now)
@@ -91,7 +94,7 @@ class PlaybackClock:
         return self._time
 
     def _front(self, now: float) -> float:
-        """Simulated time reached by now, estimated from the samples with the shortest travel times."""
+        """Return the simulated time reached by now, estimated from the samples with the shortest travel times."""
         front = max(time + self.rate * (now - at) for time, at in self._samples)
         newest = self._samples[-1][0]
         return min(front, newest + self.rate * HORIZON)

@@ -1,7 +1,7 @@
 """Reasons why an act is not possible at the moment, in words for a hint.
 
-`thbridge.roles.shared.participant_rules` decides, as for the keeper; this module turns its refusals into hints.
-Functions called `why_not_...` return the reason, or None if the act is possible.
+`thbridge.roles.shared.participant_rules` decides, both here and in the keeper; this module turns its refusals into
+hints. Functions called `why_not_...` return the reason, or None if the act is possible.
 """
 
 from dataclasses import replace
@@ -37,7 +37,7 @@ def is_allowed(known: Situation, request: JudgedRequest) -> bool:
 
 
 def undecided_beside(known: Situation, robot: int) -> int | None:
-    """The room in which this robot stands at a treasure that is neither named nor left."""
+    """Return the room of this robot if its treasure is neither named nor left; otherwise None."""
     state, place = known.state, known.state.robots[robot].at
     if state.standing_in(place) != robot or not state.has_room(place):
         return None
@@ -46,7 +46,7 @@ def undecided_beside(known: Situation, robot: int) -> int | None:
 
 
 def left_beside(known: Situation, robot: int) -> int | None:
-    """The room in which this robot stands at a treasure that was left and can be taken up again."""
+    """Return the room of this robot if its treasure was left and can be resumed; otherwise None."""
     state = known.state
     if not state.has_robot(robot) or not state.has_room(state.robots[robot].at):
         return None
@@ -56,22 +56,22 @@ def left_beside(known: Situation, robot: int) -> int | None:
 
 
 def ends_game(known: Situation, event: Event) -> bool:
-    """Return True if nothing is left to do after an event, so that the game ends by itself."""
+    """Return True if nothing is left to do after an event, so that the game ends without a request."""
     return bool(rules.ending(apply(known.state, event)))
 
 
 def why_not_work(texts: Texts, known: Situation, robot: int) -> str | None:
-    """Reason why a robot can do nothing at all at the moment, or None."""
+    """Return the reason why a robot can do nothing at all at the moment, or None."""
     return _hint(texts, known, robot, rules.unable(known.state, robot))
 
 
 def why_not_command(texts: Texts, known: Situation, robot: int) -> str | None:
-    """Reason why the participant may not send or stop a robot at the moment, or None."""
+    """Return the reason why the participant may not send or stop a robot at the moment, or None."""
     return _hint(texts, known, robot, rules.commanded_by_other(known.state, robot, Commander.PARTICIPANT))
 
 
 def why_not_go(texts: Texts, known: Situation, robot: int, room: int) -> str | None:
-    """Reason why a robot cannot go to a room, or None; a robot that is driving would be stopped first."""
+    """Return the reason why a robot cannot go to a room, or None; a robot that is driving would be stopped first."""
     goes_there = known.state.robots[robot].bound_for == Room(room)
     then = known if goes_there else _stopped(known, robot)
     refused = judge(then, SelectRoom(robot, room))
@@ -98,7 +98,7 @@ def why_not_go(texts: Texts, known: Situation, robot: int, room: int) -> str | N
 
 
 def why_not_ask(texts: Texts, known: Situation, robot: int) -> str | None:
-    """Reason why a robot cannot be asked for advice, or None."""
+    """Return the reason why a robot cannot be asked for advice, or None."""
     refused = judge(known, RequestSuggestion(robot))
     if isinstance(refused, tuple):
         return None
@@ -111,12 +111,12 @@ def why_not_ask(texts: Texts, known: Situation, robot: int) -> str | None:
 
 
 def why_not_picture(texts: Texts, known: Situation, robot: int, room: int) -> str | None:
-    """Reason why a robot cannot take a picture in the room where it stands, or None."""
+    """Return the reason why a robot cannot take a picture in its room, or None."""
     return _why_not_discuss(texts, known, OpenDialogue(robot, "take-picture", room))
 
 
 def why_not_name(texts: Texts, known: Situation, robot: int, room: int) -> str | None:
-    """Reason why the treasure in the room where a robot stands cannot be named, or None."""
+    """Return the reason why the treasure in a robot's room cannot be named, or None."""
     if known.state.room(Room(room)).is_decided:
         return texts.text("hints.refused_already_decided")
     return _why_not_discuss(texts, known, OpenDialogue(robot, "take-treasure", room))
@@ -125,7 +125,7 @@ def why_not_name(texts: Texts, known: Situation, robot: int, room: int) -> str |
 def why_not_find_out(
     texts: Texts, known: Situation, request: MeasureProperty | TellProperty | TakeUpTreasure
 ) -> str | None:
-    """Reason why a property of a treasure cannot be sensed or reported, or why it cannot be taken up again; or None."""
+    """Return the reason why a treasure cannot be resumed, or a property of it cannot be sensed or reported; or None."""
     refused = judge(known, request)
     if isinstance(refused, tuple):
         return None
@@ -140,7 +140,7 @@ def why_not_find_out(
 
 
 def why_not_stop(texts: Texts, known: Situation, robot: int) -> str | None:
-    """Reason why a robot cannot be stopped, or None."""
+    """Return the reason why a robot cannot be stopped, or None."""
     refused = judge(known, StopRobot(robot))
     if isinstance(refused, tuple):
         return None
@@ -150,7 +150,7 @@ def why_not_stop(texts: Texts, known: Situation, robot: int) -> str | None:
 
 
 def why_not_end(texts: Texts, known: Situation) -> str | None:
-    """Reason why the game cannot be ended at the moment, or None."""
+    """Return the reason why the game cannot be ended at the moment, or None."""
     refused = judge(known, EndGame(known.state.started.game))
     if isinstance(refused, tuple):
         return None
@@ -163,7 +163,8 @@ def why_not_end(texts: Texts, known: Situation) -> str | None:
 
 
 def energy_warning(texts: Texts, known: Situation, robot: int, room: int) -> str:
-    """Warning about acts in a room that would exceed a robot's energy there: a picture, a name; or empty."""
+    """Return a warning about acts in a room (a picture, a name) for which a robot's energy there would be too low; or
+    empty."""
     departure = rules.move(known.state, robot, Room(room))
     if isinstance(departure, RequestRefused):
         return ""
@@ -175,7 +176,8 @@ def energy_warning(texts: Texts, known: Situation, robot: int, room: int) -> str
 
 
 def arrival_warning(texts: Texts, known: Situation, robot: int) -> str:
-    """Warning about acts at the destination of a driving robot that will exceed its energy, for its card; or empty."""
+    """Return a warning for a driving robot's card about acts at its destination for which its energy will be too low;
+    or empty."""
     room = known.state.robots[robot].bound_for
     if room is None:
         return ""
@@ -184,7 +186,7 @@ def arrival_warning(texts: Texts, known: Situation, robot: int) -> str:
 
 
 def _too_little_for(state: GameState, room: Room) -> Literal["name", "picture", "both"] | None:
-    """The act that the robot in a room cannot pay for there; None if it can pay for all."""
+    """Return the act that a robot in a room lacks the energy for; None if its energy is enough for all acts."""
     if not _is_nameable(state, room):
         return "name"
     pictured = rules.picture(state, room, "")
@@ -199,9 +201,9 @@ def _is_nameable(state: GameState, room: Room) -> bool:
 
 
 def _stopped(known: Situation, robot: int) -> Situation:
-    """Return the situation after a driving robot is stopped at once: in the game, it then stands in the corridor.
+    """Return the situation after a driving robot is stopped at once; in the game, the robot is then in the corridor.
 
-    If moves are priced by position, their costs from there are unknown, and count as zero.
+    If the cost of a move depends on the robot's position, the costs from there are unknown, and count as zero.
     """
     events = rules.fail(known.state, robot, "", 0.0, CORRIDOR)
     if isinstance(events, RequestRefused):
@@ -230,7 +232,7 @@ def _why_not_discuss(texts: Texts, known: Situation, request: OpenDialogue) -> s
 
 
 def _hint(texts: Texts, known: Situation, robot: int, refused: RequestRefused | None) -> str | None:
-    """The hint for a refusal about the robot or the game; None if there is no such refusal."""
+    """Return the hint for a refusal about the robot or the game; None if there is no such refusal."""
     if refused is None:
         return None
     match refused.reason:
@@ -246,7 +248,8 @@ def _hint(texts: Texts, known: Situation, robot: int, refused: RequestRefused | 
 
 
 def why_refused(texts: Texts, known: Situation, refusal: RefusalView, request: ParticipantRequest | None) -> str:
-    """The game's refusal of a request, with the known reasons. If `request` is None, the refused request is unknown."""
+    """Return the game's refusal of a request, with the known reasons. If `request` is None, it is unknown which request
+    was refused."""
     return (texts.has(_refusal_key(refusal)) and _why_not(texts, known, request)) or refusal_words(texts, refusal)
 
 
@@ -271,7 +274,8 @@ def _why_not(texts: Texts, known: Situation, request: ParticipantRequest | None)
 
 
 def refusal_words(texts: Texts, refused: RequestRefused | RefusalView) -> str:
-    """A refusal in the language of the texts; for an unknown reason of another release, the received sentence."""
+    """Return a refusal in the language of the texts. If a later release sent an unknown reason, return the received
+    sentence."""
     key = _refusal_key(refused)
     return texts.text(key) if texts.has(key) else refused.sentence
 

@@ -10,8 +10,8 @@ from ui.model.playing.words import percent
 
 
 def rules_of(texts: Texts, view: View) -> tuple[str, ...]:
-    """The rules with the numbers of a game, as far as the game reveals them to the participant."""
-    # Column 0 is the corridor, where no robot can be sent.
+    """Return the rules with the numbers of a game, as far as the game reveals them to the participant."""
+    # Column 0 is the corridor, to which no robot can be sent.
     moves = [cost for row in view.costs for cost in row[1:] if cost is not None]
     return rules_lines(
         texts,
@@ -37,7 +37,7 @@ def rules_lines(
     properties: Sequence[TreasureProperty] = (),
     has_last_word: Literal["both", "participant", "robot"] | None = None,
 ) -> tuple[str, ...]:
-    """The rules with the numbers of a study.
+    """Return the rules with the numbers of a study.
 
     Args:
         texts: texts of the players' language.
@@ -46,8 +46,8 @@ def rules_lines(
         energy: energy of each robot at the start; None if unknown.
         wrong_share: share of a treasure's points that a wrong name costs; None if the study does not reveal it.
         moves: least and most energy of a move between two places; None if unknown.
-        by_position: True if the price of a move depends on its length and turns from the robot's place; `moves` are
-            those between rooms.
+        by_position: True if the cost of a move depends on its length and turns from the robot's place; `moves` are then
+            the costs between rooms.
         properties: properties of treasures.
         has_last_word: the side that decides in the end if robots argue; None if they do not.
     """

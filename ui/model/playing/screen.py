@@ -1,7 +1,7 @@
 """Values that describe the participant's window: the `Screen` to draw, and the `Act`s of a participant.
 
-The window draws a `Screen` and returns `Act`s; it decides nothing. Each offered act has its label, its key and, if it
-is not possible at the moment, the reason in words.
+The window draws a `Screen` and returns `Act`s; it decides nothing. Each offered act has a label and a key. If the act
+is not possible at the moment, it also has the reason in words.
 """
 
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ from ui.model.shared.scene import RoomState
 
 
 class GameSound(IntEnum):
-    """Events that have a sound, the least important first."""
+    """Events that have a sound; the least important event is the first."""
 
     ARRIVAL = 0
     QUESTION = 1
@@ -98,14 +98,14 @@ class RequestSuggestionAct(Act):
 
 @dataclass(frozen=True, slots=True)
 class StopRobotAct(Act):
-    """Stop a driving robot. If None, it is the selected one."""
+    """Stop a driving robot. If `robot` is None, stop the selected one."""
 
     robot: int | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class RequestHandbackAct(Act):
-    """Ask the other commander of a robot to give it back. If None, it is the selected robot."""
+    """Ask the other commander of a robot to give it back. If `robot` is None, it is the selected robot."""
 
     robot: int | None = None
 
@@ -139,7 +139,7 @@ class TellPropertyAct(Act):
 
 @dataclass(frozen=True, slots=True)
 class PickName(Act):
-    """Select a name for the treasure shown without committing to it. If None, clear the selection."""
+    """Select a name for the treasure shown without submitting it. If None, clear the selection."""
 
     name: str | None
 
@@ -156,12 +156,12 @@ class TypeLetter(Act):
 
 @dataclass(frozen=True, slots=True)
 class IdentifyTreasureAct(Act):
-    """Name the treasure shown as selected; this counts for the score."""
+    """Submit the selected name of the treasure shown; this counts for the score."""
 
 
 @dataclass(frozen=True, slots=True)
 class AskWhatItIs(Act):
-    """Ask the robot, which argues, what the treasure shown is."""
+    """Ask a robot that argues what the treasure shown is."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -171,16 +171,16 @@ class LeaveTreasureAct(Act):
 
 @dataclass(frozen=True, slots=True)
 class TakeUpTreasureAct(Act):
-    """Take up again the treasure that was left where a robot stands. If None, it is the selected robot."""
+    """Resume the treasure that was left in the room of a robot. If `robot` is None, it is the selected robot."""
 
     robot: int | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class ShowNext(Act):
-    """Put the pop-up aside and show the next one that waits; the one put aside keeps waiting.
+    """Put the pop-up aside and show the next one that waits; the pop-up put aside keeps waiting.
 
-    Without a pop-up, show the one that has waited longest.
+    If no pop-up is shown, show the one that has waited longest.
     """
 
 
@@ -188,7 +188,7 @@ class ShowNext(Act):
 class ShowWaiting(Act):
     """Show a pop-up that waits for this robot.
 
-    It is the one for its treasure in this room, or otherwise the one that has waited longest.
+    It is the pop-up for its treasure in this room, or otherwise the pop-up that has waited longest.
     """
 
     robot: int
@@ -227,7 +227,7 @@ class PlayAgainAct(Act):
 
 @dataclass(frozen=True, slots=True)
 class GoOnFromGame(Act):
-    """Continue after the game with the next part."""
+    """Continue after the game with the next part of the study."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -269,7 +269,7 @@ class Action:
         label: text on the button.
         key: shortcut printed on the button ("4", "Tab", "F1"); empty if there is none.
         enabled: True if the act is possible at the moment.
-        hint: cost or gain of the act; the reason if it is not possible.
+        hint: cost or gain of the act; if the act is not possible, the reason.
         pending: True if the act was requested and has not happened yet.
     """
 
@@ -293,10 +293,10 @@ class RobotCard:
         name: name for people.
         selected: True for the robot that the participant commands.
         energy: energy left.
-        energy_at_start: most energy that any robot of the team has had; the bar's full length.
+        energy_at_start: greatest energy that any robot of the team has had, which is the bar's full length.
         cost: energy for the considered move; None if no move is considered.
         affordable: True if its energy covers the cost.
-        place: the place where it stands, in words; while it drives, the place that it left.
+        place: the place where it is at rest, in words; while it drives, the place that it left.
         state: its activity in words: "traveling to room 4", "waiting for robot 2", "lost", "no energy left".
         trouble: True if the state needs attention.
         progress: driven share of its path, 0 to 1; None at rest.
@@ -304,11 +304,13 @@ class RobotCard:
         select: selects the robot.
         stop: stops it; None at rest, and while another party commands it.
         commander: the other party that commands it, such as "ground station 255"; empty if the participant commands it.
-        commanded: the same as part of a sentence, "commanded by ground station 255"; empty in the same case.
+        commanded: the commander as part of a sentence, "commanded by ground station 255"; empty if the participant
+            commands it.
         ask_back: asks the commander to give it back; None if the participant commands it, and after the game.
-        take_up: takes up again the treasure that was left where it stands; None if there is none, and if there is
-            `ask_back`.
-        warning: warning about acts at its destination that will exceed its energy, in words; empty if there are none.
+        take_up: resumes the treasure that was left in its room; None if there is no such treasure, or if `ask_back` is
+            not None.
+        warning: warning about acts at its destination for which its energy will be too low, in words; empty if there
+            are none.
     """
 
     robot: int
@@ -341,13 +343,14 @@ class RoomTile:
         name: name for people.
         state: state of the room, with the outcome of naming its treasure.
         robot: index of the robot that visited it or drives to it.
-        cost: energy for the selected robot; None without a path, for a visited or reserved room, and while the robot
-            drives and the place where it would stop is unknown.
+        cost: energy for the selected robot. None if there is no path, if the room is visited or reserved, or if the
+            robot drives and the place where it would stop is unknown.
         considered: True if the participant looks at it.
         found: the known properties of its treasure, in one or two words.
-        found_shorter: the same, in versions of decreasing length.
+        found_shorter: shorter versions of `found`, in the order of decreasing length.
         choose: sends the selected robot.
-        warning: caution before choosing: enough energy to get there, but not to take a picture or name the treasure.
+        warning: warning that the energy is enough to get there, but not to take a picture or name the treasure; empty
+            if it is.
         reachable: False if no path leads there from the place of the selected robot.
     """
 
@@ -375,7 +378,7 @@ class TreasureFact:
         sense: lets the robot sense it; None if it is known, or robots cannot sense it.
         `tell`: for each value that the participant can report, the act; empty if the participant cannot report this
             property.
-        words: for the value, in the participant's language; if empty, the value itself is shown.
+        words: words for the value in the participant's language; if empty, the value itself is shown.
     """
 
     label: str
@@ -406,15 +409,16 @@ class DialoguePopup:
         sentences: (speaker, sentence), oldest first; speaker is "robot" or "you".
         choices: possible answers; empty while the robot thinks.
         aside: puts the pop-up aside.
-        warning: caution before answering: enough energy to get there, but not to take a picture or name the treasure.
+        warning: warning that the energy is enough to get there, but not to take a picture or name the treasure; empty
+            if it is.
         room: number of the room that the dialogue is about; None if the robot has not named one yet.
         facts: facts about the treasure that the dialogue is about; empty if there is no treasure.
         picture: bytes of the treasure's image file; None without one.
-        note: a short remark: it says who decides in the end, or what to do if the robot has nothing to say.
+        note: short remark about which side decides in the end, or about what to do if the robot has nothing to say.
         numbered: True if digits are the keys of the choices, in their order.
         enlarge: enlarges its picture; None without one.
         ended: True if the dialogue has ended.
-        outcome: the result, if the robot has not said it; empty until the end.
+        outcome: the result, if the robot has not stated it; empty until the end.
     """
 
     robot: int
@@ -442,18 +446,18 @@ class TreasurePopup:
         room: number of the room.
         title: heading, in words.
         facts: a line for each property that can be known; None while the robot is still looking.
-        take_picture: takes a picture, with the cost in the hint; None after there is a picture.
-        picture: bytes of the image file; None before, or while it arrives.
+        take_picture: takes a picture, with the cost in the hint; None once there is a picture.
+        picture: bytes of the image file; None until it has arrived.
         names: possible names, in alphabetical order of their words.
-        called: the words of each name.
+        called: words of each name in the participant's language.
         worth: points of each name, None if unknown; empty if the study does not reveal points.
-        picked: name selected so far; None at first.
+        picked: selected name; None if no name is selected.
         name_it: names the treasure; enabled after a name is selected.
-        leave: leaves the treasure, for good.
-        verdict: result of naming it, in words; None before.
+        leave: leaves the treasure.
+        verdict: result of naming it, in words; None before it is named.
         points: points of the verdict.
         aside: puts the pop-up aside, or closes it after all decisions.
-        picture_note: text in place of the picture: it is on its way, or the reason why it cannot be shown.
+        picture_note: text in place of the picture: that it is being sent, or the reason why it cannot be shown.
         typed: the letters of a name typed so far.
         talk: outcome of a dialogue about it, in words, until it is carried out; empty without a dialogue.
         unsure: asks the robot what it is; None if robots do not argue.
@@ -506,7 +510,7 @@ class Confirmation:
 
 @dataclass(frozen=True, slots=True)
 class WaitingItem:
-    """Entry of the visible queue: a waiting pop-up.
+    """Entry of the visible queue: a pop-up that waits.
 
     Attributes:
         robot: index of the robot.
@@ -540,7 +544,7 @@ class Banner:
 
     Attributes:
         text: the text in plain words.
-        kind: "bad" stays until the trouble is over, "note" is shown for some seconds.
+        kind: a banner of kind "bad" stays until the problem is over; a banner of kind "note" is shown for some seconds.
     """
 
     text: str
@@ -582,11 +586,11 @@ class Screen:
         nothing_waits: sentence to show if no pop-ups wait, such as "Robot 2 is ready to be sent".
         history: lines of the history, oldest first.
         ending: page after the game; None before its end.
-        help: the sheet of keys as (key, effect); empty while closed.
+        help: lines of the sheet of keys as (key, effect); empty while the sheet is closed.
         sound: the last sound to play; None before the first.
         sound_number: number of the sound, so that the same sound twice is played twice.
-        rules: sentences about the rules of the game, above the keys on the sheet; empty while closed, and before the
-            game.
+        rules: sentences about the rules of the game, above the keys on the sheet; empty while the sheet is closed, and
+            before the game.
         typed: the digits of a room number typed so far.
         announcement: last sentence for a screen reader.
         announcement_number: number of the announcement, so that the same sentence twice is read out twice.

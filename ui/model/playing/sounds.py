@@ -1,4 +1,4 @@
-"""Sounds of a game, one for each important news of a view; the window also shows everything that has a sound."""
+"""Sounds of a game, one for each kind of important news in a view; the window also shows all these news."""
 
 from collections.abc import Iterator
 
@@ -8,7 +8,7 @@ from ui.model.playing.screen import GameSound
 
 
 def why_silent(memory: ParticipantMemory, hunt: HuntMemory) -> str:
-    """Return the reason why there is no sound, as a sentence; empty if there can be sound."""
+    """Return the reason why there is no sound, as a sentence; empty if sound is possible."""
     if not hunt.view.sound:
         return hunt.texts.text("hints.no_sound_in_study")
     return "" if memory.can_sound else hunt.texts.text("hints.no_sound_player")

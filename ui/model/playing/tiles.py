@@ -1,4 +1,4 @@
-"""Buttons of the rooms, and the two that belong to them: to ask for advice, and to end the game."""
+"""Buttons of the rooms, and two related buttons: one asks for advice, one ends the game."""
 
 from collections.abc import Mapping
 
@@ -13,13 +13,13 @@ from ui.model.shared.scene import decided
 
 
 def tiles(memory: ParticipantMemory, hunt: HuntMemory) -> tuple[RoomTile, ...]:
-    """One tile per room, room 1 first."""
+    """Return one tile per room, room 1 first."""
     names = {} if memory.floor_plan is None else {room.room: room.name for room in memory.floor_plan.rooms}
     return tuple(_tile(memory, hunt, room, names) for room in hunt.view.rooms)
 
 
 def dont_know(memory: ParticipantMemory, hunt: HuntMemory) -> Action:
-    """The action that asks the selected robot for its advice."""
+    """Return the action that asks the selected robot for its advice."""
     robot = memory.selected
     refused = why_not_ask(hunt.texts, hunt.known, robot)
     asked = isinstance(hunt.pending.destination_request(robot), RequestSuggestion)
@@ -28,7 +28,7 @@ def dont_know(memory: ParticipantMemory, hunt: HuntMemory) -> Action:
 
 
 def end(hunt: HuntMemory) -> Action:
-    """The action that ends the game."""
+    """Return the action that ends the game."""
     refused = why_not_end(hunt.texts, hunt.known)
     asked = EndGame(hunt.view.game) in hunt.pending
     hint = hunt.texts.text("tiles.end_hint") if refused is None else refused
@@ -59,7 +59,7 @@ def _tile(memory: ParticipantMemory, hunt: HuntMemory, room: RoomView, names: Ma
 
 def _choose(hunt: HuntMemory, robot: int, room: int, refused: str | None, warning: str) -> Action:
     busy = SelectRoom(robot, room) in hunt.pending or hunt.reroutes.get(robot) == room
-    # While a confirmation is open, the robot has not been asked yet.
+    # The robot has not been asked yet while a confirmation is open.
     discussed = hunt.pending_step is None and hunt.destination_considered(robot) == room
     if refused is not None:
         hint = refused

@@ -14,7 +14,7 @@ TRAIL_POINTS = 44
 """Number of points of a trail, which cover 5 m."""
 
 PATH_SEARCH = 1.5
-"""Distance along the path, ahead of the robot's last place on it, in which the robot is searched, meters."""
+"""Distance ahead of the robot's last place on its path within which its present place is searched, meters."""
 
 
 class Trail:
@@ -39,14 +39,14 @@ class Trail:
         self._array = None
 
     def array(self) -> FloatArray:
-        """(k, 2) points, oldest first; the same array until a point is added."""
+        """Return (k, 2) points, oldest first; the same array until a point is added."""
         if self._array is None:
             self._array = np.array(self._points, dtype=np.float64).reshape(-1, 2)
         return self._array
 
 
 class PathAhead:
-    """Rest of one robot's planned path; the driven part is removed, and does not return."""
+    """Rest of one robot's planned path; the driven part is removed for good."""
 
     def __init__(self, planned: tuple[tuple[float, float], ...]) -> None:
         self.planned = planned
@@ -58,7 +58,7 @@ class PathAhead:
         self._driven: float | None = None
 
     def remaining_from(self, x: float, y: float) -> FloatArray:
-        """(m, 2) path from this place on."""
+        """Return the (m, 2) points of the path from this place on."""
         if len(self._points) < 2:
             return np.empty((0, 2))
         driven = self._driven = self._nearest(x, y)
@@ -68,10 +68,10 @@ class PathAhead:
         return np.concatenate((np.array([[x, y]]), rest))
 
     def _nearest(self, x: float, y: float) -> float:
-        """Distance along the path to its point nearest to a place, meters.
+        """Return the distance along the path to the path's nearest point to a place, meters.
 
-        The first search covers the whole path. Later ones look only a little ahead of the last result: if a path passes
-        one place twice, a search of the whole path would jump.
+        The first search covers the whole path. Later searches cover only a part ahead of the last result, because the
+        result could jump if a path passes one place twice.
         """
         if self._driven is None:
             reach = slice(0, len(self._steps))

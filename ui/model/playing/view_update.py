@@ -52,13 +52,14 @@ NOTE = 6.0
 
 
 def note(memory: ParticipantMemory, sentence: str, now: float, about: PopupItem | None = None) -> None:
-    """Show a sentence for a limited time, at most as long as the pop-up that it is about, and have it read out."""
+    """Show a sentence for a limited time, and announce it. It disappears earlier if the pop-up that it is about is
+    closed."""
     memory.note = Note(sentence, now + NOTE, about)
     memory.history.announce(sentence)
 
 
 def receive_view(memory: ParticipantMemory, view: View, now: float) -> None:
-    """Process a new view. Another game starts with new memory; the same game keeps its memory."""
+    """Process a new view. Another game gets a new memory; the same game keeps its memory."""
     hunt = memory.hunt
     if hunt is None or not _goes_on(hunt.view, view):
         _begin(memory, view)
@@ -83,8 +84,8 @@ def receive_view(memory: ParticipantMemory, view: View, now: float) -> None:
 def receive_tick(hunt: HuntMemory, tick: int) -> bool:
     """Process the newest tick of the simulation; return True if another second of the game has passed.
 
-    The clock stops at the end of the game. If a window joins a game after the first that is already under way, it
-    counts from then.
+    The clock stops at the end of the game. If the window joins the second or a later game when it is already under way,
+    the time is counted from that moment.
     """
     if hunt.view.over is not None:
         return False
@@ -96,12 +97,12 @@ def receive_tick(hunt: HuntMemory, tick: int) -> bool:
 
 
 def settle(memory: ParticipantMemory, hunt: HuntMemory) -> None:
-    """Update everything that follows from the view and from pending requests.
+    """Update all parts of the memory that depend on the view and on pending requests.
 
-    The robot in the pop-up shown becomes the selected one; otherwise two robots would look selected at once. If the map
-    follows a robot, it now follows this one; otherwise the room of the pop-up could be out of sight. After the
-    participant has selected a robot that can be sent, no other robot's pop-up opens by itself before that robot's own,
-    because the next room chosen is meant for that robot.
+    The robot of the pop-up shown becomes the selected robot; otherwise two robots would look selected at once. If the
+    map follows a robot, it now follows this robot, because the room of the pop-up could otherwise be out of sight.
+    After the participant has selected a robot that can be sent, no pop-up of another robot opens automatically before
+    one of the selected robot, because the next room chosen is meant for the selected robot.
     """
     view = hunt.view
     hunt.submitted_names = {room: name for room, name in hunt.submitted_names.items() if _is_talked_over(hunt, room)}
@@ -130,7 +131,8 @@ def settle(memory: ParticipantMemory, hunt: HuntMemory) -> None:
 
 
 def open_requests(hunt: HuntMemory) -> tuple[ParticipantRequest, ...]:
-    """All present requests: those of the participant, and those that follow from agreements or need no decision."""
+    """Return all present requests: those of the participant, and those that follow from agreements or need no
+    decision."""
     view = hunt.view
     if view.over is not None or view.consent is not None:
         return hunt.pending.requests
@@ -150,7 +152,7 @@ def open_requests(hunt: HuntMemory) -> tuple[ParticipantRequest, ...]:
 
 
 def _can_look(hunt: HuntMemory, room: RoomView) -> bool:
-    """Return True if a robot stands in a room and could report what it sees."""
+    """Return True if a robot is at rest in a room and could report what it senses."""
     return isinstance(rules.sense(hunt.known.state, Room(room.room)), tuple)
 
 
@@ -173,7 +175,7 @@ def _begin(memory: ParticipantMemory, view: View) -> None:
 
 
 def _goes_on(before: View, view: View) -> bool:
-    """Return True if a view is of the same game: a fact found in a game never becomes unknown again."""
+    """Return True if a view is of the same game: a property that is known in a game never becomes unknown again."""
     return (
         before.game == view.game
         and before.costs == view.costs
@@ -188,7 +190,7 @@ def _goes_on(before: View, view: View) -> bool:
 
 
 def _receive_refunds(memory: ParticipantMemory, before: View, view: View, now: float) -> None:
-    """Show that a robot that stopped on its way got energy back; the history has already announced it."""
+    """Show that a robot that stopped on its path got energy back; the history has already announced this."""
     for was, robot in zip(before.robots, view.robots, strict=True):
         stopped = was.moving_to and robot.moving_to is None and view.room(was.moving_to).state != "visited"
         if stopped and robot.energy > was.energy:
@@ -219,7 +221,7 @@ def _receive_rooms(memory: ParticipantMemory, hunt: HuntMemory, before: View, fo
 
 
 def _receive_left(memory: ParticipantMemory, hunt: HuntMemory, item: TreasureItem, left: bool, now: float) -> None:
-    """Explain how a treasure that was left can be taken up again; show it if the participant has requested that."""
+    """Explain how a treasure that was left can be resumed; show the treasure if the participant has requested that."""
     if left:
         memory.note = Note(hunt.texts.text("history.left_for_now", room=item.room, robot=item.robot), now + NOTE)
         memory.history.announce(hunt.texts.text("history.can_take_up", robot=item.robot))
@@ -232,9 +234,10 @@ def _receive_left(memory: ParticipantMemory, hunt: HuntMemory, item: TreasureIte
 def _receive_commanders(
     memory: ParticipantMemory, hunt: HuntMemory, before: View, discussed: Sequence[Discussed], now: float
 ) -> None:
-    """Announce each robot that the participant lost or got back, and each request to its commander.
+    """Announce each robot that another commander took from the participant or gave back, and each request to the
+    commander.
 
-    This cancels a dialogue about where that robot should go.
+    The loss of a robot cancels a dialogue about where it should go.
     """
     texts = hunt.texts
     for was, robot in zip(before.robots, hunt.view.robots, strict=True):
@@ -278,7 +281,7 @@ def _receive_refusal(memory: ParticipantMemory, hunt: HuntMemory, now: float) ->
 
 
 def _reroute(memory: ParticipantMemory, hunt: HuntMemory, now: float) -> None:
-    """Ask robots that were stopped to go to their new room, as soon as they stand."""
+    """Ask robots that were stopped to go to their new room as soon as they are at rest."""
     for robot, room in list(hunt.reroutes.items()):
         mover = hunt.view.robots[robot]
         if mover.moving_to is not None:
@@ -329,7 +332,8 @@ def _drop_obsolete_step(memory: ParticipantMemory, hunt: HuntMemory, now: float)
 
 
 def _is_talked_over(hunt: HuntMemory, room: int) -> bool:
-    """Return True while naming the treasure in a room is requested, discussed or agreed."""
+    """Return True while the participant has requested to name the treasure in a room, or this is discussed or
+    agreed."""
     if not hunt.view.room(room).undecided:
         return False
     asked = any(
@@ -340,7 +344,7 @@ def _is_talked_over(hunt: HuntMemory, room: int) -> bool:
 
 
 def _asks_for_name(hunt: HuntMemory, item: TreasureItem) -> bool:
-    """Return True while this pop-up is shown and asks for a name that was not submitted yet."""
+    """Return True while this pop-up is shown and asks for a name, and no name was submitted yet."""
     open_ = hunt.popups.shown == item and hunt.treasure_dialogue(item) is None
     return open_ and hunt.view.room(item.room).undecided and item.room not in hunt.submitted_names
 

@@ -7,11 +7,11 @@ from thbridge.hunt.events import Commander
 from thbridge.roles.shared.view import DialogueMatter, LastWords
 
 MATTERS: dict[DialogueMatter, str] = {"select-room": "room", "take-picture": "picture", "take-treasure": "naming"}
-"""Matters of dialogues, as in the names of texts."""
+"""Names of the matters of dialogues in the keys of texts."""
 
 
 _NUMBERED_STATION = re.compile(r"ground station (\d+)")
-"""Name that `thbridge.mavlink` gives to a ground station without a name of its own."""
+"""Pattern of the name that `thbridge.mavlink` gives to a ground station that has no name."""
 
 
 def commander_in_words(texts: Texts, by: Commander, name: str) -> str:
@@ -31,29 +31,29 @@ def commander_in_words(texts: Texts, by: Commander, name: str) -> str:
 
 
 def how_it_comes_back(texts: Texts, commander: Commander) -> str:
-    """Return a sentence about the condition for getting back a robot from this other commander."""
+    """Return a sentence that says when this commander gives a robot back."""
     is_researcher = commander is Commander.RESEARCHER
     return texts.text("hints.back_from_researcher" if is_researcher else "hints.back_from_station")
 
 
 def commanded_words(texts: Texts, robot: int, by: Commander, name: str) -> str:
-    """Return two sentences: one about the commander of a robot, one about the condition for getting it back."""
+    """Return two sentences: one about the commander of a robot, one about when the participant gets it back."""
     commands = texts.text("hints.commanded", robot=robot, commander=commander_in_words(texts, by, name))
     return f"{commands} {how_it_comes_back(texts, by)}"
 
 
 def progress_of(texts: Texts, seconds: int, left: int, rooms: int) -> str:
-    """Time played and rooms left: `Time 3:05 · 5 of 8 rooms left`."""
+    """Return the time played and rooms left: `Time 3:05 · 5 of 8 rooms left`."""
     return texts.text("game.progress", time=f"{seconds // 60}:{seconds % 60:02d}", left=left, count=rooms)
 
 
 def percent(texts: Texts, share: float) -> str:
-    """A share as a percentage: `50%`, `12.5%`."""
+    """Return a share as a percentage: `50%`, `12.5%`."""
     return texts.text("words.percent", number=100.0 * share)
 
 
 def verdict_words(texts: Texts, name: str, points: int) -> str:
-    """The outcome of naming a treasure, as a sentence, with the name in the participant's language."""
+    """Return the outcome of naming a treasure, as a sentence, with the name in the participant's language."""
     named = name or texts.text("popups.nameless")
     if points > 0:
         return texts.text("popups.right", name=named, count=points)
@@ -63,6 +63,6 @@ def verdict_words(texts: Texts, name: str, points: int) -> str:
 
 
 def outcome_of(texts: Texts, words: LastWords) -> str:
-    """The outcome of a dialogue, as a sentence."""
+    """Return the outcome of a dialogue, as a sentence."""
     outcome = "agreed" if words.agreed else "not_agreed"
     return texts.text(f"popups.{outcome}_{MATTERS[words.matter]}", robot=words.robot, room=words.room)

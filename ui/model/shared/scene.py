@@ -11,7 +11,7 @@ RoomState = Literal["unvisited", "reserved", "visited", "won", "lost"]
 """State of a room on the map; a visited room is won or lost after its treasure brought or cost points."""
 
 VISITED: tuple[RoomState, ...] = ("visited", "won", "lost")
-"""States of rooms that a robot has reached."""
+"""States of rooms that a robot has visited."""
 
 
 def decided(points: int) -> RoomState:
@@ -31,10 +31,10 @@ class RoomMark:
         choosable: True if a click on it would choose it at the moment.
         considered: True if the participant looks at it, by mouse or keyboard.
         found: the known properties of its treasure, in one or two words; empty if nothing is known.
-        found_shorter: the same, in versions of decreasing length.
+        found_shorter: shorter versions of `found`, in the order of decreasing length.
         robot: index of the robot that visited it or drives to it.
         answer: the name that the participant gave its treasure, and the points, unless `found` already contains them.
-        answer_shorter: the same in fewer words.
+        answer_shorter: `answer` in fewer words.
     """
 
     room: int
@@ -56,11 +56,11 @@ class RobotMark:
 
     Attributes:
         robot: index in the team, which determines its color.
-        label: its name on the map, short.
+        label: its short name on the map.
         pose: its estimated pose.
         footprint: (n, 2) corners of its body in its own frame.
         selected: True for the robot that the participant commands.
-        trouble: True if it is lost, silent or has no energy left; also visible without color.
+        trouble: True if it is lost, does not answer or has no energy left; this is also visible without color.
         trail: (k, 2) past places, oldest first.
         path: (m, 2) planned path, its own place first.
         ellipse: uncertainty of its place, if shown.

@@ -31,7 +31,8 @@ class Palette:
         visited: floor of a visited room.
         won: floor of a room whose treasure brought points.
         lost: floor of a room whose treasure cost points.
-        robots: colors of robot 1, 2, ...; they repeat from the eleventh on, and the number distinguishes the robots.
+        robots: colors of robot 1, 2, ...; from the eleventh robot on, colors repeat, and only the number distinguishes
+            the robots.
     """
 
     window: str
@@ -55,11 +56,11 @@ class Palette:
     robots: tuple[str, ...]
 
     def robot(self, number: int) -> str:
-        """The color of the robot of this index."""
+        """Return the color of the robot of this index."""
         return self.robots[number % len(self.robots)]
 
     def room(self, state: RoomState) -> str:
-        """The color of a room's floor."""
+        """Return the color of a room's floor."""
         return {
             "unvisited": self.unvisited,
             "reserved": self.reserved,
@@ -132,13 +133,13 @@ Rgb = tuple[float, float, float]
 
 
 def luminance(colour: str) -> float:
-    """Relative luminance of "#rrggbb", 0 black to 1 white (WCAG 2.2)."""
+    """Return the relative luminance of "#rrggbb", 0 black to 1 white (WCAG 2.2)."""
     red, green, blue = _linear(colour)
     return 0.2126 * red + 0.7152 * green + 0.0722 * blue
 
 
 def contrast(one: str, other: str) -> float:
-    """Contrast ratio of two colors, 1 to 21 (WCAG 2.2); text needs 4.5, edges and signs need 3."""
+    """Return the contrast ratio of two colors, 1 to 21 (WCAG 2.2); text needs 4.5, edges and signs need 3."""
     low, high = sorted((luminance(one), luminance(other)))
     return (high + 0.05) / (low + 0.05)
 
@@ -160,12 +161,13 @@ severity 1.0.
 
 
 def difference(one: str, other: str, vision: Vision = "normal") -> float:
-    """Perceived distance of two colors in CIE L*a*b* (CIE76, white D65); people just notice a distance of 2.3."""
+    """Return the perceived distance of two colors in CIE L*a*b* (CIE76, white D65); people just notice a distance of
+    2.3."""
     return dist(_lab(_seen(one, vision)), _lab(_seen(other, vision)))
 
 
 def _linear(colour: str) -> Rgb:
-    """Linear channels of an sRGB color "#rrggbb"."""
+    """Return the linear channels of an sRGB color "#rrggbb"."""
     red, green, blue = (int(colour[at : at + 2], 16) / 255.0 for at in (1, 3, 5))
     return _undone(red), _undone(green), _undone(blue)
 
@@ -176,7 +178,7 @@ def _undone(channel: float) -> float:
 
 
 def _seen(colour: str, vision: Vision) -> Rgb:
-    """The linear color as a person with this vision sees it, limited to the colors that a screen can show."""
+    """Return a linear color as a person with this vision sees it, limited to the colors that a screen can show."""
     cones = _linear(colour)
     red, green, blue = (
         min(1.0, max(0.0, sum(weight * value for weight, value in zip(row, cones, strict=True))))
@@ -186,7 +188,7 @@ def _seen(colour: str, vision: Vision) -> Rgb:
 
 
 def _lab(colour: Rgb) -> tuple[float, float, float]:
-    """CIE L*a*b* of a linear color."""
+    """Return a linear color in CIE L*a*b*."""
     red, green, blue = colour
     x = _lightness((0.4124 * red + 0.3576 * green + 0.1805 * blue) / 0.9505)
     y = _lightness(0.2126 * red + 0.7152 * green + 0.0722 * blue)
@@ -195,5 +197,5 @@ def _lab(colour: Rgb) -> tuple[float, float, float]:
 
 
 def _lightness(share: float) -> float:
-    """The curve of L*a*b*: a cube root, and linear near black."""
+    """Return the lightness curve of L*a*b*: a cube root, and linear near black."""
     return float(share ** (1.0 / 3.0)) if share > (6.0 / 29.0) ** 3 else share / (3.0 * (6.0 / 29.0) ** 2) + 4.0 / 29.0

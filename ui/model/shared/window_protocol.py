@@ -1,4 +1,4 @@
-"""Messages between a host and its window, which is a process of its own: one JSON object per line.
+"""Messages between a host and its window, which runs in a separate process: one JSON object per line.
 
 The window reads the host's messages from its standard input, and writes its own to its standard output.
 """
@@ -15,14 +15,14 @@ FromWindowT = TypeVar("FromWindowT")
 
 @dataclass(frozen=True, slots=True)
 class WindowProtocol(Generic[FromHostT, FromWindowT]):
-    """The messages of one kind of window, and the rule which of them a window gets that is reopened after a crash.
+    """Messages of one kind of window, and the rule for which of them a reopened window receives after a crash.
 
     Attributes:
         from_host: decoder of the host's messages.
         from_window: decoder of the window's messages.
         closed: the last message of a window that a person closed on purpose.
-        kept: function of the messages kept so far and a new one; it returns those to keep for a window that is
-            reopened.
+        kept: function that receives the messages kept so far and a new one; it returns the messages to keep for a
+            reopened window.
     """
 
     from_host: msgspec.json.Decoder[FromHostT]

@@ -34,14 +34,14 @@ _NEW_ITEMS: Mapping[str, str] = {
 
 @dataclass(frozen=True, slots=True)
 class StudyDraft:
-    """A text of a study file, with its form, its meaning and its faults.
+    """Text of a study file, with the form, the study and the faults that it gives.
 
     Attributes:
         path: the file; relative paths in it start from its folder.
         text: its present text.
         tree: the text as a tree; None if it is not YAML.
         form: its fields; those of an empty file if it is not YAML.
-        study: its meaning; None if there is a fault.
+        study: study that the text describes; None if there is a fault.
         faults: its faults, from the same reader that programs use.
         notices: valid entries that have no effect.
     """
@@ -55,11 +55,11 @@ class StudyDraft:
     notices: tuple[str, ...]
 
     def faults_of(self, field: FormField) -> tuple[BadFile, ...]:
-        """The faults of one field."""
+        """Return the faults of one field."""
         return tuple(fault for fault in self.faults if self._is_of(fault, field))
 
     def field_of(self, fault: BadFile) -> FormField | None:
-        """The field that a fault belongs to; None if it belongs to no field."""
+        """Return the field that a fault belongs to; None if it belongs to no field."""
         return next((field for field in self.form.all_fields() if self._is_of(fault, field)), None)
 
     def _is_of(self, fault: BadFile, field: FormField) -> bool:
@@ -72,19 +72,19 @@ class StudyDraft:
         return any(fault.key == key or fault.key.startswith(f"{key}[") for key in keys)
 
     def fields(self) -> Mapping[str, FormField]:
-        """All fields by their keys."""
+        """Return all fields by their keys."""
         return {field.key: field for field in self.form.all_fields()}
 
     def groups(self) -> Mapping[str, FormGroup]:
-        """All sections by their keys."""
+        """Return all sections by their keys."""
         return {group.key: group for group in self.form.all_groups()}
 
     def set(self, field: FormField, typed: str) -> str | RequestRefused:
         """Return the text with a new value in a field; an empty value resets the field, unless the field holds text."""
         if not typed.strip() and (field.optional or not field.is_text):
-            # A key with a name of its own stays while a person types its value again.
+            # A key with a free name remains while a person types its value again.
             return self._put(field.place, "null") if field.own_key else self.reset(field)
-        # Writing out a default would only make the file longer.
+        # A written default would only make the file longer.
         value = typed_as_yaml(field, typed)
         if field.written is None and value == field.default:
             return self.text
@@ -105,7 +105,7 @@ class StudyDraft:
     def add(self, group: FormGroup, robot: int | None = None) -> str | RequestRefused:
         """Return the text with another item in a repeated section.
 
-        The item for robots has the given number, or the next one.
+        A new item for a robot has the given number, or otherwise the next number.
         """
         if group.repeats is RepeatKind.ROBOTS:
             taken = {item.key.rpartition(".")[2] for item in group.groups}
@@ -179,7 +179,7 @@ def draft_of(path: Path, text: str) -> StudyDraft:
 def search_fields(fields: Iterable[FormField], words: str) -> tuple[FormField, ...]:
     """Return the fields that contain each of these words in their key, name, old names or help.
 
-    Exact names come first.
+    Fields with exactly this name come first.
     """
     wanted = [word.replace(" ", "_") for word in words.lower().split()]
     if not wanted:

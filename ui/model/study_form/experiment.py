@@ -53,13 +53,13 @@ class ExperimentDraft(StudyDraft):
         return {key: field for key, field in study_fields().items() if key not in taken}
 
     def allows_own_names(self, group: FormGroup) -> bool:
-        """Return True for factors: each level of a factor with a name of its own sets several keys."""
+        """Return True for the section of factors: a factor with a free name sets several keys in each of its levels."""
         return group.key != "base"
 
     def add_key(self, group: FormGroup, name: str) -> str | RequestRefused:
         """Return the text with another key of a study.
 
-        If the key is a factor, its levels are all choices, or the default.
+        If the key is a factor, its levels are all choices of the key or, if it has no choices, its default.
         """
         field = study_fields().get(name)
         value = "null" if field is None else field.default
@@ -72,9 +72,9 @@ class ExperimentDraft(StudyDraft):
         if fault.path != self.path or fault.key is None:
             return False
         if field.own_key and field.line is not None and field.written is not None and fault.line is not None:
-            # Its value belongs to a study, and the study's reader does not know the keys of this file.
+            # The value belongs to a study. The reader of this file therefore does not report its keys.
             return field.line <= fault.line <= field.line + field.written.count("\n")
-        # A fault of a whole step is shown at its kind.
+        # A fault of a whole step is shown at the field with the step's kind.
         item, _, name = field.key.rpartition(".")
         return StudyDraft._is_of(self, fault, field) or (name == "step" and fault.key == item)
 
@@ -104,7 +104,7 @@ def experiment_draft(path: Path, text: str) -> ExperimentDraft:
         faults = FaultCollection()
         faults.found += faults_of(design)
         with faults.kept():
-            # The file for rehearsals may no longer fit after factors or forms changed.
+            # After a change of factors or forms, the file for rehearsals may no longer match.
             read_people(ExperimentFolder(path.parent).people, design)
         return dataclasses.replace(draft, faults=tuple(faults.found), notices=(*_on_maps(design), *advice_on(design)))
     except BadFiles as faults:
@@ -116,7 +116,7 @@ def experiment_draft(path: Path, text: str) -> ExperimentDraft:
 def _on_maps(design: ExperimentDesign) -> Iterator[str]:
     """Yield likely mistakes in a map.
 
-    Prices are not checked, because this takes half a second, too long while people type.
+    The costs of moves are not checked, because this takes half a second, which is too long while people type.
     """
     studies = {study.map: study for study in (design.study, *chain(*(cell.studies for cell in design.cells)))}
     for study in studies.values():
@@ -131,7 +131,7 @@ def language_of(draft: StudyDraft) -> str:
 
 
 def _heeded(form: FormGroup) -> FormGroup:
-    """The form without the keys that the kinds of its steps ignore, and with the meaning of studies' keys."""
+    """Return the form without the keys that the kinds of its steps ignore, and with the help of studies' keys."""
 
     def heeded(group: FormGroup) -> FormGroup:
         if group.repeats is RepeatKind.STEPS:

@@ -1,4 +1,4 @@
-"""The files for which one form serves: studies, studies with people, and their questionnaires."""
+"""Kinds of files that one form can edit: studies, studies with people, and their questionnaires."""
 
 from pathlib import Path
 

@@ -73,11 +73,12 @@ class FormField:
         maximum: largest allowed number.
         choices: allowed words; empty if any text is allowed.
         optional: True if it may be null.
-        default: as YAML, the value that applies if the file has none, with presets and ROS files taken into account.
-        written: as YAML, the value in the file; None if the file has none.
-        place: its path in the file, which can be an old name, or the path where it would be.
-        line: line of that place, counted from 1.
-        places: all paths that are allowed for it in a file.
+        default: value as YAML that applies if the file has none; it takes presets and ROS files into account.
+        written: value in the file as YAML; None if the file has none.
+        place: its path in the file, possibly with an old name; if it is not in the file, the path at which it would be
+            written.
+        line: line of that path, counted from 1; None if it is not in the file.
+        places: all paths at which a file may have it.
         own_key: True if a person chose its key, and can remove it.
     """
 
@@ -143,7 +144,7 @@ class FormGroup:
             yield from group.all_groups()
 
     def written(self) -> int:
-        """Number of its values that are in the file."""
+        """Number of its values that the file contains."""
         return sum(field.written is not None for field in self.all_fields())
 
 
@@ -151,7 +152,7 @@ _ORDERED = frozenset({"steps", "items"})
 """Lists of sections in a fixed order: steps of a study with people, items of a questionnaire."""
 
 _NOISE_OF = {home: f"noise.{path}" for path, home in TARGET_PATHS.items()}
-"""Path in the section `noise` of each number that has another path, too."""
+"""Path in the section `noise` of each number that also has another path."""
 
 
 _LABELS = {
@@ -171,7 +172,7 @@ _LABELS = {
 
 
 def form_of(text: str, tree: Node, start: "DataclassInstance", label: str = "Study") -> FormGroup:
-    """The form of a study file, or of another file that is read into a dataclass.
+    """Return the form of a study file, or of another file that is read into a dataclass.
 
     Args:
         text: text of the file.
@@ -209,14 +210,14 @@ def editable_text(field: FormField) -> str:
 
 
 def hint_of(field: FormField) -> str:
-    """Return the limits of a field: `0 to 20`, `at least 1`, `null allowed`."""
+    """Return the limits of a field in words: `0 to 20`, `at least 1`, `null allowed`."""
     limits = {"minimum": field.minimum, "maximum": field.maximum}
     words = [] if field.choices else [allowed(float, limits)]
     return ", ".join([*(word for word in words if word), *(["or null"] if field.optional else [])])
 
 
 def _outdented(lines: str) -> str:
-    """Return a value of several lines as a separate text: its first line followed the key, without indentation."""
+    """Return a value of several lines with equal indentation, because its first line follows the key in the file."""
     first, _, rest = lines.partition("\n")
     return f"{first}\n{textwrap.dedent(rest)}"
 
@@ -245,14 +246,14 @@ class _Builder:
             key: its path.
             label: its name.
             help_text: its meaning.
-            handed: for names of keys in this section, the keys of an outer section that stand for them.
-            like: path of the section with the values that apply if this section has none.
+            handed: by names of keys in this section, the keys of an outer section that set them.
+            like: path of the section whose values apply if this section has none.
         """
         section = type(start)
         hints = cast(Mapping[str, object], get_type_hints(section))
         fields: list[FormField] = []
         groups: list[FormGroup] = []
-        # The section `noise` comes first, because it has the defaults of single robots' assumptions about noise.
+        # The section `noise` comes first, because the robots' assumed noise has its values as defaults.
         for field in sorted(dataclasses.fields(start), key=lambda field: field.name != "noise"):
             name, place = field.name, _joined(key, field.name)
             if place in SHOWN_ELSEWHERE:
@@ -329,7 +330,7 @@ class _Builder:
         return self._field(key, str, {"help": help_text}, default, [*([above] if above else []), key])
 
     def _named_sections(self, named: tuple["DataclassInstance", ...], names_at: str, like: str) -> Iterator[FormGroup]:
-        """Yield the sections that belong to the names listed at this path."""
+        """Yield the sections of the names that are listed at this path."""
         holder = names_at.rpartition(".")[0]
         node = node_at(self._tree, steps_of(names_at))
         by_default = {_name_of(section): section for section in named}
@@ -359,7 +360,7 @@ class _Builder:
         return FormGroup(key, _label(key), help_text, (), tuple(groups), repeats)
 
     def _keys(self, key: str, help_text: str) -> FormGroup:
-        """The section of a mapping: one field per entry, with any YAML as its value."""
+        """Return the section of a mapping: one field per entry, whose value can be any YAML."""
         node = node_at(self._tree, steps_of(key))
         fields = []
         for name, _ in node.entries if isinstance(node, Section) else ():
@@ -386,7 +387,7 @@ def _name_of(section: "DataclassInstance") -> str:
 
 
 def _item_class(hint: object) -> type | None:
-    """The class of a list's items, if these are sections."""
+    """Return the class of a list's items, if it is a dataclass; otherwise None."""
     item = cast(object, get_args(hint)[0]) if get_origin(hint) is tuple else None
     return item if isinstance(item, type) and dataclasses.is_dataclass(item) else None
 
@@ -421,7 +422,7 @@ def _joined(key: str, name: str) -> str:
 
 
 def _label(key: str) -> str:
-    """A name for people; names from ROS stay unchanged."""
+    """Return the name of a key for people; names from ROS are unchanged."""
     name = key.rpartition(".")[2]
     if key in _LABELS:
         return _LABELS[key]

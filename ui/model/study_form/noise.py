@@ -22,7 +22,8 @@ _ALMOST_NONE = 1e-3
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CourseComparison:
-    """Drives of one course with the odometry's noise and with the particle filter's motion model, and a comparison."""
+    """Drives of one course with the odometry's noise, drives predicted by the particle filter's motion model, and a
+    comparison."""
 
     wheels: PathSpread
     believed: PathSpread
@@ -31,7 +32,7 @@ class CourseComparison:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class NoisePreview:
-    """All drawings of noise."""
+    """Drawings of all noise."""
 
     straight: CourseComparison
     square: CourseComparison
@@ -40,7 +41,7 @@ class NoisePreview:
 
 
 def noise_from_form(fields: Iterable[FormField], typed: Mapping[str, str]) -> NoiseSection:
-    """Return the noise of a form's fields. Typed values that are not in the file yet come first; invalid ones are
+    """Return the noise of a form's fields. Typed values that are not in the file yet take precedence; invalid ones are
     ignored.
 
     Args:
@@ -53,7 +54,7 @@ def noise_from_form(fields: Iterable[FormField], typed: Mapping[str, str]) -> No
         noise = preset(NoisePreset(chosen), noise)
     for field in fields:
         if chosen is not None and field.written is None and field.key not in typed:
-            continue  # its default is the previous preset's
+            continue  # its default is the value of the previous preset
         path = field.key.removeprefix("noise.")
         value = _value(field, typed.get(field.key, editable_text(field)))
         if path in TARGET_PATHS and value is not None:
@@ -72,7 +73,7 @@ def _value(field: FormField, typed: str) -> float | str | None:
 
 
 def preview_of(study: Study, noise: NoiseSection) -> NoisePreview:
-    """Return drives and a scan with this noise, by robots with the other values of the study.
+    """Return drives and a scan with this noise; all other values of the robot are those of the study.
 
     This takes about 50 ms.
     """
@@ -106,5 +107,5 @@ def _words_of(scan: RoomScan) -> str:
 
 
 def extent_of(fan: PathSpread) -> str:
-    """Return a sentence on the spread of a fan's ends."""
+    """Return a sentence on the spread of the end points of a fan of paths."""
     return f"95 % of the ends lie within ± {fan.along:.2f} m by ± {fan.across:.2f} m"

@@ -55,7 +55,7 @@ class QuestionnaireDraft(StudyDraft):
         return {key: field for key, field in _item_fields().items() if key not in taken}
 
     def _is_of(self, fault: BadFile, field: FormField) -> bool:
-        # A fault of a whole item is shown at its text.
+        # A fault of a whole item is shown at the field with its text.
         item, _, name = field.key.rpartition(".")
         return StudyDraft._is_of(self, fault, field) or (
             name == "text" and fault.path == self.path and fault.key == item
@@ -106,7 +106,8 @@ def _item_fields() -> Mapping[str, FormField]:
 
 
 def _heeded(form: FormGroup) -> FormGroup:
-    """The form with the items' common values as defaults, and without the keys that the items' scales ignore."""
+    """Return the form in which common values of the items are the defaults, without keys that the items' scales
+    ignore."""
     groups = {group.key: group for group in form.groups}
     alike = {field.label: field.value for field in groups["like"].fields}
 

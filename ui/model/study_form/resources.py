@@ -36,7 +36,7 @@ _BEGINNING = 60
 
 @dataclass(frozen=True, slots=True)
 class NamedResource:
-    """Something that a field can name.
+    """Map, file, word or program that a field can name.
 
     Attributes:
         value: the name or path to write in the study.
@@ -61,7 +61,8 @@ def resources_for(key: str, draft: StudyDraft) -> tuple[NamedResource, ...]:
 
 
 def is_named(key: str) -> bool:
-    """Return True for a field that names a map, a template set, or a file, word folder or program of a known kind."""
+    """Return True for a field that names a known resource: a map, a template set, a file, a word folder or a
+    program."""
     return _shared(key) in _FINDERS
 
 
@@ -71,12 +72,12 @@ def names_form(key: str) -> bool:
 
 
 def is_path(key: str) -> bool:
-    """Return True for a field that can name any file or folder of its kind, at any place."""
+    """Return True for a field that can name any path of the right kind of file or folder."""
     return is_named(key) and _shared(key) not in _NAMES
 
 
 def _shared(key: str) -> str:
-    """The general key for a key of a single robot or step."""
+    """Return the general form of a key that belongs to a single robot or step."""
     return re.sub(r"^steps\[\d+\]\.", "steps.", re.sub(r"^dialogue\.each\.\d+\.", "dialogue.manner.", key))
 
 
@@ -141,7 +142,7 @@ def _ros_parameters(draft: StudyDraft) -> Iterator[NamedResource]:
 
 
 def _folders(shipped_in: Path, beside: Path, mark: str) -> Iterator[tuple[str, Path]]:
-    """Yield the folders that have a file of this name, each with its name for a study."""
+    """Yield the folders that contain a file of this name, each with the value by which a study names it."""
     yield from ((path.parent.name, path.parent) for path in sorted(shipped_in.glob(f"*/{mark}")))
     yield from ((f"./{path.parent.name}", path.parent) for path in sorted(beside.glob(f"*/{mark}")))
 
@@ -172,7 +173,7 @@ def _words(draft: StudyDraft) -> Iterator[NamedResource]:
 def _languages(draft: StudyDraft) -> Iterator[NamedResource]:
     locutions, words = _rulebook(draft).locutions, _named_folder(draft, "dialogue.words")
     folders = [SHIPPED_LANGUAGES] if words is None else [SHIPPED_LANGUAGES, words]
-    # Languages of the project come first, in their own order.
+    # Languages of the project come first, in the project's order.
     for name in dict.fromkeys(name for folder in folders for name in languages_in(folder)):
         own = f", with the folder {words.name}" if words is not None and name in languages_in(words) else ""
         try:
@@ -209,7 +210,7 @@ def _texts_of_steps(draft: StudyDraft) -> Iterator[NamedResource]:
 
 
 def _yaml_beside(draft: StudyDraft) -> Iterator[Path]:
-    """Yield the YAML files in the folder and in its folders."""
+    """Yield the YAML files in the folder and in its subfolders."""
     for pattern in ("*", "*/*"):
         yield from sorted(path for path in draft.path.parent.glob(pattern) if path.suffix in _YAML and path.is_file())
 
@@ -230,7 +231,7 @@ def _installed(kind: PluginKind) -> Iterator[NamedResource]:
 
 
 def _rulebook(draft: StudyDraft) -> Rulebook:
-    """The study's dialogue games; those of the project if its own have faults."""
+    """Return the study's dialogue games; if they have faults, return those of the project."""
     games = _named_folder(draft, "dialogue.games")
     with suppress(BadFile):
         return read_rulebook((SHIPPED_GAMES,) if games is None else (SHIPPED_GAMES, games))
@@ -238,19 +239,19 @@ def _rulebook(draft: StudyDraft) -> Rulebook:
 
 
 def _named_folder(draft: StudyDraft, key: str) -> Path | None:
-    """The folder that another field names."""
+    """Return the folder that another field names."""
     field = draft.fields()[key]
     return None if field.value == "null" else draft.path.parent / editable_text(field)
 
 
 def _holding(beside: Path, files: str, wanted: Callable[[set[str]], object]) -> Sequence[Path]:
-    """Return the folders next to a study that have a YAML file with the wanted keys."""
+    """Return the folders next to a study that contain a YAML file with the wanted keys."""
     folders = sorted(path for path in beside.iterdir() if path.is_dir())
     return [folder for folder in folders if any(wanted(_keys_of(path)) for path in sorted(folder.glob(files)))]
 
 
 def _keys_of(path: Path) -> set[str]:
-    """Return the keys on the first level of a YAML file; empty if the file cannot be read."""
+    """Return the top-level keys of a YAML file; empty if the file cannot be read."""
     try:
         tree = parse(path, read_text(path))
     except BadFile:
@@ -278,4 +279,4 @@ _FINDERS: Mapping[str, Callable[[StudyDraft], Iterator[NamedResource]]] = {
     "steps.text": _texts_of_steps,
 }
 _NAMES = frozenset({"dialogue.language", "dialogue.author", "dialogue.strategy", "dialogue.manner.strategy"})
-"""Fields that name no files."""
+"""Fields whose values are names, not paths of files."""

@@ -17,7 +17,7 @@ class TemplateDraft:
 
     Attributes:
         folder: folder of the set.
-        texts: text of each edited file, by its path in the folder.
+        texts: text of each edited file, by its path within the folder.
         templates: the set; None while there are faults.
         faults: all faults; those of edited files have the paths of the files.
     """
@@ -31,7 +31,7 @@ class TemplateDraft:
 def edited_names(folder: Path) -> tuple[str, ...]:
     """Return the paths in a set's folder of the files that people write.
 
-    These are the sentences, the list of treasures, and the words in further languages that the set has.
+    These are the sentences, the list of treasures, and the words in the set's further languages.
     """
     names = (DIALOGUE_TEXT, WORDS)
     beside = [f"{language}/{name}" for language in languages_beside(folder, names) for name in names]
@@ -43,13 +43,14 @@ def edited_names(folder: Path) -> tuple[str, ...]:
 
 
 def template_draft(folder: Path, texts: Mapping[str, str], pictures: Mapping[str, bytes]) -> TemplateDraft:
-    """Check texts and pictures in place of a set's files; nothing is written into its folder.
+    """Check a set in which these texts and pictures replace its files; nothing is written into its folder.
 
-    They are checked in a folder of links, because the reader of sets only reads folders.
+    The check uses a temporary folder of links, because the reader of sets only reads folders.
 
     Args:
         folder: folder of the set.
-        texts: text of each edited file, by its path in the folder; all files of a language's folder together.
+        texts: text of each edited file, by its path within the folder. If a file of a language's folder is edited, all
+            files of that folder are given.
         pictures: new or replaced image files, by name.
     """
     with tempfile.TemporaryDirectory(prefix="thbridge-") as scratch:

@@ -10,7 +10,7 @@ from ui.model.template_set.sheet import Changed, Sheet, SheetColumn, Texts, free
 
 
 class ListSheet(Sheet):
-    """The lines of a list of 2016; the copy for the participant's machine is changed in the same way."""
+    """Lines of a list of 2016. The copy of the list for the participant's machine gets the same changes."""
 
     def __init__(self, texts: Texts, pictures: Sequence[str]) -> None:
         self._texts = texts
@@ -82,7 +82,7 @@ class ListSheet(Sheet):
         return done
 
     def _lines(self, name: str = TREASURES) -> list[int]:
-        """Indices of the lines with treasures; the first nonempty line is the number of rooms."""
+        """Return the indices of the lines with treasures; the first nonempty line has the number of rooms."""
         return [index for index, line in enumerate(self._texts[name].split("\n")) if line.strip()][1:]
 
 

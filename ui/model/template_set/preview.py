@@ -25,13 +25,13 @@ _HEADINGS = {
     Scenario.TAKE_TREASURE: "Before a treasure is named",
 }
 _GAME = Study().game
-"""Usual numbers of a game, for sentences that name energy and costs."""
+"""Game with the default numbers, for sentences that name energy and costs."""
 _COSTS = {Scenario.TAKE_PICTURE: _GAME.picture_cost, Scenario.TAKE_TREASURE: _GAME.identify_cost}
 
 
 @dataclass(frozen=True, slots=True)
 class PreviewPlace:
-    """The room in the sentences of a preview.
+    """Room that the sentences of a preview name.
 
     Attributes:
         room: the room.
@@ -49,7 +49,7 @@ NOWHERE = PreviewPlace(Room(4), "Kitchen", 13.0)
 
 
 def place_on(arena: Map) -> PreviewPlace:
-    """Return the last room of a map, with its name and the cost of going there by the map's own times."""
+    """Return the last room of a map, with its name and the cost of a move there by the map's own times."""
     entry = arena.rooms[-1]
     cost = NOWHERE.cost if arena.costs is None else read_map_times(arena.costs).cost(CORRIDOR, entry.room)
     return PreviewPlace(entry.room, arena.room_names.name(entry.room.people), cost)
@@ -72,7 +72,7 @@ def sentences(
     Args:
         templates: the set.
         place: room of the sentences.
-        kind: kind of the treasure there. If None, it is the first.
+        kind: kind of the treasure there. If None, it is the first kind of the set.
         texts: texts of the language. If None, they are those of the set's language, or English.
     """
     kind = kind or templates.kinds[0]
@@ -100,7 +100,7 @@ def sentences(
 
 
 def texts_of(templates: TemplateSet) -> Texts:
-    """Return the texts of a set's own language, or the English ones if the language is missing or unknown."""
+    """Return the texts of a set's own language, or the English ones if the set names no language or an unknown one."""
     known = languages_in(SHIPPED_LANGUAGES)
     return shipped_texts(templates.language if templates.language in known else ENGLISH)
 
@@ -114,7 +114,7 @@ def translations(
         templates: the set.
         folder: folder of the set.
         place: room of the sentences, without its name, which is in another language.
-        kind: kind of the treasure there. If None, it is the first.
+        kind: kind of the treasure there. If None, it is the first kind of the set.
     """
     for language in templates.words:
         yield f"In {language}:"

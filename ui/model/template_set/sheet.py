@@ -1,4 +1,4 @@
-"""Table of treasures or properties in the text of their file, and the results of changes."""
+"""Tables of treasures or properties in the text of their file, and the texts after changes."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Collection, Mapping
@@ -37,7 +37,7 @@ class SheetColumn:
 
 
 class Sheet(ABC):
-    """A table for the text of a file.
+    """Table that shows the text of a file.
 
     Attributes:
         columns: its columns.
@@ -56,7 +56,7 @@ class Sheet(ABC):
 
     @abstractmethod
     def add(self, like: int | None = None) -> Changed:
-        """Add a row at the end, like row `like` except for its name. If None, the row is new."""
+        """Add a row at the end: a copy of row `like` with another name. If None, add a new row."""
 
     @abstractmethod
     def remove(self, row: int) -> Changed:
@@ -64,7 +64,7 @@ class Sheet(ABC):
 
     @abstractmethod
     def cell_of(self, fault: BadFile) -> tuple[int, int] | None:
-        """Return the row and column of a fault; None if it concerns no cell."""
+        """Return the row and column of a fault; None if the fault concerns no cell."""
 
 
 def free_name(name: str, taken: Collection[str]) -> str:

@@ -1,6 +1,6 @@
-"""Sheets for a `treasures.yaml`: its treasures, and the properties that it declares.
+"""Sheets of a `treasures.yaml`: its treasures, and the properties that it declares.
 
-A change of a cell changes only this value in the text; comments and layout stay.
+A change of a cell changes only its value in the text; comments and layout remain.
 """
 
 import re
@@ -58,7 +58,7 @@ class _YamlSheet(Sheet):
         taken = {row[self._paths().index(_NAME)] for row in self.rows}
         entry[_NAME] = free_name(entry[_NAME], taken)
         item = _entry_as_yaml(entry, self.columns)
-        # A list without items may be missing, or be `[]`.
+        # The key of a list without items can be missing, or have the value `[]`.
         if self._count == 0:
             return _in_yaml(self._written(self._text, self.key, f"[{item}]"))
         return _in_yaml(self._written(self._text, f"{self.key}[{self._count}]", item))
@@ -68,7 +68,7 @@ class _YamlSheet(Sheet):
         return _in_yaml(without(self._text, f"{self.key}[{row}]", self._tree))
 
     def cell_of(self, fault: BadFile) -> tuple[int, int] | None:
-        """Return the row and column of a fault; for a fault of a whole entry, its first cell."""
+        """Return the row and column of a fault; a fault of a whole entry is shown in its first cell."""
         key = "" if fault.key is None else fault.key
         for row in range(self._count):
             for column, path in enumerate(self._paths()):
@@ -144,7 +144,8 @@ class PropertySheet(_YamlSheet):
     def put(self, row: int, column: int, typed: str) -> Changed:
         """Change a cell.
 
-        Treasures and sentences follow a new name of a property, and treasures follow a renamed value.
+        If a property is renamed, treasures and sentences get its new name; if a value is renamed, treasures get the new
+        value.
         """
         done = super().put(row, column, typed)
         if isinstance(done, RequestRefused) or not done:
@@ -253,7 +254,7 @@ def _in_yaml(text: str | RequestRefused) -> Changed:
 
 
 def _spoken(node: Node | None) -> str:
-    """A value as people type it."""
+    """Return a value as people type it."""
     match node:
         case Scalar():
             return "" if node.absent else node.text
@@ -267,7 +268,7 @@ _TEXT = SheetColumn("", "")
 
 
 def _as_yaml(typed: str, column: SheetColumn = _TEXT) -> str:
-    """A value in the form of the file, on one line."""
+    """Return a value in the form of the file, on one line."""
     if column.is_list:
         return f"[{', '.join(_as_yaml(part.strip()) for part in typed.split(',') if part.strip())}]"
     bare = is_plain_word(typed) or (column.is_number and _NUMBER.fullmatch(typed) is not None)
@@ -275,7 +276,7 @@ def _as_yaml(typed: str, column: SheetColumn = _TEXT) -> str:
 
 
 def _entry_as_yaml(entry: Mapping[str, str], columns: Sequence[SheetColumn]) -> str:
-    """An entry in braces; keys with a dot belong to an inner mapping."""
+    """Return an entry in braces; keys with a dot belong to an inner mapping."""
     own, values = [], []
     for column in columns:
         typed = entry.get(column.path, "")

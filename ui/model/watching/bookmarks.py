@@ -41,7 +41,7 @@ def clock(seconds: float) -> str:
 
 
 def parse_clock(text: str) -> float | None:
-    """Return the seconds of a typed time such as "83.4", "1:23.4" or "0:01:23"; None if it is no time."""
+    """Return the seconds in a typed time such as "83.4", "1:23.4" or "0:01:23"; None if the text is not a time."""
     parts = text.strip().replace(",", ".").split(":")
     if len(parts) > 3 or not all(part.isdecimal() for part in parts[:-1]):
         return None

@@ -9,7 +9,8 @@ import numpy as np
 from sim.numerics.float_array import FloatArray
 
 MAX_SAMPLES = 20_000
-"""Number of samples in a curve: half an hour of ten per second in full, then thinner and thinner in the older half."""
+"""Greatest number of samples in a curve: half an hour at ten per second. Longer curves keep fewer samples in their
+older half."""
 
 MAX_LINE_POINTS = 1000
 """Largest number of points in a line on the map."""
@@ -22,7 +23,7 @@ class Curve:
 
     Args:
         columns: number of values in a sample, in addition to its time.
-        peaks: if True, the neighbor with the greater first value stays; otherwise the later one stays.
+        peaks: True to keep the neighbor with the greater first value; False to keep the later neighbor.
         most: largest number of samples; at least 4.
 
     Attributes:
@@ -51,21 +52,21 @@ class Curve:
         self.time = time
 
     def rows(self, until: float = np.inf) -> FloatArray:
-        """(n, 1 + columns) times and values of the samples up to a time, inclusive."""
+        """Return (n, 1 + columns) times and values of the samples up to a time, inclusive."""
         times = self._rows[: self._count, 0]
         return self._rows[: int(np.searchsorted(times, until, side="right"))].copy()
 
     def path(self, until: float, since: float = -math.inf, cuts: Sequence[float] = ()) -> FloatArray:
-        """(k, 2) the first two values of the samples after one time and up to another, as a line.
+        """Return (k, 2) the first two values of the samples after one time and up to another, as a line.
 
-        From many samples, only every second, fourth, ... is in the line.
+        If there are many samples, the line has only every second, fourth, ... of them.
 
-        Returns the same array as long as the line is the same.
+        The array is the same object as long as the line does not change.
 
         Args:
             until: latest time of the last sample.
             since: time before the first sample.
-            cuts: times at which the line continues elsewhere, in order; a row of NaN marks each.
+            cuts: times at which the line is interrupted, in order; a row of NaN marks each interruption.
         """
         times = self._rows[: self._count, 0]
         count = self._count if until >= self.time else int(np.searchsorted(times, until, side="right"))
@@ -91,13 +92,13 @@ class Curve:
 
 
 def joined(pieces: Sequence[FloatArray]) -> FloatArray:
-    """(k, 2) pieces of a line, with a row of NaN between each two pieces."""
+    """Return (k, 2) pieces of a line, with a row of NaN between each two pieces."""
     gap = np.full((1, 2), np.nan)
     return np.concatenate([part for piece in pieces for part in (gap, piece)][1:])
 
 
 def broken(rows: FloatArray, gaps: Sequence[float]) -> FloatArray:
-    """(m, 1 + columns) samples of a curve, with a row of NaN where a gap lies between two samples."""
+    """Return (m, 1 + columns) samples of a curve, with a row of NaN at each gap between two samples."""
     after = np.searchsorted(rows[:, 0], gaps)
     inside = (after > 0) & (after < len(rows))
     empty = np.full((int(inside.sum()), rows.shape[1]), np.nan)
@@ -106,7 +107,8 @@ def broken(rows: FloatArray, gaps: Sequence[float]) -> FloatArray:
 
 
 def as_steps(rows: FloatArray, end: float) -> FloatArray:
-    """(2 n, 1 + columns) samples as a line of steps: each value holds until the next one, the last one until the end.
+    """Return (2 n, 1 + columns) samples as a line of steps: each value lasts until the next sample, the last one until
+    the end.
 
     Args:
         rows: (n, 1 + columns) of a curve that has a sample only when something changes.

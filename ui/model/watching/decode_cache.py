@@ -12,7 +12,7 @@ class DecodeCache(Generic[T]):
     """Values of the last message of each topic, each decoded only once.
 
     Args:
-        unpack: makes a value of a message's bytes; raises ValueError if it cannot.
+        unpack: function that decodes the bytes of a message; it raises ValueError if they are malformed.
     """
 
     def __init__(self, unpack: Callable[[bytes], T]) -> None:
@@ -20,7 +20,7 @@ class DecodeCache(Generic[T]):
         self._known: dict[str, tuple[bytes, T | None]] = {}
 
     def of(self, message: WatchedMessage | None) -> T | None:
-        """The value of a message; None if there is no message, or it cannot be read."""
+        """Return the value of a message; None if there is no message, or it cannot be read."""
         if message is None:
             return None
         known = self._known.get(message.topic)

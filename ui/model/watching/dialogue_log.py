@@ -9,7 +9,7 @@ from thbridge.dialogue.portrait import DialoguePortrait, read_portrait
 from thbridge.ros.messages.session_records import DialogueMoveRecord, DialogueStateRecord
 
 MAX_KEPT = 20_000
-"""Number of moves kept for a robot, and of states; beyond it the oldest are dropped."""
+"""Greatest number of moves kept for a robot, and of states; beyond it, the oldest are dropped."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,7 +48,8 @@ class DialogueLog:
             del states[: MAX_KEPT // 10]
 
     def course(self, robot: int, since_ns: int, until_ns: int) -> DialogueCourse:
-        """Return the latest dialogue of a robot at a time; empty if the robot has not argued since another one."""
+        """Return the latest dialogue of a robot at a time; empty if the robot has not argued since another dialogue
+        began."""
         moves, states = self._moves.get(robot, []), self._states.get(robot, [])
         end = begin = _until(moves, until_ns)
         while begin and moves[begin - 1][0] >= since_ns and moves[begin - 1][1].talk == moves[end - 1][1].talk:
@@ -60,7 +61,7 @@ class DialogueLog:
         return DialogueCourse(tuple(moves[begin:end]), portrait)
 
     def _portrait(self, robot: int, state: DialogueStateRecord) -> DialoguePortrait:
-        """Parse a state; the last result is kept, because the same state is often requested again."""
+        """Parse a state. The last result is kept, because the same state is often requested repeatedly."""
         known, portrait = self._read.get(robot, (None, DialoguePortrait()))
         if known is not state:
             try:

@@ -1,4 +1,4 @@
-"""Words of the researcher's window for a dialogue: its course, beliefs, stores and arguments, row by row."""
+"""Rows of words about a dialogue for the researcher's window: its moves, beliefs, stores and arguments."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from enum import StrEnum
@@ -68,7 +68,8 @@ def rows(shown: DialogueList, portrait: DialoguePortrait) -> Iterator[tuple[str,
 
 
 def describe_attacks(portrait: DialoguePortrait) -> str:
-    """Return sentences on the arguments, their attacks and those that stand, for people who do not see the picture."""
+    """Return sentences on the arguments, their attacks and the accepted arguments, for people who do not see the
+    picture."""
     return " ".join(
         ". ".join(part for part in _argument(place, argument, portrait) if part) + "."
         for place, argument in enumerate(portrait.arguments)
@@ -84,7 +85,7 @@ def _argument(place: int, argument: PortrayedArgument, portrait: DialoguePortrai
 
 
 def holders(argument: PortrayedArgument) -> str:
-    """Return the sides that hold all parts of an argument; "both in part" if no side does."""
+    """Return the sides that hold all parts of an argument; "both in part" if no side holds all parts."""
     return " and ".join(SIDES[side] for side in argument.sides if side in SIDES) or "both in part"
 
 

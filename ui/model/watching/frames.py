@@ -24,7 +24,7 @@ _POSE = 56
 
 
 def namespace_of_tf(topic: str) -> str:
-    """The namespace of a tf topic: "" for /tf, "robot1" for /robot1/tf."""
+    """Return the namespace of a tf topic: "" for /tf, "robot1" for /robot1/tf."""
     return topic.strip("/").rpartition("/")[0]
 
 
@@ -56,8 +56,8 @@ class Frames:
 
     Args:
         messages: tf messages, oldest first; unreadable ones are ignored.
-        mapped: whether there is a map. If there is none, poses are relative to the root of each tree of frames, which
-            usually is odometry.
+        mapped: True if there is a map. If there is none, poses are relative to the root of each tree of frames, which
+            is usually the odometry frame.
     """
 
     def __init__(self, messages: Iterable[WatchedMessage], mapped: bool = True) -> None:
@@ -75,7 +75,7 @@ class Frames:
         self._poses: dict[str, FloatArray | None] = {}
 
     def pose(self, frame: str, owner: str = "") -> FloatArray | None:
-        """(4, 4) pose of a frame on the map; None if no transforms connect the two.
+        """Return the (4, 4) pose of a frame on the map; None if no transforms connect the frame with the map.
 
         Args:
             frame: name of the frame.
@@ -85,7 +85,7 @@ class Frames:
         return self._pose(name if name in self._above else frame_name(frame))
 
     def planar(self, frame: str, owner: str = "") -> Pose2 | None:
-        """Like `pose`, in the plane."""
+        """Return the same as `pose`, in the plane."""
         found = self.pose(frame, owner)
         return None if found is None else PlanarMount.of(found).laser_in_base
 

@@ -1,4 +1,4 @@
-"""State of a running session, from its messages as they arrive."""
+"""State of a running session, updated by its messages as they arrive."""
 
 import math
 from bisect import bisect_right
@@ -22,9 +22,10 @@ from ui.model.watching.session_log import SessionLog, is_logged
 REMEMBERED_NS = 2_000_000_000
 """Nanoseconds for which frames of a running session are kept: longer than the delay before a scan is drawn."""
 BACK_NS = 1_000_000_000
-"""Nanoseconds by which a robot's time must go back to prove that it belongs to another session.
+"""Nanoseconds by which a robot's time must go back to prove that its messages are from another session.
 
-Two sessions with the same study and seed send equal records of themselves. Latched messages can be older than this.
+Two sessions with the same study and random seed describe themselves by equal records. Latched messages may be older by
+more than this time.
 """
 
 
@@ -44,7 +45,7 @@ class _Snapshot:
         held = []
         for (topic, _), messages in self.recent_frames.items():
             before = bisect_right(messages, at_ns, key=lambda each: each.stamp_ns) - 1
-            # The first message after that time is better than none.
+            # The first message after that time is better than no message.
             chosen = messages[max(before, 0)]
             if topic.endswith("tf_static") or at_ns - chosen.stamp_ns <= HORIZON_NS:
                 held.append(chosen)
@@ -62,17 +63,16 @@ class _Snapshot:
 
 
 class LiveSource:
-    """A running session, as far as its messages have arrived; not thread-safe.
+    """Running session, as far as its messages have arrived; not thread-safe.
 
     Attributes:
         log: events, dialogue, lines and inputs.
         series: values over time.
         rooms: rooms of the map; another module (`ui.sources.rooms`) sets them after `session` is known.
-        sessions: number of sessions so far; when another session takes the place of the one before, all data are
-            dropped.
+        sessions: number of sessions so far; when another session replaces the previous one, all data are dropped.
         start_ns: ROS time of the first message.
-        joined_ns: ROS time of the first complete tick; None before it. From the time before, only the messages that the
-            session repeats on connection are known.
+        joined_ns: ROS time of the first complete tick; None before it. Of earlier messages, only those are known that
+            the session repeats for a new connection.
         messages: number of received messages.
     """
 
@@ -82,8 +82,8 @@ class LiveSource:
         self._scenes = SceneBuilder()
         self._sessions = DecodeCache[SessionRecord](unpack.session)
         self._received = -math.inf
-        # Messages since a session introduced itself. The stamp of its robots' first tf message shows which session they
-        # belong to: if the session is new, it receives them again.
+        # Messages since a session introduced itself. The stamp of the robots' first tf message shows if the session is
+        # a new one. In this case, these messages are processed again after all earlier data are dropped.
         self._opening: list[WatchedMessage] | None = None
         self._begin()
 
@@ -103,7 +103,7 @@ class LiveSource:
 
     @property
     def session(self) -> SessionRecord | None:
-        """The session's description of itself; None until it has come."""
+        """Description that the session has sent of itself; None until it has arrived."""
         return self._sessions.of(self._snapshot.newest(names.SESSION))
 
     @property
@@ -117,16 +117,16 @@ class LiveSource:
             self._take(message)
         if messages:
             self._received = now
-        # Frames distinguish the robots: a message before the first tf could be assigned to the wrong robot.
+        # Frames distinguish the robots. Messages before the first tf message could be assigned to a wrong robot.
         if self._tf_ns:
             self._assign()
 
     def stale_for(self, now: float) -> float:
-        """Seconds since the last message arrived; infinite before the first."""
+        """Return the seconds since the last message arrived; infinite before the first."""
         return now - self._received
 
     def scene(self, shown: ShownLayers) -> Scene:
-        """The present scene."""
+        """Return the present scene."""
         watched = SceneInputs(self._robots, self._discovery.mapped, self.series, self.log, self.rooms, self.start_ns)
         return self._scenes.build(self._snapshot, watched, shown)
 
@@ -138,7 +138,7 @@ class LiveSource:
             elif before is not None:
                 self.series.interrupt(self._snapshot.at_ns)
             self._opening = []
-            # A session that connects again repeats entries that the log already has.
+            # After a reconnection, a session repeats entries that the log already has.
             self._logged_ns = self._snapshot.at_ns if self.messages else -1
         if message.msgtype in TF_TYPES and not message.topic.endswith("tf_static"):
             opening, self._opening = self._opening, None
@@ -175,7 +175,7 @@ class LiveSource:
         self._unassigned.append(message)
 
     def _assign(self) -> None:
-        """Assign messages to robots. Robots are recognized only once for all new topics, because this is slow."""
+        """Assign messages to robots. The search for robots runs only once for all new topics, because it is slow."""
         if self._new_topics:
             self._new_topics = False
             self._robots = self._discovery.robots()

@@ -30,7 +30,7 @@ class WatchedMessage(Protocol):
 
 
 class TopicSnapshot(Protocol):
-    """The last message of each topic at one moment."""
+    """Last message of each topic at one moment."""
 
     @property
     def at_ns(self) -> int:
@@ -41,7 +41,7 @@ class TopicSnapshot(Protocol):
         """The type of each topic, by its name; topics without a message can be included."""
 
     def newest(self, topic: str) -> WatchedMessage | None:
-        """The last message of a topic."""
+        """Return the last message of a topic."""
 
     def frames(self, at_ns: int) -> Sequence[WatchedMessage]:
-        """Messages of tf with the frames at a time not later than this moment, oldest first."""
+        """Return tf messages with the frames at a time that is not later than this moment, oldest first."""

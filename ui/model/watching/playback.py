@@ -1,9 +1,8 @@
-"""Position in a recording that plays, stands, or is searched."""
+"""Position in a recording that is played, paused or searched."""
 
 
 class Playback:
-    """A position that moves with time; its methods have an argument for the present time, in seconds that never go
-    back.
+    """Position that moves with time; its methods have an argument for the present time, in seconds that never decrease.
 
     Args:
         start_ns: the first position.
@@ -13,7 +12,7 @@ class Playback:
         at_ns: the position, nanoseconds of ROS time.
         speed: recorded seconds per second while it plays.
         playing: True while it moves.
-        loop: first and last position of a loop. If None, it plays to the end.
+        loop: first and last position of a loop. If None, the recording is played to the end.
     """
 
     def __init__(self, start_ns: int, end_ns: int) -> None:
@@ -37,7 +36,7 @@ class Playback:
         return self.at_ns
 
     def play(self, now: float, on: bool = True) -> None:
-        """Play from here, or from the beginning if the end is reached; or stop."""
+        """Play from here, or from the beginning if the end is reached; or pause."""
         self.advance(now)
         if on and self.at_ns >= self._end_ns:
             self.at_ns = self._start_ns
@@ -49,7 +48,7 @@ class Playback:
         self.speed = speed
 
     def seek(self, at_ns: int) -> None:
-        """Go to a moment; if it is playing, it continues from there."""
+        """Go to a moment; if the recording is playing, it continues from there."""
         self.at_ns = self._within(at_ns)
 
     def _within(self, at_ns: int) -> int:

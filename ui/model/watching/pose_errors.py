@@ -12,21 +12,21 @@ from ui.model.watching.curves import Curve
 from ui.model.watching.messages import WatchedMessage
 
 _TRUTHS = 1024
-"""Number of true poses kept for estimates that arrive later: ten seconds at 100 per second."""
+"""Number of true poses kept for estimates that arrive later: those of ten seconds at 100 per second."""
 _WAITING = 64
-"""Number of estimates that wait for the true pose at their time; beyond it the oldest is dropped."""
+"""Greatest number of estimates that wait for the true pose at their time; beyond it, the oldest is dropped."""
 _STALE = 1.0
-"""Seconds between two true poses beyond which the poses in between are unknown."""
+"""Greatest number of seconds between two true poses for which the poses between them are interpolated."""
 _REPEATS = 3
-"""Number of true poses in a row with one stamp after which stamps are ignored."""
+"""Number of successive true poses with the same stamp after which stamps are ignored."""
 
 
 class PoseErrors:
-    """Comparison of estimates with true poses of the same stamps, or of the same times of recording if stamps are
-    useless.
+    """Comparison of estimates with the true poses that have the same stamp. If stamps are useless, times of recording
+    are compared.
 
     Args:
-        errors: receives time, meters, and radians (not negative).
+        errors: curve that receives time, meters, and radians (not negative).
     """
 
     def __init__(self, errors: Curve) -> None:
@@ -38,7 +38,8 @@ class PoseErrors:
         self._waiting: list[tuple[float, Pose2]] = []
 
     def truth(self, message: WatchedMessage, time: float) -> None:
-        """Add a true pose, recorded at a time, and compare the estimates that waited for it, with interpolation."""
+        """Add a true pose that was recorded at a time. Compare it with the estimates that waited for it, by
+        interpolation."""
         stamp = self._time_of(message, time)
         if self._times and stamp <= self._times[-1]:
             self._repeats += 1
@@ -52,9 +53,9 @@ class PoseErrors:
             self._compare(*self._waiting.pop(0))
 
     def estimate(self, message: WatchedMessage | None, time: float, pose: Pose2) -> None:
-        """Add an estimate and its message.
+        """Add an estimate with its message.
 
-        If `message` is None, it comes from frames, which have no stamp of their own.
+        If `message` is None, the estimate comes from tf frames, which have no separate stamp.
         """
         if message is None and self._by_stamp:
             self._forget_stamps()
@@ -67,7 +68,8 @@ class PoseErrors:
             self._waiting.pop(0)
 
     def _time_of(self, message: WatchedMessage, time: float) -> float:
-        """The time in the message's header, if it is comparable with others; otherwise the time of recording."""
+        """Return the time in the message's header if it can be compared with others; otherwise the time of
+        recording."""
         if self._by_stamp:
             stamp_ns, _ = Cursor(message.data).header()
             late_ns = message.stamp_ns - stamp_ns
@@ -105,7 +107,7 @@ class PoseErrors:
 
 
 def pose_of(message: WatchedMessage) -> Pose2:
-    """The pose in an odometry message, or in a pose message with or without covariance."""
+    """Return the pose in an odometry message, or in a pose message with or without covariance."""
     match message.msgtype:
         case types.ODOMETRY:
             return unpack.odometry(message.data).pose

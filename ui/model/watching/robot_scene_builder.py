@@ -38,7 +38,7 @@ STALE_NS = 500_000_000
 CHI_SQUARE_95 = 5.991
 """95 % quantile of the chi-square distribution with two degrees of freedom.
 
-An ellipse of this many variances contains 95 of 100 places.
+An ellipse with a squared radius of this many variances contains 95 of 100 places.
 """
 
 
@@ -79,7 +79,7 @@ class SceneContext:
         diagnoses: diagnoses by name of the part.
         series: values over time.
         time: seconds since the beginning.
-        begun: seconds from there to the beginning of the game, when robots are put back to their starts.
+        begun: beginning of the game, when robots return to their starts; in the same seconds as `time`.
         shown: the layers to show.
         decoded: decoded values of messages.
     """
@@ -108,7 +108,7 @@ class RobotSceneBuilder:
         """Return the scene of the robot.
 
         Args:
-            commander: commander in words; empty for the participant.
+            commander: commander in words; empty if the participant commands the robot.
             `carried`: times at which a person moved the robot by hand, in order.
         """
         robot, shown, dead = self._robot, self._context.shown, self._dead()
@@ -164,9 +164,9 @@ class RobotSceneBuilder:
         return None if framed_pose is None else framed_pose.pose
 
     def _estimate(self) -> Pose2 | None:
-        """Its odometry under the last correction of its localizer.
+        """Return the robot's odometry, corrected by its localizer.
 
-        Without a correction, it is the localizer's pose, or else the odometry's.
+        Without a correction, return the pose from tf frames or, if there is none, the localizer's pose.
         """
         robot, odometry, belief = self._robot, self._odometry, self._belief
         if odometry is not None:
@@ -186,7 +186,7 @@ class RobotSceneBuilder:
         return None if frame_in_map is None else frame_in_map.compose(pose)
 
     def _tracks(self, carried: Sequence[float]) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Its paths in this game: true, estimated, and by odometry."""
+        """Return the robot's paths in this game: true, estimated, and by odometry."""
         series, time, begun = self._context.series.of(self._robot.robot), self._context.time, self._context.begun
         gaps = self._context.series.gaps
         driven = series.odometry.path(time, begun, gaps)
@@ -207,7 +207,8 @@ class RobotSceneBuilder:
         return np.column_stack((frame_in_map.transform(cloud[:, :2]), turned))
 
     def _scan(self) -> FloatArray:
-        """End points, seen from its estimated pose at the time of the scan; they stay there until the next scan."""
+        """Return the end points of beams, as seen from the estimated pose at the time of the scan; they do not move
+        until the next scan."""
         message, known = self._newest(self._robot.scan), self._context.decoded.scans
         if message is None:
             return NO_POINTS
@@ -254,7 +255,7 @@ class RobotSceneBuilder:
         return self._on_map(goal.frame, goal.pose)
 
     def _state(self, dead: bool) -> tuple[str, bool]:
-        """Its activity in words, and True if that needs attention."""
+        """Return the robot's activity in words, and True if it needs attention."""
         if dead:
             return "software stopped", True
         parts = {part: self._context.diagnoses.get(f"{self._robot.key}: {part}") for part in _PARTS}
@@ -277,7 +278,8 @@ def thinned(cloud: FloatArray, most: int = THINNED) -> FloatArray:
 
 
 def ellipse_of(covariance: FloatArray) -> Ellipse | None:
-    """Ellipse that contains 95 of 100 places, from a (3, 3) covariance of x, y, theta; None if it is no covariance."""
+    """Return the ellipse that contains 95 of 100 places, from a (3, 3) covariance of x, y, theta; None if the matrix is
+    not a covariance."""
     planar = covariance[:2, :2]
     if not np.isfinite(planar).all():
         return None
@@ -291,7 +293,7 @@ def ellipse_of(covariance: FloatArray) -> Ellipse | None:
 
 
 def end_points(scan: LaserScan, laser_in_map: FloatArray) -> FloatArray:
-    """(m, 2) points on the map where beams hit something; beams without a hit are left out.
+    """Return (m, 2) points on the map where beams hit something; beams without a hit are left out.
 
     Args:
         scan: scan of a laser.

@@ -1,4 +1,4 @@
-"""Robots in a stream of messages, and the topics of each robot."""
+"""Recognition of robots in a stream of messages, and of the topics of each robot."""
 
 import re
 from collections.abc import Callable, Collection, Mapping
@@ -80,7 +80,7 @@ class RobotDiscovery:
         topics: the type of each topic.
         children: by odometry topic, the child frame of its messages.
         edges: edges of tf (namespace, parent, child) that start from odometry frames.
-        mapped: True after a message about a map.
+        mapped: True after a message with a map.
     """
 
     topics: dict[str, str] = field(default_factory=dict)
@@ -89,7 +89,7 @@ class RobotDiscovery:
     mapped: bool = False
 
     def take(self, message: WatchedMessage) -> None:
-        """Add a message; of an unreadable one, only the topic counts."""
+        """Add a message. If its content cannot be read, only its topic is used."""
         self.topics[message.topic] = message.msgtype
         self.mapped |= message.msgtype == types.OCCUPANCY_GRID and "costmap" not in message.topic
         try:
@@ -104,7 +104,7 @@ class RobotDiscovery:
             return
 
     def robots(self) -> tuple[WatchedRobot, ...]:
-        """The robots, in the order of their numbers."""
+        """Return the robots, in the order of their numbers."""
         others = [
             topic
             for topic, msgtype in self.topics.items()
@@ -127,7 +127,7 @@ class RobotDiscovery:
         base = self.children.get(odom or "", "") or next(
             (child for _, _, child in sorted(self.edges) if prefix_of(child) == key or len(keys) == 1), ""
         )
-        # Other actions have goals and states, too.
+        # Actions other than move_base also have goals and states.
         moves = {topic: msgtype for topic, msgtype in own.items() if "move_base" in topic}
         return WatchedRobot(
             robot=robot,
@@ -152,7 +152,8 @@ class RobotDiscovery:
         )
 
     def _owner(self, topic: str, keys: Collection[str]) -> str:
-        """The robot of a topic: the prefix of its messages' frame, if that is a robot's, otherwise the namespace."""
+        """Return the robot of a topic: the prefix of its messages' frame if that is a robot's prefix, otherwise the
+        namespace."""
         prefix = prefix_of(self.children.get(topic, ""))
         return prefix if prefix and prefix in keys else owner_of(topic, keys)
 
@@ -160,7 +161,7 @@ class RobotDiscovery:
 def _first(
     topics: Mapping[str, str], msgtype: str, wanted: Callable[[str], bool], usual: tuple[str, ...]
 ) -> str | None:
-    """The usual topic among the wanted topics of a type."""
+    """Return the wanted topic with this type that has the usual name, or otherwise the first one."""
     found = usual_first(
         (topic for topic, found_type in topics.items() if found_type == msgtype and wanted(topic)), usual
     )

@@ -1,4 +1,5 @@
-"""A session at one moment, as a researcher sees it: the true state, robots' beliefs, and everything that moves robots.
+"""A session at one moment, as a researcher sees it: the true state, the robots' beliefs, and everything that moves
+robots.
 
 Everything is in the map frame, meters and radians, unless stated otherwise.
 """
@@ -20,10 +21,10 @@ NO_POSES: FloatArray = np.empty((0, 3))
 
 @dataclass(frozen=True, slots=True)
 class ShownLayers:
-    """Layers to show on the map; messages of the other layers are not decoded, and are missing in the scene.
+    """Layers to show on the map. Messages of other layers are not decoded, and the scene does not contain them.
 
     Attributes:
-        selected: the robot with all its particles and its costmaps.
+        selected: robot that is shown with all its particles and its costmaps.
         clouds: particles.
         scans: end points of laser beams.
         global_costmap: global costmap of the selected robot.
@@ -50,8 +51,8 @@ class RobotScene:
         name: name for people: "robot 1", or the robot's namespace in a foreign bag.
         truth: its true pose; None if it is not published.
         estimate: its estimated pose: odometry under the localizer's last correction.
-        error: distance between the two in meters; None if one is missing.
-        ellipse: ellipse with 95 % of its belief, by the last message of its localizer.
+        error: distance between `truth` and `estimate` in meters; None if one of them is missing.
+        ellipse: ellipse with 95 % of its belief, from the last message of its localizer.
         deviation: standard deviation of the position, meters.
         odometry_path: (k, 2) its path by wheel odometry, placed so that it ends at the estimate.
         truth_path: (k, 2) its true path; a row of NaN where a person moved the robot by hand.
@@ -59,16 +60,16 @@ class RobotScene:
         cloud: (n, 3) particles, x, y, theta; a subset unless the robot is selected.
         scan: (m, 2) end points of the beams that hit something, seen from the estimate at the time of the scan.
         global_costmap: 0 free, 99 inscribed, 100 lethal, -1 unknown, others between.
-        local_costmap: same values.
+        local_costmap: same values as `global_costmap`.
         plan: (p, 2) the whole path to the goal.
-        local_plan: (q, 2) the path of the next moments.
+        local_plan: (q, 2) the next part of the path, from the local planner.
         footprint: (v, 2) corners of its body at its estimated pose.
         goal: pose of its goal; None at rest.
         energy: energy left, in units of the game, or in percent if a bag has nothing else.
         speed: by its odometry, m/s.
         state: its activity, in words; empty if it is not published.
         trouble: True if the state needs attention.
-        dead: True if its software has fallen silent, while its true pose is still published.
+        dead: True if its software sends nothing more, but its true pose is still published.
         commander: the other party that commands it, in words; empty if the participant commands it.
     """
 
@@ -108,7 +109,7 @@ class ThingScene:
 
 @dataclass(frozen=True, slots=True)
 class PendingTurn:
-    """A robot's turn that waits for a person, in a dialogue.
+    """Robot's turn in a dialogue in which a person must choose the move.
 
     Attributes:
         dialogue: number of the dialogue.
@@ -129,12 +130,12 @@ class PendingTurn:
 
 @dataclass(frozen=True, slots=True)
 class PendingAdvice:
-    """A participant's "don't know" that waits for a person's answer.
+    """Request for advice ("don't know") of a participant that a person must answer.
 
     Attributes:
         robot: index of the robot that was asked, from 0.
         costs: energy by the number of the room, from 1.
-        suggestion: number of the room that the robot itself would suggest. If None, it has no suggestion.
+        suggestion: number of the room that the robot would suggest. If None, it has no suggestion.
     """
 
     robot: int
@@ -173,7 +174,8 @@ class Scene:
 
 
 EntryKind = Literal["event", "said", "line", "input", "log"]
-"""The lists: the game's events, the dialogue, the protocol's lines, inputs from outside, and the ROS log."""
+"""Lists next to the map: the game's events, the dialogue, the protocol's lines, inputs from outside, and the ROS
+log."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -183,7 +185,8 @@ class Entry:
     Attributes:
         stamp_ns: its time, nanoseconds of ROS time.
         kind: the list.
-        what: an event's kind or a dialogue's scenario in words, a line's topic, an input's kind, a log line's level.
+        what: kind of an event or scenario of a dialogue in words, topic of a line, kind of an input, or level of a log
+            line.
         who: the author, for people; empty if there is none.
         robot: index of the robot concerned, or None.
         room: number of the room, from 1, or None.

@@ -26,7 +26,7 @@ from ui.model.watching.series import Series
 from ui.model.watching.session_log import RoomStatus, SessionLog
 
 FRAMES_KEPT = 8
-"""Number of moments with remembered frames: that of the scene, and those of the scans in it."""
+"""Number of moments with remembered frames: the moment of the scene, and those of the scans in it."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -51,7 +51,7 @@ class SceneInputs:
 
 
 class SceneBuilder:
-    """Builder of successive scenes; a message that is still valid in the next scene is decoded only once."""
+    """Builder of successive scenes. Each message is decoded only once, even if it is part of several scenes."""
 
     def __init__(self) -> None:
         self._decoded = DecodedTopics()
@@ -61,7 +61,7 @@ class SceneBuilder:
         self._frames: deque[tuple[tuple[bytes, ...], Frames]] = deque(maxlen=FRAMES_KEPT)
 
     def build(self, snapshot: TopicSnapshot, watched: SceneInputs, shown: ShownLayers) -> Scene:
-        """The scene at the moment of these messages."""
+        """Return the scene at the moment of these messages."""
         time = (snapshot.at_ns - watched.start_ns) / 1e9
         diagnoses = {each.name: each for each in self._diagnoses.of(snapshot.newest(names.DIAGNOSTICS)) or ()}
 

@@ -20,9 +20,9 @@ from ui.model.watching.robots import WatchedRobot
 PERIOD = 0.1
 """Shortest time between two samples, seconds."""
 ODOMETRY_TIMEOUT = 1.0
-"""Seconds within which a robot in tf should begin to publish its odometry."""
+"""Seconds within which a robot that is known from tf should begin to publish its odometry."""
 JUMPS_KEPT = 1000
-"""Number of remembered jumps of an estimate, and of gaps; a robot that is lost for long can have many jumps."""
+"""Number of remembered jumps of an estimate, and of gaps; a robot that is lost for a long time can have many jumps."""
 _SLACK = 1e-6
 
 
@@ -70,7 +70,7 @@ class Series:
 
     @property
     def topics(self) -> frozenset[str]:
-        """The topics that the series need, in addition to tf topics; all others have no effect."""
+        """Topics that the series need, in addition to tf topics; messages of all other topics have no effect."""
         return frozenset(self._handlers)
 
     def follow(self, robots: Sequence[WatchedRobot], mapped: bool) -> None:
@@ -108,12 +108,13 @@ class Series:
                 continue
 
     def interrupt(self, last_ns: int) -> None:
-        """Record that messages after this time were missed, so that the next ones do not continue the last ones."""
+        """Record that messages after this time were missed, so that no line connects the last message with the next
+        one."""
         # A tick is much longer than this nanosecond.
         self.gaps.append((last_ns - self._start_ns) / 1e9 + _SLACK)
 
     def of(self, robot: int) -> RobotSeries:
-        """The series of a robot; empty if it is unknown."""
+        """Return the series of a robot; empty if the robot is unknown."""
         builder = self._builders.get(robot)
         return RobotSeries() if builder is None else builder.series
 
@@ -195,7 +196,7 @@ class _SeriesBuilder:
         admitted = deviations(time, localised.covariance)
         if admitted is not None:
             self.series.deviations.append(*admitted)
-        # With odometry, every step is already known; this would only repeat some of them.
+        # With odometry, every estimated pose is already known; this would only repeat some of them.
         if self.robot is not None and self.robot.odom is None and is_map_frame(localised.frame):
             self._believe(message, time, localised.pose)
 
@@ -211,7 +212,7 @@ class _SeriesBuilder:
 
 
 def energy_of(charge: BatteryCharge) -> float | None:
-    """Energy left: the charge, or percent if the charge is not measured; None if neither is known."""
+    """Return the energy left: the charge, or the percentage if the charge is not measured; None if both are unknown."""
     left = charge.charge if math.isfinite(charge.charge) else 100.0 * charge.percentage
     return left if math.isfinite(left) else None
 

@@ -24,13 +24,13 @@ from ui.model.watching.messages import WatchedMessage
 from ui.model.watching.scene import Entry, EntryKind
 
 MAX_ENTRIES = 50_000
-"""Number of entries in a list; beyond it the oldest are dropped."""
+"""Greatest number of entries in a list; beyond it, the oldest are dropped."""
 TYPES = frozenset({types.GAME_EVENT, types.UTTERANCE, types.INPUT, types.LOG})
 """Types with an entry for every message."""
 LINES = frozenset({names.SEND_ROBOTS, names.SUCCESS})
 """Topics of raw lines of the protocol."""
 _FURTHER = frozenset({types.DIALOGUE_MOVE, types.DIALOGUE_STATE})
-"""Types from which the log keeps other data than entries."""
+"""Types of messages that the log uses, but that are not entries of a list."""
 
 IMPORTANT = frozenset(
     {
@@ -62,10 +62,10 @@ class RoomStatus:
 
     Attributes:
         state: state of the room in the game.
-        robot: index of the robot that drives to it or was there.
+        robot: index of the robot that drives to it or has visited it.
         found: the treasure hidden in it.
         answer: the name that the participant gave the treasure, and the points.
-        answer_shorter: the same in fewer words.
+        answer_shorter: `answer` in fewer words.
     """
 
     state: RoomState = "unvisited"
@@ -77,7 +77,8 @@ class RoomStatus:
 
 @dataclass(frozen=True, slots=True)
 class _GameStatus:
-    """The game at a certain time: when it began, its rooms by number, and by robot the other party that commands it."""
+    """Game at a certain time: the time of its beginning, its rooms by number, and by robot the other party that
+    commands it."""
 
     rooms: dict[int, RoomStatus]
     commanders: dict[int, str]
@@ -89,7 +90,7 @@ class SessionLog:
 
     Attributes:
         room_names: names of the map's rooms, as far as the messages contain them.
-        ways_made: times in which robots made way for others, seconds of ROS time.
+        ways_made: periods in which robots gave way to others, seconds of ROS time.
     """
 
     def __init__(self) -> None:
@@ -103,35 +104,38 @@ class SessionLog:
         self._carried: defaultdict[int, list[int]] = defaultdict(list)
 
     def entries(self, kind: EntryKind) -> Sequence[Entry]:
-        """A list, oldest first. It grows at its end; a long list drops its oldest entries, see `dropped`."""
+        """Return a list, oldest entry first. New entries are added at its end; a long list drops its oldest entries,
+        see `dropped`."""
         return self._entries[kind]
 
     def dropped(self, kind: EntryKind) -> int:
-        """Number of entries that a list has dropped at its beginning."""
+        """Return the number of entries that a list has dropped at its beginning."""
         return self._dropped[kind]
 
     def marks(self) -> Iterator[Entry]:
-        """The important events, oldest first."""
+        """Return the important events, oldest first."""
         return (entry for entry in self._entries["event"] if entry.important)
 
     def rooms(self, until_ns: int) -> dict[int, RoomStatus]:
-        """States of the rooms at a time, by number; rooms without an event yet are missing."""
+        """Return the states of the rooms at a time, by number; rooms without an event yet are missing."""
         return self._at(until_ns).rooms
 
     def commanders(self, until_ns: int) -> dict[int, str]:
-        """Commanders of robots at a time, in words, by index; robots that the participant commands are missing."""
+        """Return the commanders of robots at a time, in words, by index; it omits robots that the participant
+        commands."""
         return self._at(until_ns).commanders
 
     def game_start(self, until_ns: int) -> int | None:
-        """Stamp of the beginning of the game under way at a time; None before the first game."""
+        """Return the stamp at which the game at a time began; None before the first game."""
         return self._at(until_ns).started_ns
 
     def carried(self, robot: int) -> Sequence[int]:
-        """Stamps at which a person moved a robot by hand, oldest first."""
+        """Return the stamps at which a person moved a robot by hand, oldest first."""
         return self._carried[robot]
 
     def dialogue(self, robot: int, until_ns: int) -> DialogueCourse:
-        """Latest dialogue of a robot at a time, in the game under way; empty if it has not argued in that game."""
+        """Return the latest dialogue of a robot at a time; empty if the robot has not argued in the game at that
+        time."""
         return self._dialogues.course(robot, self.game_start(until_ns) or 0, until_ns)
 
     def _at(self, until_ns: int) -> _GameStatus:
@@ -230,7 +234,7 @@ class SessionLog:
 
 
 def _commander(fields: dict[str, object]) -> str:
-    """The commander in an event, in words; empty for the participant."""
+    """Return the commander in an event, in words; empty if it is the participant."""
     by, name = fields.get("by"), fields.get("name")
     if by == Commander.RESEARCHER:
         return f"researcher {name}" if name else "a researcher"
@@ -242,14 +246,14 @@ def _name(treasure: object) -> str:
 
 
 def _answers(fields: dict[str, object]) -> tuple[str, ...]:
-    """The name given to a treasure, in words, with the points; then only the points."""
+    """Return the name given to a treasure in words, with the points; and a shorter version with only the points."""
     name, points = name_in_words(str(fields.get("name") or "")), fields.get("points")
     won = gained(points) if isinstance(points, int) else ""
     return (f"{won} for {name}", won) if won and name else (won or name,)
 
 
 def _decided(fields: dict[str, object]) -> RoomState:
-    """The state of a room after its treasure was named."""
+    """Return the state of a room after its treasure was named."""
     points = fields.get("points")
     return decided(points) if isinstance(points, int) else "visited"
 

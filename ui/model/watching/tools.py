@@ -21,7 +21,7 @@ from ui.model.watching.scene import PendingTurn, RobotScene, Scene
 SENDER = "watch"
 """Name of the sender in records of these requests."""
 COVARIANCE = np.diag([0.25, 0.25, (math.pi / 12.0) ** 2])
-"""Covariance of a pose that a person sets on the map, as in rviz: half a meter and 15 degrees.
+"""Covariance of a pose that a person sets on the map, as in rviz: standard deviations of half a meter and 15 degrees.
 
 Source: rviz, src/rviz/default_plugin/tools/initial_pose_tool.cpp.
 """
@@ -58,7 +58,7 @@ class Tools:
         self._goals = count()
 
     def goal(self, scene: Scene, robot: int, base_in_map: Pose2) -> Request | RequestRefused:
-        """Send a robot somewhere (rviz: 2D Nav Goal)."""
+        """Send a robot to a pose (rviz: 2D Nav Goal)."""
         found = _alive_robot(scene, robot)
         if isinstance(found, RequestRefused):
             return found
@@ -79,7 +79,7 @@ class Tools:
     def carry(
         self, scene: Scene, robot: int, x: float, y: float, heading: float | None = None
     ) -> Request | RequestRefused:
-        """Kidnap a robot; without a new heading, it keeps its heading."""
+        """Kidnap a robot (move it by hand); without a new heading, it keeps its heading."""
         found = _robot(scene, robot)
         if isinstance(found, RequestRefused):
             return found
@@ -103,7 +103,7 @@ class Tools:
         )
 
     def put(self, scene: Scene, shape: Shape, x: float, y: float, size: float) -> Request | RequestRefused:
-        """Place an obstacle; it appears as soon as its place is free."""
+        """Place an obstacle; it appears once its place is free."""
         place = Pose2(x, y, 0.0)
         thing = obstacle(_new_name(thing.name for thing in scene.things), shape, place, size)
         return _off_map(scene, place) or PutThing(thing)
@@ -122,33 +122,33 @@ class Tools:
         return found if isinstance(found, RequestRefused) else WizardMode(robot, on)
 
     def speak(self, scene: Scene, turn: PendingTurn, move: int, text: str = "") -> WizardRequest | RequestRefused:
-        """Make a robot's move, with the text in one's own words if there is any."""
+        """Make a robot's move, with the given text instead of the usual sentence if there is one."""
         if turn not in scene.wizard.turns or not 0 <= move < len(turn.sentences):
             return RequestRefused(ToolRefusalReason.NOT_WAITING, "This turn no longer waits for an answer.")
         return WizardMove(turn.dialogue, turn.turn, move, text.strip())
 
     def advise(self, scene: Scene, robot: int, room: int) -> WizardRequest | RequestRefused:
-        """Answer a participant's "don't know" for a robot."""
+        """Answer a participant's request for advice ("don't know") in the name of a robot."""
         if not any(waiting.robot == robot for waiting in scene.wizard.advice):
             return RequestRefused(ToolRefusalReason.NOT_WAITING, "The participant no longer waits for advice.")
         return WizardAdvice(robot, room)
 
 
 def dragged_pose(x: float, y: float, to_x: float, to_y: float, heading: float = 0.0) -> Pose2:
-    """Pose at the pressed place, facing the place where the drag ended.
+    """Return the pose at the place of the press, facing the place where the drag ended.
 
-    It faces `heading` if the two are within 0.1 m.
+    If the two places are at most 0.1 m apart, its heading is `heading`.
     """
     dragged = math.hypot(to_x - x, to_y - y) >= 0.1
     return Pose2(x, y, math.atan2(to_y - y, to_x - x) if dragged else heading)
 
 
 def obstacle(name: str, shape: Shape, place: Pose2, size: float) -> Thing:
-    """A thing that stays where it is.
+    """Return an obstacle that does not move.
 
     Args:
         name: name for people.
-        shape: round, or square along its heading.
+        shape: round, or square with an edge along its heading.
         place: pose of its middle.
         size: size in meters; limited to the smallest and largest size.
     """
@@ -181,7 +181,7 @@ def _named(robot: RobotScene) -> str:
 
 
 def _off_map(scene: Scene, place: Pose2) -> RequestRefused | None:
-    """The refusal of a place outside the map; None if it is inside, or no map is known."""
+    """Return the refusal of a place outside the map; None if the place is inside, or no map is known."""
     grid = scene.grid
     if grid is None:
         return None

@@ -5,7 +5,7 @@ import math
 from thbridge.dialogue.wording.texts import Texts
 
 STALE_AFTER = 1.5
-"""Seconds without telemetry of the robots after which the game counts as standing still.
+"""Seconds without telemetry of the robots after which the game counts as stopped.
 
 Telemetry arrives 25 times per second.
 """
@@ -32,7 +32,7 @@ class ConnectionStatus:
     def connected(self, now: float) -> None:
         """Record that the game is reached."""
         self._lost, self._was_there = None, True
-        # Telemetry starts again at once, so a new connection is not stale yet.
+        # Telemetry restarts with a new connection, so the connection is not stale yet.
         self._received_at = None if self._received_at is None else now
 
     def lose(self, sentence: str, now: float) -> None:
@@ -41,9 +41,9 @@ class ConnectionStatus:
 
     @property
     def why_lost(self) -> str:
-        """The reason why the game is not reached, as a sentence.
+        """Reason why the game is not reached, as a sentence.
 
-        It is empty if there is none to add, or the game is reached.
+        It is empty if no reason is known, or the game is reached.
         """
         return self._lost[0] if self._lost else ""
 
@@ -67,7 +67,7 @@ class ConnectionStatus:
         return self._lost is not None or self._last_received() + STALE_AFTER <= now
 
     def next_change(self, now: float) -> float:
-        """Time at which `trouble` changes if no more telemetry arrives."""
+        """Return the time at which `trouble` changes if no more telemetry arrives."""
         if self._lost is not None:
             since = self._lost[1]
             return since + math.floor(now - since) + 1.0
@@ -75,5 +75,6 @@ class ConnectionStatus:
         return due if due > now else math.inf
 
     def _last_received(self) -> float:
-        """Time of the last telemetry; infinite without any telemetry, so that the connection never counts as stale."""
+        """Return the time of the last telemetry. Without any telemetry it is infinite, so that the connection never
+        counts as stale."""
         return math.inf if self._received_at is None else self._received_at

@@ -23,10 +23,10 @@ class GameHistory:
 
     def __init__(self) -> None:
         self._lines: deque[HistoryLine] = deque(maxlen=MAX_LINES)
-        # Number of sentences of each open dialogue that are already in the history.
+        # Number of sentences of each open dialogue that the history already contains.
         self._known_sentences: dict[int, int] = {}
         self._announcements: list[str] = []
-        # Robots to which the participant has said something, while no view has an answer yet.
+        # Robots that the participant has answered, until a view shows the answer.
         self._requested: set[int] = set()
 
     @property
@@ -55,13 +55,13 @@ class GameHistory:
         self._requested.add(robot)
 
     def add_answer(self, dialogue: DialogueView, choice: int) -> None:
-        """Add the participant's choice at once: after the dialogue has ended, no view contains it."""
+        """Add the participant's choice at once, because no view contains it after the end of the dialogue."""
         if says(dialogue, choice):
             self._append("you", dialogue.robot, dialogue.choices[choice])
             self._known_sentences[dialogue.dialogue] = len(dialogue.said) + 1
 
     def receive(self, texts: Texts, before: View | None, view: View, *, once: bool = False) -> None:
-        """Add the news of a view. If `before` is None, the game is new to this program.
+        """Add the news of a view. If `before` is None, this program sees the game for the first time.
 
         `once` is as in `Participant`.
         """
@@ -118,14 +118,14 @@ class GameHistory:
 
 
 def says(dialogue: DialogueView, choice: int) -> bool:
-    """Return True if a choice says something; to open the questions, and to close them again, says nothing."""
+    """Return True if a choice is a sentence. The choices that open or close the questions are not."""
     return dialogue.acts[choice : choice + 1] not in {("open-questions",), ("close-questions",)}
 
 
 def spoken(dialogue: DialogueView | LastWords) -> tuple[SpokenLine, ...]:
     """Return the sentences of a dialogue with their speakers.
 
-    If the view lacks speakers, they alternate after the robot.
+    If the view has no speakers, robot and participant alternate, and the robot begins.
     """
     told = dialogue.speakers or ["person" if index % 2 else "robot" for index in range(len(dialogue.said))]
     return tuple(
@@ -135,7 +135,7 @@ def spoken(dialogue: DialogueView | LastWords) -> tuple[SpokenLine, ...]:
 
 
 def stopped_words(texts: Texts, was: RobotView, now: RobotView) -> str:
-    """Return sentences about a robot that has stopped on its way, with the energy that it gets back."""
+    """Return sentences about a robot that has stopped on its path, with the energy that it gets back."""
     stopped = texts.text("history.stopped", robot=now.robot, room=was.moving_to or 0)
     back = now.energy - was.energy
     if now.moving_to is None and back > 0.0:

@@ -7,12 +7,12 @@ from dataclasses import dataclass, replace
 from ui.model.playing.memory.popup_queue import TreasureItem
 
 TYPING = 1.5
-"""Seconds after which a letter begins another name instead of continuing the letters before it."""
+"""Seconds after which a typed letter begins another name instead of continuing the previous letters."""
 
 
 @dataclass(frozen=True, slots=True)
 class NameChoice:
-    """The name selected for a treasure while its pop-up asks for one; the question and the selection end together.
+    """Name selected for a treasure while its pop-up asks for a name; the selection ends with the question.
 
     Attributes:
         item: the treasure's pop-up.
@@ -27,13 +27,13 @@ class NameChoice:
     until: float = -math.inf
 
     def typed(self, now: float) -> str:
-        """The typed letters that the next one continues."""
+        """Return the typed letters that the next letter continues."""
         return self.letters if now < self.until else ""
 
     def typing(self, letter: str, names: Mapping[str, str], now: float) -> "NameChoice":
-        """Return the selection after another letter: the name that begins with the letters, or none.
+        """Return the selection after another typed letter: the name that begins with the letters, or none.
 
-        One letter, typed once or repeatedly, moves from name to name, as in Qt's lists.
+        If the same letter is typed repeatedly, it moves from name to name, as in Qt's lists.
 
         Args:
             letter: the typed letter.

@@ -1,4 +1,4 @@
-"""Requests of the participant that the view does not show as granted yet."""
+"""Requests of the participant that the latest view does not show as granted yet."""
 
 from thbridge.dialogue.wording.texts import Texts
 from thbridge.hunt.game import GameState
@@ -27,15 +27,16 @@ from ui.model.playing.possible import why_not_ask, why_not_command, why_not_find
 
 
 class PendingRequests:
-    """Requests that are neither granted nor refused nor obsolete; each occurs once, oldest first.
+    """Requests that are not granted, refused or obsolete yet; each is listed once, the oldest first.
 
     They are kept while the connection is lost, because the next view shows their outcome.
     """
 
     def __init__(self) -> None:
-        # For each request for advice, the robot's dialogue at that time: the requested dialogue is another one.
+        # For each request for advice, the robot's open dialogue at the time of the request; the requested dialogue is a
+        # new one.
         self._requests: dict[ParticipantRequest, int | None] = {}
-        # For each request for a dialogue, the last ended dialogue with its robot at that time.
+        # For each request for a dialogue, the last ended dialogue with its robot at the time of the request.
         self._ended: dict[ParticipantRequest, int | None] = {}
 
     def __contains__(self, request: ParticipantRequest) -> bool:
@@ -47,11 +48,11 @@ class PendingRequests:
 
     @property
     def requests(self) -> tuple[ParticipantRequest, ...]:
-        """All of them, oldest first."""
+        """All requests, oldest first."""
         return tuple(self._requests)
 
     def ask(self, request: ParticipantRequest, view: View) -> None:
-        """Add a request; each robot has at most one request to go somewhere."""
+        """Add a request; each robot has at most one request about where to go."""
         if isinstance(request, SelectRoom | RequestSuggestion):
             self.forget_destination(request.robot)
         if isinstance(request, TellProperty):
@@ -65,23 +66,23 @@ class PendingRequests:
         self._ended[request] = _ended_dialogue(view, request)
 
     def forget_destination(self, robot: int) -> None:
-        """Drop the requests to this robot to go somewhere."""
+        """Drop the requests to this robot about where to go."""
         for request in self.requests:
             if isinstance(request, SelectRoom | RequestSuggestion) and request.robot == robot:
                 del self._requests[request]
 
     def destination_request(self, robot: int) -> SelectRoom | RequestSuggestion | None:
-        """The pending request to this robot about where to go."""
+        """Return the pending request to this robot about where to go; None if there is none."""
         destinations = (request for request in self._requests if isinstance(request, SelectRoom | RequestSuggestion))
         return next((request for request in destinations if request.robot == robot), None)
 
     def answer(self, dialogue: int, turn: int) -> int | None:
-        """The choice made at this turn of a dialogue, until the view shows it."""
+        """Return the choice made at this turn of a dialogue, until the view shows the choice."""
         answers = (request for request in self._requests if isinstance(request, AnswerDialogue))
         return next((each.choice for each in answers if (each.dialogue, each.turn) == (dialogue, turn)), None)
 
     def drop_refused(self, refusal: RefusalView) -> ParticipantRequest | None:
-        """Drop and return the oldest request that this refusal can be about.
+        """Drop and return the oldest request to which this refusal can refer.
 
         A refusal names only the kind of request.
         """
@@ -170,7 +171,7 @@ def _moot(texts: Texts, request: ParticipantRequest, view: View, known: Situatio
         case StopRobot(robot):
             return why_not_command(texts, known, robot)
         case RequestHandback(robot):
-            # Another message announces a robot that came back.
+            # Another message announces a robot that the participant has got back.
             return None if view.robots[robot].has_other_commander else ""
         case TakeUpTreasure() | MeasureProperty() | TellProperty():
             return why_not_find_out(texts, known, request)
@@ -181,5 +182,5 @@ def _moot(texts: Texts, request: ParticipantRequest, view: View, known: Situatio
 
 
 def _worker(state: GameState, matter: str, room: int) -> int | None:
-    """The robot with which the participant can discuss this."""
+    """Return the robot with which the participant can discuss this matter."""
     return state.decider(Room(room)) if matter == "take-treasure" else state.standing_in(Room(room))

@@ -6,7 +6,8 @@ from base64 import b64decode
 from thbridge.roles.shared.notices import PicturePiece
 
 MOST_BYTES = 1 << 28
-"""Limit for all pictures of a game and their pieces, in bytes: enough for a hundred rooms with the largest pictures."""
+"""Greatest size of all pictures of a game and their pieces, bytes: enough for a hundred rooms with the largest
+pictures."""
 
 
 class Pictures:
@@ -46,5 +47,5 @@ class Pictures:
         self._whole.clear()
 
     def of(self, game: int, room: int) -> bytes | None:
-        """The image file of the picture taken in a room of this game; None until it is complete."""
+        """Return the image file of the picture taken in a room of this game; None until the file is complete."""
         return self._whole.get(room) if game == self._game else None

@@ -1,4 +1,4 @@
-"""Queue of pop-ups: one is shown in the middle of the window, the others wait."""
+"""Queue of pop-ups: one is shown in the middle of the window, all others wait."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ class DestinationItem:
 
 @dataclass(frozen=True, slots=True)
 class TreasureItem:
-    """A robot at a treasure: possible acts, the dialogue about the treasure, and the verdict."""
+    """Robot at a treasure: the possible acts, the dialogue about the treasure, and the verdict."""
 
     robot: int
     room: int
@@ -31,27 +31,28 @@ class PopupQueue:
     def __init__(self) -> None:
         self._items: list[PopupItem] = []
         self._aside: set[PopupItem] = set()
-        # Items that the participant turned away from; they return when the item shown since has ended.
+        # Pop-ups that were replaced when the participant selected another robot; they return when the pop-up shown
+        # since then has ended.
         self._left: set[PopupItem] = set()
         self.shown: PopupItem | None = None
 
     @property
     def waiting(self) -> tuple[PopupItem, ...]:
-        """The items that wait behind the one shown, or were put aside."""
+        """Pop-ups that wait behind the pop-up shown, including those that were put aside."""
         return tuple(item for item in self._items if item != self.shown)
 
     @property
     def next(self) -> PopupItem | None:
-        """The item that `put_aside` would show."""
+        """Pop-up that `put_aside` would show."""
         fresh = next(iter(self._fresh()), None)
         return fresh if fresh is not None or self.shown is not None else next(iter(self.waiting), None)
 
     def update(self, live: Sequence[PopupItem], only_of: int | None = None) -> None:
-        """Keep only these items; new ones are added at the end.
+        """Keep only these items, and add new ones at the end.
 
         Args:
             live: all items that should be open.
-            only_of: the robot whose items may be shown now if nothing is shown. If None, items of any robot may.
+            only_of: robot whose items may be shown if no item is shown now. If None, items of all robots may.
         """
         self._items = [item for item in self._items if item in live]
         self._items += [item for item in live if item not in self._items]
@@ -64,7 +65,7 @@ class PopupQueue:
             self.shown = next((item for item in self._fresh() if only_of in (None, item.robot)), None)
 
     def show(self, item: PopupItem) -> None:
-        """Show this item at once, on the participant's request; the item shown before waits."""
+        """Show this item at once, as the participant requested; the item shown before then waits."""
         self._aside.discard(item)
         self._left.discard(item)
         if item not in self._items:
@@ -72,9 +73,9 @@ class PopupQueue:
         self.shown = item
 
     def turn_to(self, robot: int) -> None:
-        """Show an item of this robot, if one waits; the item of another robot waits until that one has ended.
+        """Show an item of this robot, if one waits; the item of another robot then waits until this one has ended.
 
-        Items that were put aside are shown too, but last.
+        Items that were put aside are also shown, but only if no other item of this robot waits.
         """
         if self.shown is None or self.shown.robot != robot:
             if self.shown is not None:
@@ -96,5 +97,5 @@ class PopupQueue:
             self._left.discard(following)
 
     def _fresh(self) -> list[PopupItem]:
-        """Return the waiting items that were neither put aside nor turned away from."""
+        """Return the waiting items that were neither put aside nor replaced by an item of another robot."""
         return [item for item in self.waiting if item not in self._aside | self._left]

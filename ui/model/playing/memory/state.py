@@ -22,7 +22,7 @@ from ui.model.playing.screen import GameSound
 
 @dataclass(frozen=True, slots=True)
 class Reroute:
-    """A driving robot is to go to this room instead."""
+    """Step: a driving robot goes to this room instead."""
 
     robot: int
     room: int
@@ -30,7 +30,7 @@ class Reroute:
 
 @dataclass(frozen=True, slots=True)
 class DepartUndecided:
-    """A robot is to go on although the treasure in its room is undecided."""
+    """Step: a robot leaves although the treasure in its room is undecided."""
 
     request: SelectRoom | RequestSuggestion
     room: int
@@ -38,19 +38,19 @@ class DepartUndecided:
 
 @dataclass(frozen=True, slots=True)
 class EndGameEarly:
-    """The game is to end although robots could still act."""
+    """Step: the game ends although robots could still act."""
 
 
 @dataclass(frozen=True, slots=True)
 class LeaveLastTreasure:
-    """The last undecided treasure is to be left, after which the game ends."""
+    """Step: the last undecided treasure is left; the game then ends."""
 
     room: int
 
 
 @dataclass(frozen=True, slots=True)
 class LeaveWindow:
-    """The window is to close during the game; `ends` is True if that ends the game."""
+    """Step: the window closes during the game; `ends` is True if this ends the game."""
 
     ends: bool
 
@@ -76,7 +76,7 @@ PendingStep = Reroute | DepartUndecided | EndGameEarly | LeaveLastTreasure | Lea
 
 @dataclass(slots=True)
 class HuntMemory:
-    """Memory of one game; another game has a new one.
+    """Memory of one game; it is replaced when another game begins.
 
     Attributes:
         texts: texts of the game's language.
@@ -84,12 +84,12 @@ class HuntMemory:
         known: the facts in the view, for the rules.
         pending: requests without an outcome yet.
         opening_sentences: by robot, the sentence with which the participant opened the current dialogue.
-        reroutes: by robot that was stopped, the room where it is to go next.
-        choice: the name selected in the pop-up shown, not confirmed yet.
-        submitted_names: by room, the name that the participant has chosen to submit, while it is discussed.
+        reroutes: by robot that was stopped, the room to which it goes next.
+        choice: name that is selected in the pop-up shown, but not confirmed yet.
+        submitted_names: by room, the name that the participant wants to submit, while it is discussed.
         enlarged: the pop-up whose picture is shown enlarged.
         ticks: simulation ticks at the beginning of the game and in the newest telemetry.
-        named: rooms for which the participant has submitted a name here.
+        named: rooms for which the participant has submitted a name in this window.
         verdicts: rooms whose verdict is still shown, and the robot that stands there.
         popups: the pop-up shown, and those that wait.
         picture_times: by room, the time when the view first showed its picture as taken.
@@ -138,11 +138,12 @@ class HuntMemory:
         return None if self.choice is None else self.choice.name
 
     def robot_in_room(self, room: int) -> int | None:
-        """The robot that stands in a room and does not drive."""
+        """Return the robot that is at rest in a room."""
         return self.known.state.standing_in(Room(room))
 
     def ask_to_go(self, request: SelectRoom | RequestSuggestion) -> str:
-        """Ask a robot to go somewhere, and show the dialogue at once; return the sentence said to the robot."""
+        """Ask a robot to go to a place, and show the dialogue at once; return the participant's sentence to the
+        robot."""
         sentence = (
             self.texts.text("popups.say_go", room=request.room)
             if isinstance(request, SelectRoom)
@@ -154,11 +155,11 @@ class HuntMemory:
         return sentence
 
     def destination_dialogue(self, robot: int) -> DialogueView | None:
-        """The dialogue with a robot about where to go."""
+        """Return the dialogue with a robot about where to go."""
         return next((d for d in self.view.dialogues if d.robot == robot and d.matter == "select-room"), None)
 
     def treasure_dialogue(self, item: TreasureItem) -> DialogueView | None:
-        """The dialogue with a robot about the treasure at its place."""
+        """Return the dialogue with a robot about the treasure at its place."""
         return next(
             (
                 dialogue
@@ -169,11 +170,11 @@ class HuntMemory:
         )
 
     def last_words(self, robot: int) -> LastWords | None:
-        """The end of the last dialogue with a robot, as long as it is relevant."""
+        """Return the end of the last dialogue with a robot, as long as it is relevant."""
         return next((words for words in self.view.last_words if words.robot == robot), None)
 
     def unread_words(self, robot: int) -> LastWords | None:
-        """The unread end of a dialogue about where a robot goes; None while such a dialogue is open."""
+        """Return the unread end of a dialogue about where a robot goes; None while such a dialogue is open."""
         words = self.last_words(robot)
         if words is None or words.matter != "select-room" or words.dialogue in self.read:
             return None
@@ -181,7 +182,7 @@ class HuntMemory:
         return None if is_open else words
 
     def note_reading(self) -> None:
-        """Record the ended dialogue or the verdict in the pop-up shown; the one shown before counts as read."""
+        """Record the ended dialogue or the verdict in the pop-up shown; the previous one then counts as read."""
         shown = self.popups.shown
         words = self.unread_words(shown.robot) if isinstance(shown, DestinationItem) else None
         number = None if words is None else words.dialogue
@@ -196,7 +197,7 @@ class HuntMemory:
         self.verdict_read = room
 
     def destination_considered(self, robot: int) -> int | None:
-        """The room of the request to a robot, or of its dialogue."""
+        """Return the room of the pending request to a robot, or of the robot's open dialogue."""
         match self.pending_step:
             case Reroute(rerouted, room) if rerouted == robot:
                 return room
@@ -213,9 +214,9 @@ class HuntMemory:
 
 @dataclass(frozen=True, slots=True)
 class DrawnState:
-    """State behind the last screen.
+    """State on which the last screen was based.
 
-    The next act refers to this state, because the participant had not seen what arrived later.
+    The next act refers to this state, because the participant has not seen later changes.
 
     Attributes:
         item: the pop-up.
@@ -233,7 +234,7 @@ class DrawnState:
 
     @property
     def subject(self) -> tuple[PopupItem | None, int | None]:
-        """The pop-up, and the number of the dialogue that has taken the place of a treasure."""
+        """The pop-up, and the number of the dialogue that replaces a treasure in it."""
         return self.item, self.dialogue[0] if self.dialogue and isinstance(self.item, TreasureItem) else None
 
 
@@ -247,7 +248,7 @@ class ParticipantMemory:
         floor_plan: floor plan of the game.
         motions: progress of the robots on their paths, one entry per robot; may be empty.
         selected: the robot that the participant commands.
-        turned: True if the participant has selected that robot, and no pop-up was shown since.
+        turned: True if the participant has selected that robot, and no pop-up was shown since then.
         hovered: the room under the pointer.
         typed: typed digits of a room's number.
         typed_until: time at which these digits are discarded.
@@ -264,7 +265,7 @@ class ParticipantMemory:
         sound_on: True while the participant wants sounds.
         can_sound: True if the computer can play sounds.
         sounds: sounds to play with the next screen.
-        once: True if one game is played, and something else follows.
+        once: True if only one game is played, and another part of a study follows.
     """
 
     texts: Texts
@@ -292,11 +293,11 @@ class ParticipantMemory:
     once: bool = False
 
     def motion(self, robot: int) -> RobotMotion:
-        """Progress of a robot on its path in the last telemetry; older robot programs send none."""
+        """Return the progress of a robot on its path in the last telemetry; older robot programs send none."""
         return self.motions[robot] if robot < len(self.motions) else RobotMotion("driving")
 
     def considered(self) -> int | None:
-        """The room under the pointer, or the room of the digits typed so far."""
+        """Return the room under the pointer, or the room of the digits typed so far."""
         rooms = len(self.hunt.view.rooms) if self.hunt is not None else 0
         number = int(self.typed) if self.typed else self.hovered
         return number if number is not None and 0 < number <= rooms else None

@@ -17,14 +17,14 @@ OVERRIDE = "override"
 LAST_SENTENCES = 2
 """Number of sentences of an ended dialogue that are shown.
 
-They are few, because the robot already moves on the map behind them.
+There are only a few, because the robot already moves on the map behind them.
 """
 
 
 def destination_popup(hunt: HuntMemory, item: DestinationItem) -> DialoguePopup | None:
-    """The dialogue about where a robot goes; before the robot answers, the pending request.
+    """Return the dialogue about where a robot goes. Before the robot answers, it is the pending request.
 
-    After the dialogue, its end.
+    After the dialogue, it is the end of the dialogue.
     """
     dialogue = hunt.destination_dialogue(item.robot)
     asked = hunt.pending.destination_request(item.robot)
@@ -45,14 +45,14 @@ def destination_popup(hunt: HuntMemory, item: DestinationItem) -> DialoguePopup 
 
 
 def dialogue_popup(hunt: HuntMemory, dialogue: DialogueView) -> DialoguePopup:
-    """A dialogue that waits for the participant, or for the robot after an answer."""
+    """Return the pop-up of a dialogue that waits for the participant or, after an answer, for the robot."""
     texts, argues = hunt.texts, hunt.view.has_last_word is not None
     acts = dialogue.acts if argues else ()
     answered = hunt.pending.answer(dialogue.dialogue, dialogue.turn)
     sentences = list(spoken(dialogue))
     opening = _opening(hunt, dialogue)
     if opening:
-        # Robots that argue repeat this sentence as the first move.
+        # Robots that argue repeat this sentence as their first move.
         sentences[:1] = [*opening, *(line for line in sentences[:1] if line[0] == "robot")]
     if answered is not None and says(dialogue, answered):
         sentences.append(("you", dialogue.choices[answered]))
@@ -84,9 +84,9 @@ def dialogue_popup(hunt: HuntMemory, dialogue: DialogueView) -> DialoguePopup:
 
 
 def _note(hunt: HuntMemory, dialogue: DialogueView, sentences: Sequence[SpokenLine]) -> str:
-    """Return a remark.
+    """Return a remark about the decision.
 
-    It says who decides in the end, or that it is the participant's turn although the robot says nothing.
+    It says which side decides in the end, or that the participant must answer although the robot says nothing.
     """
     if sentences[-1][0] == "you" and BACK not in dialogue.acts:
         return hunt.texts.text("popups.your_turn", robot=dialogue.robot)
@@ -99,7 +99,7 @@ def _warning(hunt: HuntMemory, dialogue: DialogueView) -> str:
 
 
 def _last_words_popup(hunt: HuntMemory, words: LastWords) -> DialoguePopup:
-    """The end of a dialogue about where a robot goes."""
+    """Return the end of a dialogue about where a robot goes."""
     texts, sentences = hunt.texts, spoken(words)[-LAST_SENTENCES:]
     outcome = "" if words.is_told else outcome_of(texts, words)
     if not sentences:
@@ -110,7 +110,7 @@ def _last_words_popup(hunt: HuntMemory, words: LastWords) -> DialoguePopup:
 
 
 def dialogue_title(hunt: HuntMemory, dialogue: DialogueView) -> str:
-    """Title of a dialogue: its subject."""
+    """Return the title of a dialogue: its subject."""
     named = hunt.submitted_names.get(dialogue.room) if dialogue.matter == "take-treasure" else None
     if named:
         return hunt.texts.text("popups.about_name", robot=dialogue.robot, name=hunt.view.word_for(named))
@@ -119,7 +119,7 @@ def dialogue_title(hunt: HuntMemory, dialogue: DialogueView) -> str:
 
 
 def _opening(hunt: HuntMemory, dialogue: DialogueView) -> tuple[SpokenLine, ...]:
-    """The sentence with which the participant opened this dialogue, if they did so here."""
+    """Return the sentence with which the participant opened this dialogue, if they did so here."""
     named = hunt.submitted_names.get(dialogue.room)
     if dialogue.matter == "select-room":
         return _request(hunt, dialogue.robot)
@@ -129,6 +129,6 @@ def _opening(hunt: HuntMemory, dialogue: DialogueView) -> tuple[SpokenLine, ...]
 
 
 def _request(hunt: HuntMemory, robot: int) -> tuple[SpokenLine, ...]:
-    """The sentence with which the participant opened the dialogue; none if they did so in another window."""
+    """Return the sentence with which the participant opened the dialogue; none if they opened it in another window."""
     sentence = hunt.opening_sentences.get(robot)
     return () if sentence is None else (("you", sentence),)

@@ -12,7 +12,7 @@ from ui.model.shared.points import scored
 
 
 def game_over_page(hunt: HuntMemory, once: bool) -> GameOverPage:
-    """The reason why the game is over, and its results; `once` is True if no other game follows."""
+    """Return the reason why the game is over, and its results; `once` is True if no other game follows."""
     texts, view = hunt.texts, hunt.view
     visited = sum(room.state == "visited" for room in view.rooms)
     debrief = view.debrief or Debrief()
@@ -33,7 +33,7 @@ def game_over_page(hunt: HuntMemory, once: bool) -> GameOverPage:
 
 
 def _end(texts: Texts, reason: str) -> str:
-    """The reason why the game is over; the reason of a later release may be unknown here."""
+    """Return the reason why the game is over. This release may not know the reason of a later release."""
     key = f"game_over.{reason.replace('-', '_')}"
     return texts.text(key if texts.has(key) else "game_over.unknown")
 

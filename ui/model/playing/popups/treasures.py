@@ -39,13 +39,14 @@ from ui.model.playing.screen import (
 from ui.model.playing.words import outcome_of, percent, verdict_words
 
 PICTURE_TIMEOUT = 5.0
-"""Seconds after which a picture is no longer expected; its sender may not have it."""
+"""Seconds after which the window stops waiting for a picture, because its sender may not have it."""
 
 
 def treasure_popup(
     hunt: HuntMemory, pictures: Pictures, item: TreasureItem, now: float
 ) -> DialoguePopup | TreasurePopup:
-    """The dialogue about a treasure if one is open, with the known properties; otherwise the treasure with its acts."""
+    """Return the dialogue about a treasure if one is open, with the known properties; otherwise the treasure with its
+    acts."""
     dialogue = hunt.treasure_dialogue(item)
     find = _treasure(hunt, pictures, item, now)
     if dialogue is None:
@@ -90,7 +91,8 @@ def _length(action: Action) -> int:
 
 
 def _verdict(hunt: HuntMemory, item: TreasureItem, room: RoomView) -> str | None:
-    """Outcome of naming; robots that decide in the end may have named the treasure by themselves."""
+    """Return the outcome of naming. Robots that decide in the end may have named the treasure without the
+    participant."""
     if room.verdict is None:
         return None
     words = verdict_words(hunt.texts, hunt.view.word_for(room.verdict.name), room.verdict.points)
@@ -100,7 +102,8 @@ def _verdict(hunt: HuntMemory, item: TreasureItem, room: RoomView) -> str | None
 
 
 def _talk(hunt: HuntMemory, item: TreasureItem) -> str:
-    """Outcome of a dialogue about this: the next step of an agreement, or the robot's last sentence."""
+    """Return the outcome of the dialogue about this treasure: the next step of an agreement, or the robot's last
+    sentence."""
     words = hunt.last_words(item.robot)
     if words is None or words.matter == "select-room" or words.room != item.room:
         return ""
@@ -109,7 +112,7 @@ def _talk(hunt: HuntMemory, item: TreasureItem) -> str:
         open_name = nameless and item.room not in hunt.submitted_names
         return hunt.texts.text("popups.agreed_to_name") if open_name else ""
     said = [sentence for speaker, sentence in spoken(words) if speaker == "robot"]
-    # The robot has also said that nothing is done, and the outcome says so anyway.
+    # The robot's last sentence says that nothing is done; the outcome says the same.
     said = said[: -1 if words.is_told else None]
     outcome = outcome_of(hunt.texts, words)
     return f"{outcome} {hunt.texts.text('popups.it_said', sentence=said[-1])}" if said else outcome
@@ -130,7 +133,8 @@ def _facts(hunt: HuntMemory, item: TreasureItem, room: RoomView) -> tuple[Treasu
 def _sense(
     hunt: HuntMemory, item: TreasureItem, room: RoomView, measured: TreasureProperty, value: str, key: str
 ) -> Action | None:
-    """Return the act also when the value is known; otherwise the lines below would move under the pointer."""
+    """Return the act of sensing a property even if its value is known; otherwise the lines below would move under the
+    pointer."""
     if not room.undecided or hunt.robot_in_room(item.room) is None:
         return None
     request = MeasureProperty(item.room, measured.name)
@@ -145,7 +149,8 @@ def _sense(
 
 
 def _cost(hunt: HuntMemory, robot: int, cost: float, sensor: str = "") -> str:
-    """The cost of sensing more of a treasure, with a warning if too little energy is then left to name it."""
+    """Return the cost of sensing more of a treasure, with a warning if the remaining energy is too little to name
+    it."""
     texts, energy = hunt.texts, hunt.view.robots[robot].energy
     hint = (
         texts.text("popups.costs_with", cost=cost, energy=energy, sensor=sensor)
@@ -158,7 +163,8 @@ def _cost(hunt: HuntMemory, robot: int, cost: float, sensor: str = "") -> str:
 
 
 def _tell(hunt: HuntMemory, room: RoomView, told: TreasureProperty, value: str, key: str) -> tuple[Action, ...]:
-    """The values that the participant can report after a picture was taken, the next one with the key."""
+    """Return the values that the participant can report after a picture was taken. The key is printed on the next
+    value."""
     if not room.undecided:
         return ()
     seen = room.picture is not None
@@ -211,7 +217,7 @@ def _take_picture(hunt: HuntMemory, item: TreasureItem, room: RoomView) -> Actio
 
 
 def _name_it(hunt: HuntMemory, item: TreasureItem, name: str | None = None) -> Action:
-    """The act that names it as selected, or the same for another name."""
+    """Return the act that gives the treasure the selected name, or the same act for another name."""
     texts, view = hunt.texts, hunt.view
     picked = name or hunt.submitted_names.get(item.room) or hunt.picked
     busy = item.room in hunt.submitted_names
@@ -238,7 +244,7 @@ def _unsure(hunt: HuntMemory, item: TreasureItem) -> Action | None:
 
 
 def _stakes(texts: Texts, view: View, picked: str | None) -> str:
-    """The points that a name can win and lose, with numbers if the study reveals them."""
+    """Return the points that a name can win and lose, with numbers if the study reveals them."""
     worth = dict(zip(view.names, view.worth, strict=False)).get(picked or "")
     right = texts.text("popups.right_wins") if worth is None else texts.text("popups.right_wins_points", count=worth)
     return f"{right} {_wrong(texts, view.wrong_share)}"
