@@ -41,8 +41,10 @@ async def _with_keyboard(program: Coroutine[object, object, T], typed: Callable[
 
 
 def read_line() -> str:
-    """Wait for one typed line before the event loop runs, and read nothing after it. Return "" at the end of the
-    input."""
+    """Wait for one typed line before the event loop runs, and read nothing after it.
+
+    Return "" at the end of the input.
+    """
     line = b""
     try:
         while not line.endswith(b"\n") and (byte := os.read(sys.stdin.fileno(), 1)):

@@ -33,8 +33,10 @@ PRACTICE = Study(map="practice", templates="practice", robots=1)
 
 
 def practice_setting(game: StudySetting) -> StudySetting:
-    """Return the setting of the practice game. Random seed, server, sound, answers and language are those of the game
-    after it."""
+    """Return the setting of the practice game.
+
+    Random seed, server, sound, answers and language are those of the game after it.
+    """
     study = game.study
     participant = dataclasses.replace(PRACTICE.participant, sound=study.participant.sound)
     own = setting_of(dataclasses.replace(PRACTICE, seed=study.seed, server=study.server, participant=participant), None)

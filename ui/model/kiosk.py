@@ -17,8 +17,10 @@ Answer: TypeAlias = float | str | tuple[str, ...] | None
 
 
 class StudyTexts(msgspec.Struct, frozen=True, tag=True):
-    """Host: the texts of the study's language. They come before all other messages; until then, a window shows
-    nothing."""
+    """Host: the texts of the study's language.
+
+    They come before all other messages; until then, a window shows nothing.
+    """
 
     texts: GameTexts
 

@@ -25,8 +25,10 @@ def frameworks(draw: st.DrawFn, most: int = 7) -> ArgumentationFramework:
 
 
 def by_trying_all_sets(framework: ArgumentationFramework) -> dict[Semantics, set[Extension]]:
-    """Return all extensions, computed from their definitions alone. Each set of arguments is an integer with one bit
-    per argument."""
+    """Return all extensions, computed from their definitions alone.
+
+    Each set of arguments is an integer with one bit per argument.
+    """
     names = framework.arguments
     count = len(names)
     attackers = [sum(1 << each for each in framework.attackers[place]) for place in range(count)]

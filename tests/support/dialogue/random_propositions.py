@@ -88,8 +88,10 @@ def literals_in(content: Content) -> Iterator[Literal]:
 
 
 def values_in(content: Content, robot: int, decimal: str) -> set[str]:
-    """Return the values that a sentence must contain, as people read them. The number of the robot that speaks need not
-    be in it."""
+    """Return the values that a sentence must contain, as people read them.
+
+    The number of the robot that speaks need not be in it.
+    """
     found: set[str] = set()
     for literal in literals_in(content):
         predicate = predicate_of(literal.proposition)

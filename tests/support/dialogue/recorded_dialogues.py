@@ -30,8 +30,10 @@ PERSISTENT = Manner(persistence=1)
 def utterances(
     choices: tuple[str, ...] = STUBBORN, manner: Manner = PERSISTENT, robot: int = 0
 ) -> tuple[tuple[DialogueUtterance, ...], ...]:
-    """Return the utterances at the opening of a dialogue about room 1, and after each choice. A choice is named by the
-    beginning of its text."""
+    """Return the utterances at the opening of a dialogue about room 1, and after each choice.
+
+    A choice is named by the beginning of its text.
+    """
     talker = formal_engine(manner)
     facts = replace(FACTS, robot=robot)
     step = talker.open(1, replace(TOPIC, robot=robot, facts=facts))

@@ -616,8 +616,9 @@ class ForgettingDisk:
             self._stopped = True
 
     def cut(self, *processes: Killable, seed: int | None = None) -> None:
-        """Cut the power: the processes die, and only what was synced remains. With a seed, some of the rest remains,
-        too.
+        """Cut the power: the processes die, and only what was synced remains.
+
+        With a seed, some of the rest remains, too.
 
         A second call without processes repeats the same cut with another outcome; all changes since the first one are
         lost.

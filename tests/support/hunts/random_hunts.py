@@ -9,8 +9,10 @@ from thbridge.hunt.team_tour import TourStart
 
 
 def random_hunt(rooms: int, robots: int, energy: float, seed: int) -> tuple[CostMatrix, list[TourStart]]:
-    """Return asymmetric costs of moves between rooms, and the robots' starts. With odd seeds, costs are whole
-    numbers."""
+    """Return asymmetric costs of moves between rooms, and the robots' starts.
+
+    With odd seeds, costs are whole numbers.
+    """
     rng = random.Random(seed)
     places = [(rng.uniform(0.0, 40.0), rng.uniform(0.0, 30.0)) for _ in range(1 + rooms + robots)]
     away = [[math.dist(one, other) * rng.uniform(1.0, 1.2) for other in places] for one in places]

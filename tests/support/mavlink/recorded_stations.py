@@ -101,8 +101,10 @@ def beating(stations: dict[str, Station]) -> Callable[[int, Session], None]:
 
 
 class Tour:
-    """Ground station that arms the robots and sends each of them from room to room. In each room, the robot takes a
-    picture, and the station identifies the find as the first treasure."""
+    """Ground station that arms the robots and sends each of them from room to room.
+
+    In each room, the robot takes a picture, and the station identifies the find as the first treasure.
+    """
 
     def __init__(self, rooms: dict[int, list[int]], study: Study = STUDY) -> None:
         self._left = rooms

@@ -67,8 +67,10 @@ class RestartedPeer:
         self._process = start()
 
     def keep_running(self) -> None:
-        """Start the program again if it crashed. After the last attempt, skip the test. If it exited by itself,
-        fail."""
+        """Start the program again if it crashed.
+
+        After the last attempt, skip the test. If it exited by itself, fail.
+        """
         status = self._process.poll()
         if status is None:
             return

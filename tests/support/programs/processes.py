@@ -69,8 +69,10 @@ class Program:
 
 
 def until(what: str, condition: Callable[[], bool], programs: list[Program], seconds: float = 120.0) -> None:
-    """Wait for a condition by testing it repeatedly. After the time limit, raise TimeoutError with all programs'
-    output."""
+    """Wait for a condition by testing it repeatedly.
+
+    After the time limit, raise TimeoutError with all programs' output.
+    """
     end = time.monotonic() + seconds
     while not condition():
         if time.monotonic() > end:

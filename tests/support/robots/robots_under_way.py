@@ -41,8 +41,10 @@ class Errands:
 def drive(
     team: Team, goals: Sequence[Pose2], seconds: int, watch: Callable[[TeamSnapshot], None] = lambda _: None
 ) -> FloatArray:
-    """Return the CPU seconds of each tick of a drive of `seconds` simulated seconds. Without goals, all robots stand
-    still."""
+    """Return the CPU seconds of each tick of a drive of `seconds` simulated seconds.
+
+    Without goals, all robots stand still.
+    """
     gc.freeze()  # as a session does before its first tick
     errands = Errands(goals, team.size)
     snapshot, spent = None, []

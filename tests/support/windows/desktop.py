@@ -148,8 +148,10 @@ class Desktop:
         _ask_to_close(self.environment["DISPLAY"], int(window))
 
     def leave_game(self) -> None:
-        """Close the participant's window in the middle of a game. Repeat the click while the question does not yet
-        accept it."""
+        """Close the participant's window in the middle of a game.
+
+        Repeat the click while the question does not yet accept it.
+        """
         self.ask_to_close(self.focus_window("Treasure hunt"))
         self.found("Leave the game", role="push button")
 

@@ -14,8 +14,10 @@ from thbridge.roles.shared.view import View
 from ui.model.playing.screen import Screen
 
 CODES = {"act", "key", "state", "drawn", "speaker", "kind", "phase", "sound", "names", "picked", "typed", "value"}
-"""Fields of screens that are not shown to people. `state` is a code in rooms; in cards it is shown, so it is tested
-there."""
+"""Fields of screens that are not shown to people.
+
+`state` is a code in rooms; in cards it is shown, so it is tested there.
+"""
 
 
 def written(language: str) -> set[str]:

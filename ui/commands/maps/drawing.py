@@ -205,8 +205,10 @@ def _note_lost_walls(grid: OccupancyGrid, drawing: CleanedDrawing, thinner: int,
 
 
 def _note_closed_floor(grid: OccupancyGrid, inscribed: float, remedy: str | None) -> None:
-    """Print a warning if most of the floor is unreachable. If `remedy` is given, also print one if a room is
-    unreachable."""
+    """Print a warning if most of the floor is unreachable.
+
+    If `remedy` is given, also print one if a room is unreachable.
+    """
     reached, others = reached_floor(grid, inscribed)
     if 0.0 < reached < MOST_FLOOR:
         message = f"Only {reached:.0%} of the floor is reachable"

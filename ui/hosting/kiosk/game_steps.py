@@ -131,8 +131,10 @@ class GameSteps:
         return played
 
     async def _read_result(self, visit: "_Visit", result: GameRecorded) -> None:
-        """Show that a game has ended until the person continues. If the window still shows the game, use that page for
-        it."""
+        """Show that a game has ended until the person continues.
+
+        If the window still shows the game, use that page for it.
+        """
         if visit.page != self._pages.number or visit.page == 0:
             await self._pages.read(result)
             return

@@ -165,8 +165,10 @@ class KioskPages:
                 yield message
 
     def _taken(self, message: FromKiosk | Woken) -> FromKiosk | Woken | None:
-        """Handle messages that do not depend on the page. Return other messages; None for a message about another
-        page."""
+        """Handle messages that do not depend on the page.
+
+        Return other messages; None for a message about another page.
+        """
         match message:
             case KioskClosed():
                 self.closed = True

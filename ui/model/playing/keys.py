@@ -100,8 +100,10 @@ OVER = (
 HELP = KeyBinding(("F1", "H"), ShowHelp(), "keys.help")
 
 WAITING_KEY = "W"
-"""Second key of `ShowNext`. It is printed on the button that shows the waiting pop-ups, because "Esc" would be unclear
-there."""
+"""Second key of `ShowNext`.
+
+It is printed on the button that shows the waiting pop-ups, because "Esc" would be unclear there.
+"""
 
 _TABLES = (PLAYING, CONSENT, OVER, (HELP,))
 _CTRL = "Ctrl+"
@@ -114,8 +116,10 @@ _STEPS = ("Up", "Down", "Home", "End")
 
 
 def question_keys(texts: Texts) -> tuple[KeyBinding, KeyBinding]:
-    """Return the keys while the program asks for confirmation, which are letters of the language. All other keys are
-    ignored then."""
+    """Return the keys while the program asks for confirmation, which are letters of the language.
+
+    All other keys are ignored then.
+    """
     return (
         KeyBinding((texts.text("keys.letter_of_yes"),), Confirm(), "keys.yes"),
         KeyBinding((texts.text("keys.letter_of_no"), "Esc"), Cancel(), "keys.no"),
@@ -290,8 +294,10 @@ def _playing(key: str, screen: Screen) -> Act | None:
 
 
 def _digit(digit: int, screen: Screen) -> Act | None:
-    """Return the act of a digit: part of a room number. If answers are numbered and no number was begun, it is an
-    answer."""
+    """Return the act of a digit: part of a room number.
+
+    If answers are numbered and no number was begun, it is an answer.
+    """
     pop = screen.popup
     if not isinstance(pop, DialoguePopup) or not pop.numbered or screen.typed:
         return TypeDigit(digit)

@@ -207,8 +207,10 @@ class MotionPlayback:
         )
 
     def _bracket(self, time: float) -> tuple[_Sample, _Sample]:
-        """Return the samples before and after a simulated time. Beyond the first or last sample, return that sample
-        twice."""
+        """Return the samples before and after a simulated time.
+
+        Beyond the first or last sample, return that sample twice.
+        """
         later = self._samples[-1]
         if time >= later.time:
             return later, later

@@ -216,8 +216,9 @@ class Participant:
         return bool(moved) and self._screen is not None and self._screen.confirmation is not None
 
     def _until_arrived(self, motions: tuple[RobotMotion, ...]) -> tuple[RobotMotion, ...]:
-        """Return the motions. A robot that has stopped at the end of its path keeps this progress until the view shows
-        it at its goal.
+        """Return the motions.
+
+        A robot that has stopped at the end of its path keeps this progress until the view shows it at its goal.
 
         A robot that came to rest is at the end of its path until the view shows it at its goal.
         """

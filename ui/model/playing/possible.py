@@ -248,8 +248,10 @@ def _hint(texts: Texts, known: Situation, robot: int, refused: RequestRefused | 
 
 
 def why_refused(texts: Texts, known: Situation, refusal: RefusalView, request: ParticipantRequest | None) -> str:
-    """Return the game's refusal of a request, with the known reasons. If `request` is None, it is unknown which request
-    was refused."""
+    """Return the game's refusal of a request, with the known reasons.
+
+    If `request` is None, it is unknown which request was refused.
+    """
     return (texts.has(_refusal_key(refusal)) and _why_not(texts, known, request)) or refusal_words(texts, refusal)
 
 
@@ -274,8 +276,10 @@ def _why_not(texts: Texts, known: Situation, request: ParticipantRequest | None)
 
 
 def refusal_words(texts: Texts, refused: RequestRefused | RefusalView) -> str:
-    """Return a refusal in the language of the texts. If a later release sent an unknown reason, return the received
-    sentence."""
+    """Return a refusal in the language of the texts.
+
+    If a later release sent an unknown reason, return the received sentence.
+    """
     key = _refusal_key(refused)
     return texts.text(key) if texts.has(key) else refused.sentence
 

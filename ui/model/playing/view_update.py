@@ -52,8 +52,10 @@ NOTE = 6.0
 
 
 def note(memory: ParticipantMemory, sentence: str, now: float, about: PopupItem | None = None) -> None:
-    """Show a sentence for a limited time, and announce it. It disappears earlier if the pop-up that it is about is
-    closed."""
+    """Show a sentence for a limited time, and announce it.
+
+    It disappears earlier if the pop-up that it is about is closed.
+    """
     memory.note = Note(sentence, now + NOTE, about)
     memory.history.announce(sentence)
 

@@ -41,8 +41,9 @@ class NoisePreview:
 
 
 def noise_from_form(fields: Iterable[FormField], typed: Mapping[str, str]) -> NoiseSection:
-    """Return the noise of a form's fields. Typed values that are not in the file yet take precedence; invalid ones are
-    ignored.
+    """Return the noise of a form's fields.
+
+    Typed values that are not in the file yet take precedence; invalid ones are ignored.
 
     Args:
         fields: fields of the section `noise`.

@@ -9,8 +9,10 @@ import numpy as np
 from sim.numerics.float_array import FloatArray
 
 MAX_SAMPLES = 20_000
-"""Greatest number of samples in a curve: half an hour at ten per second. Longer curves keep fewer samples in their
-older half."""
+"""Greatest number of samples in a curve: half an hour at ten per second.
+
+Longer curves keep fewer samples in their older half.
+"""
 
 MAX_LINE_POINTS = 1000
 """Largest number of points in a line on the map."""

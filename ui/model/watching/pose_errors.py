@@ -22,8 +22,9 @@ _REPEATS = 3
 
 
 class PoseErrors:
-    """Comparison of estimates with the true poses that have the same stamp. If stamps are useless, times of recording
-    are compared.
+    """Comparison of estimates with the true poses that have the same stamp.
+
+    If stamps are useless, times of recording are compared.
 
     Args:
         errors: curve that receives time, meters, and radians (not negative).
@@ -38,8 +39,10 @@ class PoseErrors:
         self._waiting: list[tuple[float, Pose2]] = []
 
     def truth(self, message: WatchedMessage, time: float) -> None:
-        """Add a true pose that was recorded at a time. Compare it with the estimates that waited for it, by
-        interpolation."""
+        """Add a true pose that was recorded at a time.
+
+        Compare it with the estimates that waited for it, by interpolation.
+        """
         stamp = self._time_of(message, time)
         if self._times and stamp <= self._times[-1]:
             self._repeats += 1

@@ -104,8 +104,10 @@ class SessionLog:
         self._carried: defaultdict[int, list[int]] = defaultdict(list)
 
     def entries(self, kind: EntryKind) -> Sequence[Entry]:
-        """Return a list, oldest entry first. New entries are added at its end; a long list drops its oldest entries,
-        see `dropped`."""
+        """Return a list, oldest entry first.
+
+        New entries are added at its end; a long list drops its oldest entries, see `dropped`.
+        """
         return self._entries[kind]
 
     def dropped(self, kind: EntryKind) -> int:

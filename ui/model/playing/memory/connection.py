@@ -75,6 +75,8 @@ class ConnectionStatus:
         return due if due > now else math.inf
 
     def _last_received(self) -> float:
-        """Return the time of the last telemetry. Without any telemetry it is infinite, so that the connection never
-        counts as stale."""
+        """Return the time of the last telemetry.
+
+        Without any telemetry it is infinite, so that the connection never counts as stale.
+        """
         return math.inf if self._received_at is None else self._received_at

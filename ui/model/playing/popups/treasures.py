@@ -91,8 +91,10 @@ def _length(action: Action) -> int:
 
 
 def _verdict(hunt: HuntMemory, item: TreasureItem, room: RoomView) -> str | None:
-    """Return the outcome of naming. Robots that decide in the end may have named the treasure without the
-    participant."""
+    """Return the outcome of naming.
+
+    Robots that decide in the end may have named the treasure without the participant.
+    """
     if room.verdict is None:
         return None
     words = verdict_words(hunt.texts, hunt.view.word_for(room.verdict.name), room.verdict.points)
@@ -163,8 +165,10 @@ def _cost(hunt: HuntMemory, robot: int, cost: float, sensor: str = "") -> str:
 
 
 def _tell(hunt: HuntMemory, room: RoomView, told: TreasureProperty, value: str, key: str) -> tuple[Action, ...]:
-    """Return the values that the participant can report after a picture was taken. The key is printed on the next
-    value."""
+    """Return the values that the participant can report after a picture was taken.
+
+    The key is printed on the next value.
+    """
     if not room.undecided:
         return ()
     seen = room.picture is not None
