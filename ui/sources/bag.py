@@ -1,4 +1,4 @@
-"""A recording as the researcher's window shows it: the scene at any moment, and the complete log."""
+"""Recording as the researcher's window shows it: the scene at any moment, and the complete log."""
 
 from bisect import bisect_right
 from collections.abc import Callable, Collection, Generator, Iterator, Sequence
@@ -26,21 +26,21 @@ from ui.sources.rooms import rooms_of
 TICK_NS = 20_000_000
 """Length of a time step in the window, also for recordings of other robots."""
 _FIRST_FRAMES = 50
-"""Number of tf messages that are read to find robots that publish no odometry."""
+"""Number of tf messages that are read to find robots whose odometry is not published."""
 _STATIC_MOST = 1000
 """Greatest number of messages of static frames that are read."""
 _CHUNKS_KEPT = 512
-"""Greatest number of chunks with remembered places of tf messages."""
+"""Greatest number of chunks for which the places of tf messages are remembered."""
 _MESSAGES_KEPT = 512
 """Greatest number of remembered messages."""
 _PIECE = 100
-"""Greatest number of messages in a piece of a scan, which takes some milliseconds."""
+"""Greatest number of messages that a scan reads in one piece, which takes some milliseconds."""
 _LOG_SHARE = 0.1
-"""Share of the log in the work of a scan."""
+"""Share of a scan's work that the log takes."""
 
 
 def open_bag(path: Path) -> Generator[float, None, "BagSource"]:
-    """Open a recording; yield the share that is done, so that a caller can show it or cancel.
+    """Open a recording; yield the completed share of the work, so that a caller can show it or cancel.
 
     Opening takes half a second or more, most of it in the last piece, so windows do it in a thread. Work that is slow
     only the first time is also done here.
@@ -55,7 +55,7 @@ def open_bag(path: Path) -> Generator[float, None, "BagSource"]:
     source = BagSource(index)
     if source.session is not None:
         source.rooms = rooms_of(source.session, path)
-        # Older recordings do not contain the names.
+        # Older recordings do not contain the names of rooms.
         source.log.room_names = RoomNames.of((room.room.people, room.name) for room in source.rooms)
     source.scene(source.end_ns, ShownLayers())
     return source
@@ -109,11 +109,11 @@ class BagSource:
         return scene if self.map is None else replace(scene, grid=self.map)
 
     def step(self, at_ns: int, steps: int) -> int:
-        """Return the time this number of ticks later (earlier if negative), limited to the recording."""
+        """Return the time `steps` ticks later, or earlier if negative, limited to the recording."""
         return min(max(at_ns + steps * TICK_NS, self.start_ns), self.end_ns)
 
     def scan(self) -> Iterator[float]:
-        """Read all messages of the log, then those of the series; yield the share that is done.
+        """Read all messages of the log, then those of the series; yield the completed share of the work.
 
         Each piece takes some milliseconds. At the end, `log` and `series` are complete.
         """
@@ -125,7 +125,8 @@ class BagSource:
     def _hand_over(
         self, topics: Collection[str], take: Callable[[WatchedMessage], None], start: float, end: float
     ) -> Iterator[float]:
-        """Pass all messages of these topics to `take`, in the order of time; yield shares from `start` to `end`."""
+        """Pass all messages of these topics to `take`, in the order of time; yield the completed share, from `start` to
+        `end`."""
         chunks = max(self._index.chunks, 1)
         for done, places in enumerate(self._index.walk(topics)):
             for number, place in enumerate(places, start=1):
@@ -177,7 +178,7 @@ class BagSource:
         return sorted(held.values(), key=lambda message: message.stamp_ns)
 
     def _moving_at(self, topic: str, at_ns: int) -> dict[bytes, RawMessage]:
-        """Return the last messages of a tf topic about each moving frame, by their child frames."""
+        """Return the last message of a tf topic about each moving frame, by its child frames."""
         held: dict[bytes, MessageLocation] = {}
         for chunk in self._index.chunks_back(topic, at_ns, at_ns - HORIZON_NS):
             for key, places in self._frame_places_in(topic, chunk).items():
@@ -199,7 +200,7 @@ class BagSource:
         return known
 
     def _read(self, place: MessageLocation) -> RawMessage:
-        """Read a message, and return the same object each time, so that it is decoded only once."""
+        """Read a message. A repeated call returns the same object, so that each message is decoded only once."""
         key = (place.chunk, place.offset)
         known = self._messages.pop(key, None) or self._index.read(place)
         self._messages[key] = known

@@ -14,7 +14,7 @@ from ui.model.desk.state import ToldToDesk, desk_state
 
 
 class ExperimentSource:
-    """Follower of a study's log, which returns the desk's view of it.
+    """Reader that follows a study's log and returns the state that the desk shows.
 
     Args:
         folder: folder of the study.
@@ -56,11 +56,11 @@ class ExperimentSource:
         return True
 
     def state(self, shown: str, kiosk: str = "", troubles: tuple[str, ...] = (), read_only: str = "") -> DeskState:
-        """Return the desk's view; see `ToldToDesk` for the arguments."""
+        """Return the state that the desk shows; see `ToldToDesk` for the arguments."""
         troubles = (self._trouble, *troubles) if self._trouble else troubles
         inputs = ToldToDesk(self._now(), self._changed, kiosk, troubles, shown, read_only)
         return desk_state(self._design, self._progress, self._follower.entries[: self._progress.sequence], inputs)
 
     def _look_at_freeze(self) -> None:
-        """Compare the study with its frozen fingerprint; this reads all planned files."""
+        """Compare the study with its frozen fingerprint; this reads all files that the fingerprint covers."""
         self._changed = deviations(self.folder, versions())

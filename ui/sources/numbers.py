@@ -14,7 +14,7 @@ from thbridge.files.tables.table_files import ListColumn, OptionalColumn, Values
 from thbridge.recording.bag.reading.index import BagIndex, IndexedConnection, MessageLocation
 
 MOST_ELEMENTS = 32
-"""Greatest number of elements that can be chosen from an array of numbers, or from an array of messages."""
+"""Greatest number of elements that can be chosen from one array, either of numbers or of messages."""
 _KEYS = frozenset({SECONDS.name, RECORDED.name, INDEX.name, "row"})
 """Columns that identify a row."""
 _PIECE = 100
@@ -101,7 +101,7 @@ class TopicNumbers:
         self.share = 1.0
 
     def fields(self, topic: str) -> tuple[PlottedField, ...]:
-        """Return the numbers in the messages of a topic, found in its first, middle and last message."""
+        """Return the numbers in the messages of a topic, found in the topic's first, middle and last message."""
         if topic not in self._fields:
             tables = _Tables(topic, self._index.start_ns)
             for place in self._samples(topic):
@@ -111,7 +111,7 @@ class TopicNumbers:
         return self._fields[topic]
 
     def choose(self, chosen: Collection[PlottedField]) -> None:
-        """Choose numbers: keep their curves, and begin to read the missing ones."""
+        """Choose numbers: keep the curves of these numbers, and begin to read the missing ones."""
         self.chosen = tuple(chosen)
         unfinished = () if self._reading is None else self._reading[0]
         self._reading = None
@@ -135,7 +135,7 @@ class TopicNumbers:
         return True
 
     def curve(self, number: PlottedField) -> tuple[FloatArray, FloatArray]:
-        """Return (n,) seconds since the beginning and (n,) values of a chosen number, as far as they are read."""
+        """Return (n,) seconds since the beginning and (n,) values of a chosen number, as far as they have been read."""
         parts = self._curves.get(number)
         return _NO_CURVE if parts is None else parts.joined()
 
@@ -190,7 +190,7 @@ class _Tables:
             tables.add(place.stamp_ns, data)
 
     def take(self) -> Iterator[TableRows]:
-        """Yield the rows of the added messages, then drop them."""
+        """Yield the rows of the added messages, then remove them."""
         for tables in self._tables.values():
             if tables is not None:
                 yield from tables.take(Counter())

@@ -14,14 +14,16 @@ COLLECTING_PERIOD = 250
 
 
 def application() -> QApplication:
-    """Return the application of this process. The first call makes it; Ctrl-C ends it, and garbage is collected between
-    events."""
+    """Return the application of this process.
+
+    The first call creates it; Ctrl-C ends it, and garbage is collected between events.
+    """
     app = QApplication.instance()
     if not isinstance(app, QApplication):
         app = QApplication(sys.argv[:1])
-        gc.freeze()  # Everything loaded so far stays for good, so garbage collection can skip it.
+        gc.freeze()  # Everything loaded so far is never freed, so garbage collection can skip it.
         GarbageTimer(app)
-        app.setDesktopFileName("thbridge")  # Desktops choose the icon of the windows by this name.
+        app.setDesktopFileName("thbridge")  # Desktops use this name to choose the icon of the windows.
         app.setWindowIcon(QIcon(str(Path(__file__).with_name("thbridge.svg"))))
     # Without this, Ctrl-C raises an exception in the slot that is running, and Qt only prints it.
     signal.signal(signal.SIGINT, lambda _number, _frame: app.quit())
@@ -29,10 +31,10 @@ def application() -> QApplication:
 
 
 class GarbageTimer(QObject):
-    """Collects reference cycles between two events of Qt's thread, and at no other time.
+    """Timer that collects reference cycles between two events of Qt's thread, and at no other time.
 
-    Python itself collects in any thread and at any allocation. Another thread could then destroy a forgotten window in
-    a cycle, or it could be destroyed while Qt iterates over its widgets; both crash the program.
+    Python itself collects in any thread and at any allocation. A closed window in a reference cycle could then be
+    destroyed by another thread, or while Qt iterates over its widgets. Both crash the program.
 
     Args:
         app: owner; the timer lives as long as this object.

@@ -21,13 +21,13 @@ EXPLANATION = (
 
 
 class FirstStartWindow(QWidget):
-    """Shows the number of compiled kernels and the time in seconds; closing the window cancels."""
+    """Window that shows the number of compiled kernels and the elapsed seconds; closing it cancels."""
 
     cancelled = Signal()
     received = Signal(int, int)
-    """Number of compiled kernels, and number of all kernels."""
+    """Signal with the number of compiled kernels, and the number of all kernels."""
     ended = Signal()
-    """The program no longer needs the window."""
+    """Signal: the program no longer needs the window."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -76,7 +76,7 @@ class FirstStartWindow(QWidget):
         self._show_seconds()
 
     def leave(self) -> None:
-        """Close without canceling: the program continues, or has ended."""
+        """Close without canceling, because the program continues or has ended."""
         self._leaving = True
         self.close()
 
@@ -93,8 +93,8 @@ class FirstStartWindow(QWidget):
 
 
 def show() -> None:
-    """Run the window as a program: it reads lines `DONE TOTAL` from standard input, and prints `cancel` if people
-    cancel."""
+    """Run the window as a program: it reads lines `DONE TOTAL` from standard input, and prints `cancel` if the user
+    cancels."""
     app = application()
     preferences_of(app, "participant", sys.argv[1])  # type: ignore[arg-type]  # one of the choices of --look
     window = FirstStartWindow()

@@ -7,7 +7,7 @@ from PySide6.QtWidgets import QLayout, QLayoutItem
 class FlowLayout(QLayout):
     """Rows of widgets, each with its preferred size; widgets that do not fit into a row start the next one.
 
-    A widget that expands gets the rest of its row.
+    A widget that can expand gets the remaining width of its row.
     """
 
     def __init__(self) -> None:
@@ -52,7 +52,7 @@ class FlowLayout(QLayout):
         return self.minimumSize()
 
     def minimumSize(self) -> QSize:
-        """Return the size of the largest item: each may have its own row."""
+        """Return the size of the largest item, because each item can have a row of its own."""
         size = QSize(0, 0)
         for item in self._items:
             size = size.expandedTo(item.sizeHint())

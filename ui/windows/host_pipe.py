@@ -1,4 +1,4 @@
-"""Connection of a window to its host, the program that opened it, by standard input and output."""
+"""Connection of a window to its host (the program that opened it) by standard input and output."""
 
 import sys
 import threading
@@ -23,7 +23,7 @@ class HostedWindow(Protocol[Message_contra]):
         """Act on a message from the host."""
 
     def leave(self) -> None:
-        """Close without asking: the host is gone, or requests it."""
+        """Close without asking, because the host has ended or requests it."""
 
 
 class HostPipe(QObject, Generic[FromHostT, FromWindowT]):
@@ -37,7 +37,8 @@ class HostPipe(QObject, Generic[FromHostT, FromWindowT]):
         super().__init__()
         self._protocol = protocol
         self._window: HostedWindow[FromHostT] | None = None
-        # The reading thread appends, the window's thread pops: single steps of the interpreter, so no lock is needed.
+        # The reading thread appends, and the window's thread removes. Both are single steps of the interpreter, so no
+        # lock is needed.
         self._received: deque[FromHostT | None] = deque()
 
     def listen(self, window: HostedWindow[FromHostT]) -> None:

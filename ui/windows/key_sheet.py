@@ -22,11 +22,11 @@ KeyLines = tuple[tuple[str, str], ...]
 
 
 class KeySheet(QDialog):
-    """All keyboard shortcuts on one sheet.
+    """Sheet with all keyboard shortcuts.
 
     Args:
         parent: the window.
-        keys: shortcuts under titles.
+        keys: shortcuts by title of their group.
     """
 
     def __init__(self, parent: QWidget, keys: Sequence[tuple[str, KeyLines]]) -> None:

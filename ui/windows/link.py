@@ -1,7 +1,6 @@
-"""Participant's program next to its window: a thread that talks to the server.
+"""Participant's program, which runs in a thread next to the window and communicates with the server.
 
-In each frame the window takes the events received so far and sets its open requests; nothing else passes between the
-threads.
+In each frame, the window takes the events received so far and sets its open requests. The threads share no other data.
 """
 
 import asyncio
@@ -25,11 +24,14 @@ from thbridge.text_protocol.wire.lines import TextMessage
 POLL_PERIOD = 0.005
 """Seconds between two polls of the connection.
 
-It delays the drawing of robots by half of this on average, and by the jitter that it adds to pose telemetry.
+On average, it delays the drawing of robots by half of this time, and also by the jitter that it adds to pose telemetry.
 """
 
 RECONNECT_BACKOFF = Backoff(initial=0.25, maximum=2.0)
-"""Backoff of reconnecting: a person is waiting, so the link finds a returned server within two seconds."""
+"""Backoff of reconnecting.
+
+It is short, because a person waits: the link connects within two seconds after the server returns.
+"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,7 +51,7 @@ class ReceivedEvent:
 
 
 _FIRST_NUMBERS = 1 << 31
-"""Upper limit of the random number of a window's first request."""
+"""Upper limit of the randomly chosen number of a window's first request."""
 
 
 class ParticipantLink:
@@ -58,8 +60,8 @@ class ParticipantLink:
     Args:
         host: host of the server.
         port: port of the server.
-        token: mark of this run of the program, by which the server recognizes its connection after a fault.
-        consent: consent of a participant who has already agreed. If None, the participant has not agreed, or was not
+        token: id of this run of the program, by which the server recognizes a new connection after a network fault.
+        consent: consent of a participant who has already agreed. If None, the participant has not agreed or was not
             asked.
         key: key to show to the server; None for none.
 
@@ -79,14 +81,14 @@ class ParticipantLink:
         self._token = token
         self._consent = consent
         self._declined = False
-        # No lock is needed: appending to a deque, taking from it and replacing a tuple are single steps of the
+        # No lock is needed: appending to a deque, taking from it, and replacing a tuple are single steps of the
         # interpreter.
         self._events: deque[ReceivedEvent] = deque()
         self._requested: tuple[ParticipantRequest, ...] = ()
         self._stopped = threading.Event()
         self._thread = threading.Thread(target=self._run, name="link", daemon=True)
 
-    # The window's side
+    # Methods that the window calls
 
     def start(self) -> None:
         """Start connecting."""
@@ -106,17 +108,21 @@ class ParticipantLink:
         self._requested = requests
 
     def decline(self) -> None:
-        """Report to the server, before anything else and even if the link is stopped, that the participant declines."""
+        """Report to the server that the participant declines.
+
+        This is sent first, even if the link is stopped meanwhile.
+        """
         self._declined = True
 
-    # The thread's side
+    # Methods of the thread
 
     def _run(self) -> None:
         asyncio.run(self._converse())
 
     async def _converse(self) -> None:
         player = _WindowPlayer()
-        # A window that is opened again after a crash has the same token: random numbers keep their requests apart.
+        # A window that is opened again after a crash has the same token; random numbers distinguish its requests from
+        # earlier ones.
         role = TabUI(player, self, self._consent, 1 + secrets.randbelow(_FIRST_NUMBERS))
         role.run = self._token
         runner = _ClockedRole(role, self._report)
@@ -133,7 +139,7 @@ class ParticipantLink:
                 await asyncio.sleep(POLL_PERIOD)
 
     def observe(self, level: ParticipantUpdate) -> None:
-        """Pass on a notice that the role received; see `thbridge.roles.participant.tabui.ParticipantObserver`."""
+        """Pass on a message that the role received; see `thbridge.roles.participant.tabui.ParticipantObserver`."""
         self._report(level)
 
     def _report(self, event: ServerEvent) -> None:
@@ -141,7 +147,7 @@ class ParticipantLink:
 
 
 class _WindowPlayer:
-    """Player with the requests of the window."""
+    """Player that sends the requests of the window."""
 
     def __init__(self) -> None:
         self.requested: tuple[ParticipantRequest, ...] = ()
@@ -151,7 +157,7 @@ class _WindowPlayer:
 
 
 class _ClockedRole:
-    """Steps the role by the wall clock, and reports to the window that the server is reached."""
+    """Role that is stepped by the wall clock, and that reports to the window when the server is reached."""
 
     def __init__(self, role: TabUI, report: Callable[[ServerEvent], None]) -> None:
         self._role = role
@@ -160,7 +166,7 @@ class _ClockedRole:
         self._messages: list[TextMessage] = []
 
     def connected(self) -> None:
-        """See `RoleRunner`, for this and the next two."""
+        """See `RoleRunner`, also for the next two methods."""
         self._role.connected()
         self._report(ServerReached())
 

@@ -46,7 +46,7 @@ Choice = Literal["light", "dark", "system"]
 Size = Literal["small", "body", "title", "hero"]
 
 GAP = 8
-"""Unit of spacing, logical pixels: all margins and distances are halves and multiples of it."""
+"""Unit of spacing, logical pixels: all margins and distances are multiples of its half."""
 
 RADIUS = 8
 """Radius of the corners of cards, panels and buttons, logical pixels."""
@@ -61,7 +61,7 @@ _TICKS = {
     palette.on_accent: Path(__file__).with_name(f"tick_{name}.svg").as_posix()
     for name, palette in (("light", LIGHT), ("dark", DARK))
 }
-"""Pictures of a tick, by color."""
+"""Image files of a tick, by color."""
 _SIGN = 48
 """Side of the signs in message boxes, logical pixels."""
 FRAME = QSize(16, 48)
@@ -79,8 +79,10 @@ class _Current:
 
 
 class WindowStyle(PlainTextStyle):
-    """Style of all widgets, with flat signs in message boxes. Values that Qt asks for thousands of times are in the
-    style sheet."""
+    """Style of all widgets, with flat signs in message boxes.
+
+    Values that Qt requests thousands of times are in the style sheet.
+    """
 
     def standardIcon(
         self, icon: QStyle.StandardPixmap, option: QStyleOption | None = None, widget: QWidget | None = None
@@ -97,7 +99,7 @@ class WindowStyle(PlainTextStyle):
 
 
 def _sign_icon(letter: str, ground: str, ink: str) -> QIcon:
-    """Return a letter on a disc."""
+    """Return a pixmap with a letter on a disc."""
     pixmap = QPixmap(2 * _SIGN, 2 * _SIGN)
     pixmap.setDevicePixelRatio(2.0)
     pixmap.fill(Qt.GlobalColor.transparent)
@@ -120,15 +122,17 @@ def colours() -> Palette:
 
 
 def font(size: Size = "body", *, bold: bool = False) -> QFont:
-    """Return the typeface in one of its sizes. Its digits have equal widths, so that numbers do not move when they
-    change."""
-    # Return a copy, since callers change theirs; Qt copies the data only at a change.
+    """Return the typeface in one of its sizes.
+
+    Its digits have equal widths, so that numbers do not move when they change.
+    """
+    # Return a copy, because callers change it; Qt copies the data only when it is changed.
     return QFont(_made_font(_Current.body * _SCALE[size], bold))
 
 
 @cache
 def _made_font(points: float, bold: bool) -> QFont:
-    """Make a typeface once, since painting and layout ask for it hundreds of times in a frame."""
+    """Create a typeface once, because painting and layout request it hundreds of times in a frame."""
     made = QFont()
     made.setFamilies(["Inter", QFont().defaultFamily()])
     made.setPointSizeF(points)
@@ -138,7 +142,7 @@ def _made_font(points: float, bold: bool) -> QFont:
 
 
 def fixed_font() -> QFont:
-    """Return a typeface of the usual size with letters of equal width, so that columns align."""
+    """Return a typeface of the normal size in which all characters have the same width, so that columns align."""
     fixed = QFontDatabase.systemFont(QFontDatabase.SystemFont.FixedFont)
     fixed.setPointSizeF(_Current.body)
     return fixed
@@ -177,12 +181,13 @@ def apply_text_size(app: QApplication, factor: float) -> None:
 
 def _set_fonts(app: QApplication) -> None:
     app.setFont(font())
-    # Otherwise titles of docks keep the desktop's font. PySide accepts a string here, in spite of its stubs.
+    # Without this, titles of docks keep the desktop's font. PySide accepts a string here, although its stubs do not.
     app.setFont(font("small"), "QDockWidgetTitle")  # type: ignore[arg-type]
 
 
 def px(length: float) -> int:
-    """Return a length that depends on text: logical pixels at a text size of 10.5 points, scaled to the current one."""
+    """Return a length that depends on text: logical pixels at a text size of 10.5 points, scaled to the current
+    size."""
     return round(length * _Current.body / _SMALLEST_BODY)
 
 
@@ -191,7 +196,8 @@ def follow_text(widget: W, fit: Callable[[W], object]) -> W:
 
     Args:
         widget: the widget, which is also returned.
-        fit: function that refers to the widget only by its argument; otherwise the widget would never be freed.
+        fit: function that sets them. It must refer to the widget only by its argument; otherwise the widget would never
+            be freed.
     """
     fit(widget)
     _Current.following.setdefault(widget, []).append(cast("Callable[[QWidget], object]", fit))
@@ -201,15 +207,16 @@ def follow_text(widget: W, fit: Callable[[W], object]) -> W:
 def usual_growth(screen: QSize) -> float:
     """Return the factor by which text is larger than 10.5 points on a screen by default, 1 to 1.5.
 
-    It grows by half of the screen's excess over 1200 x 800 logical pixels, in width or height, whichever is smaller: by
-    nothing on a small screen, about 17 % on 1920 x 1080, 40 % on 2560 x 1440.
+    The excess of a screen is the share by which it is larger than 1200 x 800 logical pixels, in width or height,
+    whichever is smaller. Text grows by half of the excess: by 0 % on a small screen, about 17 % on 1920 x 1080, and 40
+    % on 2560 x 1440.
     """
     beyond = min(screen.width() / _USUAL_WINDOW.width(), screen.height() / _USUAL_WINDOW.height()) - 1.0
     return min(max(1.0 + beyond / 2.0, 1.0), 1.5)
 
 
 def open_within_screen(window: QWidget, wanted: QSize = _USUAL_WINDOW) -> None:
-    """Set the first size of a window; with its frame it fits into the free part of the screen."""
+    """Set the initial size of a window, so that the window with its frame fits into the free part of the screen."""
     window.resize((wanted * _Current.body / _SMALLEST_BODY).boundedTo(window.screen().availableSize() - FRAME))
 
 
@@ -245,7 +252,7 @@ def label(text: str = "", size: Size = "body", *, bold: bool = False, muted: boo
 
 
 def spaced(layout: L, spacing: int, *margins: int) -> L:
-    """Set the distances between the parts of a layout, and around them: one, or left, top, right and bottom."""
+    """Set the distances between the parts of a layout, and its margins: one value, or left, top, right and bottom."""
     layout.setSpacing(spacing)
     if margins:
         left, top, right, bottom = margins if len(margins) == 4 else 4 * margins
@@ -259,9 +266,10 @@ class FoldingRow(QWidget):
     Args:
         first: left part; it gets the remaining width.
         second: right part.
-        least: smallest width of the first part, `px`; 0 for the smallest width of its widgets.
+        least: smallest width of the first part, `px`. If 0, it is the smallest width of its widgets.
         spacing: distance between the parts when they are side by side, logical pixels.
-        spare: width left free for words that get longer, `px`. With it, a change of words alone never unfolds the row.
+        spare: width that is kept free for words that get longer, `px`. If it is not 0, a change of words alone can fold
+            the row, but never unfolds it.
 
     Attributes:
         parts: layout of the parts.
@@ -272,7 +280,7 @@ class FoldingRow(QWidget):
     ) -> None:
         super().__init__()
         self._spare = spare
-        # Width, size of text and number of widgets at the last decision.
+        # Width, size of text and number of widgets when it was last decided to fold or unfold.
         self._decided: tuple[int, ...] = ()
         self._first, self._second, self._least, self._spacing = first, second, least, spacing
         self.parts = spaced(QBoxLayout(QBoxLayout.Direction.LeftToRight, self), spacing, 0)
@@ -285,7 +293,7 @@ class FoldingRow(QWidget):
         return self.parts.direction() == QBoxLayout.Direction.TopToBottom
 
     def minimumSizeHint(self) -> QSize:
-        """Return the width of the wider part: the row can always fold."""
+        """Return the width of the wider part, because the row can always fold."""
         parts = self._first.minimumSize(), self._second.minimumSize()
         margins = self.parts.contentsMargins()
         wide = max(part.width() for part in parts) + margins.left() + margins.right()
@@ -297,7 +305,7 @@ class FoldingRow(QWidget):
         self._fold()
 
     def event(self, event: QEvent) -> bool:
-        """Decide again after a change of words or of their size."""
+        """Decide again if the words or their size have changed."""
         if event.type() == QEvent.Type.LayoutRequest:
             self._fold()
         return super().event(event)

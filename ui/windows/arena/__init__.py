@@ -30,7 +30,7 @@ def draw_arena(
         write: function that writes the arena; returns why it cannot, or None.
         choice: light, dark, or the system's colors.
         is_saved: True if the first arena is already in a file.
-        left_out: (rows, cols) cells of lines that the plan leaves out, to be shown; or None.
+        left_out: (rows, cols) cells of removed lines, which the window shows; None if there are none.
     """
     app = application()
     preferences = preferences_of(app, "arena", choice)

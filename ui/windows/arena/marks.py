@@ -13,13 +13,13 @@ from ui.windows.map.points import pixel
 
 GOAL_RADIUS = 5.0
 CHOSEN_RADIUS = 16.0
-"""Radius in pixels."""
+"""Radius of the circle around the chosen start pose, pixels."""
 CORNER = QRectF(-4.5, -4.5, 9.0, 9.0)
 """Square at a corner of the chosen room, pixels."""
 DIAMOND = QPolygonF([QPointF(6.0, 0.0), QPointF(0.0, 6.0), QPointF(-6.0, 0.0), QPointF(0.0, -6.0)])
 """Sign of a door, pixels."""
 AHEAD = 14.0
-"""Length of the line along a pose's yaw, pixels."""
+"""Length of the line that shows a pose's heading, pixels."""
 
 
 class ArenaMarks(MapItem):

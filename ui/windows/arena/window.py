@@ -72,7 +72,7 @@ class ArenaWindow(QMainWindow):
         arena: rooms and start poses to start with.
         write: function that writes the arena; returns why it cannot, or None.
         is_saved: True if the first arena is already in a file.
-        left_out: (rows, cols) cells of lines that the plan leaves out, to be shown; or None.
+        left_out: (rows, cols) cells of removed lines, which the window shows; None if there are none.
     """
 
     def __init__(
@@ -161,7 +161,7 @@ class ArenaWindow(QMainWindow):
         self.show_all()
 
     def _show_left_out(self) -> None:
-        """Show the lines that are not in the map in the accent color, so that people notice missing walls."""
+        """Show the lines that were removed from the map in the accent color, so that people notice missing walls."""
         grid = self.draft.floor.map.grid
         if self._left_out is not None:
             table = np.zeros((256, 4), dtype=np.uint8)
@@ -329,7 +329,7 @@ class ArenaWindow(QMainWindow):
     def _renamed(self, item: QListWidgetItem) -> None:
         number, text = self.list.row(item) + 1, item.text()
         name = text.removeprefix(f"{number}  ")
-        # Wait until the event is done: refilling the list now would destroy its open editor.
+        # Wait until the event is handled: refilling the list now would destroy its open editor.
         QTimer.singleShot(0, self, lambda: self.change(lambda: self.draft.rename(number, name)))
 
     # Layout -----------------------------------------------------------------------------------------------------------

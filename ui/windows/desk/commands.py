@@ -36,7 +36,7 @@ class CommandBox(QDialog):
 
     Attributes:
         output: output of the command.
-        words: sentence that says that it runs, or how it ended.
+        words: sentence that says that the command runs, or how it ended.
     """
 
     def __init__(self, parent: QWidget, title: str, *arguments: str) -> None:
@@ -65,7 +65,7 @@ class CommandBox(QDialog):
     def done(self, result: int) -> None:
         """Stop the command if it still runs, and close the dialog."""
         if self._process.state() is not QProcess.ProcessState.NotRunning:
-            # The box closes: the end of the process must not change it any longer.
+            # The dialog closes, so the end of the process must not change it any longer.
             self._process.finished.disconnect(self._finish)
             self._process.terminate()
             if not self._process.waitForFinished(STOP_TIMEOUT):
@@ -96,7 +96,7 @@ class TargetBox(QDialog):
         title: title of the dialog.
         question: description of the output and of the allowed folders.
         suggested: folder to suggest; empty for none.
-        yes: text of the button that starts the command.
+        yes: text on the button that starts the command.
 
     Attributes:
         folder: field with the folder.

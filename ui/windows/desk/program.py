@@ -1,4 +1,4 @@
-"""The desk as a program: hosted by the program that runs the study, or watching a study's folder alone."""
+"""Program of the desk: hosted by the program that runs the study, or watching a study's folder on its own."""
 
 from PySide6.QtCore import QObject, QTimer
 
@@ -13,9 +13,9 @@ from ui.windows.look import Choice
 from ui.windows.preferences import preferences_of
 
 POLL = 1000
-"""Milliseconds between two reads of a log."""
+"""Milliseconds between two reads of a study's log."""
 RENEWED = 20
-"""Number of reads without news after which the minutes of runs are counted again."""
+"""Number of reads without new entries after which the minutes of runs are computed again."""
 READ_ONLY = (
     "This window only watches the log and cannot change runs or notes. Use the window that "
     "`thbridge study run --desk` opens."
@@ -27,7 +27,7 @@ CLOSING = (
 
 
 class LogWatch(QObject):
-    """Shows a study's log at the desk as it grows; another thread reads the log.
+    """Watcher that shows a growing study log at the desk; another thread reads the log.
 
     Args:
         desk: the window.
@@ -90,7 +90,7 @@ def show_hosted(folder: ExperimentFolder, choice: Choice) -> int:
 
 
 def show_folder(source: ExperimentSource, choice: Choice) -> int:
-    """Open the desk on a study's folder, only to watch; return when it is closed."""
+    """Open the desk on a study's folder, without control of the study; return when it is closed."""
     app = application()
     preferences = preferences_of(app, "desk", choice)
     desk = DeskWindow(folder=source.folder)

@@ -8,12 +8,12 @@ from ui.windows.look import GAP, follow_text, label, px, spaced
 
 
 class ReasonBox(QDialog):
-    """Question that requires a reason; without one it cannot be confirmed.
+    """Question that requires a reason; it cannot be confirmed without a reason.
 
     Args:
         parent: the window.
         title: title of the dialog.
-        question: the question, and the consequences of a yes.
+        question: the question, and the consequences of confirming it.
         yes: text of the button that confirms.
 
     Attributes:
@@ -46,7 +46,7 @@ class ReasonBox(QDialog):
         self.reason.setFocus()
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Let Enter press the focused button; in the field, Enter only moves the focus to the button that confirms."""
+        """Let Enter press the focused button. In the field, Enter only moves the focus to the button that confirms."""
         if event.key() not in {Qt.Key.Key_Return, Qt.Key.Key_Enter}:
             super().keyPressEvent(event)
         elif isinstance(focus := self.focusWidget(), QPushButton):

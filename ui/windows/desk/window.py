@@ -102,15 +102,15 @@ _EXCLUDED = "This run is already excluded."
 
 
 class DeskWindow(QMainWindow):
-    """A study with people as the experimenter sees it; final actions ask first.
+    """Window of a study with people as the experimenter sees it; actions that cannot be undone ask for confirmation.
 
     Args:
         closing: question on closing. If empty, the window closes at once.
         folder: folder of the study, for commands on it. If None, there are no commands.
 
     Attributes:
-        state: state shown; None before the first.
-        asked: a request to the host, a `FromDesk`.
+        state: state shown; None before the first state has arrived.
+        asked: signal with a request to the host, a `FromDesk`.
     """
 
     asked = Signal(object)
@@ -194,7 +194,7 @@ class DeskWindow(QMainWindow):
         self._show_buttons()
 
     def _show_runs(self, state: DeskState) -> None:
-        """Show the runs. Keep the selected run selected if its row moves; at first, select the top row."""
+        """Show the runs. A selected run stays selected if its row moves; if none is selected, select the top row."""
         self._runs = ordered_runs(state)
         self.run_model.show_rows(list(run_rows(state)))
         self.runs.selectRow(max(self._row(self._chosen), 0))
@@ -373,7 +373,7 @@ class DeskWindow(QMainWindow):
         self.close()
 
     def closeEvent(self, event: QCloseEvent) -> None:
-        """Ask first if the host wants that, and inform the host."""
+        """Ask for confirmation if the host wants that, and inform the host."""
         if self._closing:
             box = QMessageBox(QMessageBox.Icon.Question, "Close the desk", self._closing, parent=self)
             box.setObjectName("question")
@@ -449,7 +449,7 @@ class DeskWindow(QMainWindow):
         self.runs.setFocus()
 
     def _fit_cells(self) -> None:
-        """Give the table of cells the height of its rows, at most of six."""
+        """Give the table of cells the height of its rows, but at most that of six rows."""
         self.cells.setFixedHeight(
             self.cells.horizontalHeader().sizeHint().height()
             + min(self.cell_model.rowCount(), 6) * self.cells.verticalHeader().defaultSectionSize()
@@ -473,7 +473,8 @@ class _Body(QSplitter):
 
 
 class _Column(QWidget):
-    """Column of parts that is as high as its text needs at the current width; a splitter does not ask for that."""
+    """Column of parts with the height that its text needs at the current width; a splitter does not ask for this
+    height."""
 
     def minimumSizeHint(self) -> QSize:
         """Return the minimum width of the parts, and their minimum height at the current width."""
@@ -494,7 +495,7 @@ def _allow(button: QPushButton, why_not: str, hint: str) -> None:
 
 
 def _mark(words: QWidget, *, bad: bool) -> None:
-    """Show text in the color of problems, or in the usual one."""
+    """Show text in the color of problems, or in the normal color."""
     words.setProperty("bad", bad)
     words.style().unpolish(words)
     words.style().polish(words)

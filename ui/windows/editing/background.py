@@ -1,4 +1,4 @@
-"""Work in a separate thread, one piece after the other."""
+"""Work in a separate thread, one job after the other."""
 
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
@@ -7,11 +7,11 @@ from PySide6.QtCore import QObject, Signal, Slot
 
 
 class BackgroundWorker(QObject):
-    """Thread for one kind of work. While it works, it keeps only the newest of the waiting pieces.
+    """Thread for one kind of job. While a job runs, only the newest of the waiting jobs is kept.
 
     Attributes:
-        busy: True while a piece of work is running.
-        done: result of a piece of work, in the window's own thread.
+        busy: True while a job runs.
+        done: signal with the result of a job, in the window's thread.
     """
 
     done = Signal(object)
@@ -25,15 +25,15 @@ class BackgroundWorker(QObject):
         self._ended.connect(self._finish)
 
     def ask(self, work: Callable[[], object]) -> None:
-        """Do this work next, in place of the piece that waits."""
+        """Do this job next; it replaces the job that waits."""
         self._waiting = work
         if not self.busy:
             self._begin()
 
     def close(self) -> None:
-        """Finish the current work, and drop the piece that waits."""
+        """Finish the current job, and drop the job that waits."""
         self._waiting = None
-        # The result of the current work must not reach a window that closes.
+        # The result of the current job must not reach a window that closes.
         self._ended.disconnect(self._finish)
         self._pool.shutdown(wait=True, cancel_futures=True)
 

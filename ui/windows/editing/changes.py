@@ -1,4 +1,4 @@
-"""Page with the changes that saving would make."""
+"""Page with the changes that saving would write."""
 
 from collections.abc import Sequence
 
@@ -9,7 +9,7 @@ from ui.windows.look import GAP, colours, fixed_font, follow_text, label, spaced
 
 
 class ChangesPage(QWidget):
-    """Changes that saving would make."""
+    """Page with the changes that saving would write."""
 
     def __init__(self) -> None:
         super().__init__()

@@ -1,4 +1,4 @@
-"""Text of an editor, character by character."""
+"""Text of an editor with all its characters unchanged."""
 
 from PySide6.QtWidgets import QPlainTextEdit
 
@@ -6,5 +6,5 @@ _BLOCK_END = "\u2029"
 
 
 def exact_text(editor: QPlainTextEdit) -> str:
-    """Return the text of an editor exactly; `toPlainText` would turn non-breaking spaces into plain spaces."""
+    """Return the exact text of an editor; `toPlainText` would turn non-breaking spaces into plain spaces."""
     return editor.document().toRawText().replace(_BLOCK_END, "\n")

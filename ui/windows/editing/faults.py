@@ -19,7 +19,7 @@ class FaultList(QWidget):
         shortened: function that removes the part of a sentence that the window shows elsewhere.
 
     Attributes:
-        chosen: a person wants to see the fault with this index.
+        chosen: signal: a person wants to see the fault with this index.
     """
 
     chosen = Signal(int)
@@ -69,7 +69,7 @@ class FaultList(QWidget):
 
 
 def _fit(shown: QListWidget) -> None:
-    """Give the list the height of its rows and of its scroll bar, up to a limit."""
+    """Give the list the height of its rows and of its scroll bar, up to a maximum."""
     height = sum(shown.sizeHintForRow(row) for row in range(shown.count())) + 2 * GAP
     height += shown.horizontalScrollBar().sizeHint().height()
     shown.setFixedHeight(min(px(_TALLEST), height))

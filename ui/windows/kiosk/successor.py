@@ -1,4 +1,5 @@
-"""A window whose host has died stays open until another one replaces it, so that people never see the desktop."""
+"""Replacement of a window whose host has died: the window stays open until another one replaces it, so that people
+never see the desktop."""
 
 import getpass
 from collections.abc import Callable
@@ -11,10 +12,11 @@ _TIMEOUT = 200
 
 
 class Successor(QObject):
-    """Informs the window of an earlier program that this one is open, and waits for a later window.
+    """Connection between successive windows: it informs the window of an earlier program that this one is open, and
+    waits for a later window.
 
     Args:
-        comes: called when a later window has opened.
+        comes: function that is called when a later window has opened.
     """
 
     def __init__(self, comes: Callable[[], None]) -> None:

@@ -58,23 +58,28 @@ END_KEYS = "Ctrl+Alt+Shift+Q"
 BEGIN_KEYS = "Ctrl+Alt+Shift+N"
 """Researcher's keys that start the run of the next person."""
 STOP_KEYS = "Alt+F4"
-"""Keys with which anyone can ask to leave, unless a window manager uses them."""
+"""Keys with which any person can ask to leave, unless a window manager uses them."""
 HELP_KEY = HELP.keys[0]
 FRAME = 15
-"""Milliseconds between two polls of a game's link."""
+"""Milliseconds between two polls of the connection to a game."""
 WARNINGS = (60, 10)
-"""Seconds before the end of a game at which people are warned; from the first one, the seconds are shown."""
+"""Seconds before the end of a game at which people are warned.
+
+After the first warning, the remaining seconds are shown.
+"""
 
 
 def time_words(texts: Texts, seconds: int) -> str:
-    """Return a time in words: in whole minutes, and in seconds only near the end, so that no clock ticks before."""
+    """Return a time in words: in whole minutes, and in seconds only near the end, so that people do not watch a running
+    clock."""
     if seconds > WARNINGS[0]:
         return texts.text("kiosk.minutes_left", count=math.ceil(seconds / 60))
     return texts.text("kiosk.seconds_left", count=seconds)
 
 
 class ProgressStrip(QWidget):
-    """Progress of a person through the study, and the button to leave, since a full screen has no close button.
+    """Strip with a person's progress through the study and the button to leave, because a full screen has no close
+    button.
 
     Args:
         texts: texts of the study.
@@ -105,19 +110,20 @@ class ProgressStrip(QWidget):
         self.again.hide()
         row.addWidget(self.again)
         self.settings = ActionButton(texts, "small")
-        # Only "Aa", the sign for text of several sizes, and no key, since the strip has little room.
+        # The button shows only "Aa", the usual sign for the size of text, and no key, because the strip has little
+        # room.
         self.settings.show_face(ButtonFace("Aa", hint=texts.text("settings.hint")), texts.text("settings.title"))
         self.settings.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         row.addWidget(self.settings)
         self.stop = ActionButton(texts, "small")
         stop = texts.text("kiosk.stop")
         self.stop.show_face(ButtonFace(stop, STOP_KEYS), stop)
-        # Pages have their own order of Tab, and the focus returns to them.
+        # Pages have their own order of Tab, and the focus returns to the pages.
         self.stop.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         row.addWidget(self.stop)
 
     def show_time(self, seconds: int | None) -> str:
-        """Show the time left in a game; None if there is no game. Return a warning if one is due."""
+        """Show the time left in a game; None if there is no game. Return a warning if one is due, otherwise None."""
         self._time.setVisible(seconds is not None)
         before, self._seconds = self._seconds, seconds
         if seconds is None:
@@ -133,7 +139,7 @@ class ProgressStrip(QWidget):
         return left if passed else ""
 
     def show_progress(self, way: StudyProgress) -> None:
-        """Show the progress; hide the strip if there are no steps."""
+        """Show the progress; hide it if there are no steps."""
         self.show_time(None)
         self.setVisible(way.steps > 0)
         words = self._texts.text("kiosk.step", step=way.step, steps=way.steps)
@@ -150,8 +156,8 @@ class LeavingPanel(TitledPanel):
         texts: texts of the study.
 
     Attributes:
-        stay: button back to the study.
-        stop: button that ends the person's part.
+        stay: button that returns to the study.
+        stop: button that ends the person's participation.
         close_button: button that closes the window.
     """
 
@@ -187,12 +193,12 @@ class KioskWindow(QMainWindow):
 
     Args:
         texts: texts of the study.
-        preferences: preferences of the participant; they are forgotten when the next one starts.
+        preferences: preferences of the participant; they are reset when the next participant starts.
         send: function that sends a message to the host.
         clock: monotonic clock, seconds.
 
     Attributes:
-        game: game shown; None on other pages.
+        game: page of the game shown; None while another page is shown.
     """
 
     def __init__(
@@ -224,7 +230,7 @@ class KioskWindow(QMainWindow):
         self.overlay, self.leaving_panel = ModalOverlay(inside), LeavingPanel(texts)
         self.instructions = HelpSheet(texts)
         self._build_leaving()
-        # Until they are shown they have no parent, so Qt would not delete them with the window.
+        # Before they are shown, these panels have no parent, so Qt would not delete them with the window.
         self.destroyed.connect(self.leaving_panel.deleteLater)
         self.destroyed.connect(self.instructions.deleteLater)
         self.instructions.requested.connect(self._stay)
@@ -294,7 +300,10 @@ class KioskWindow(QMainWindow):
                 pass
 
     def leave(self) -> None:
-        """Report that the host is gone. Stay open until another window opens, or the researcher closes this one."""
+        """Report that the host has ended.
+
+        The window stays open until another window opens, or the researcher closes it.
+        """
         if self._leaving or self._host_gone:
             return
         self._host_gone = True
@@ -303,7 +312,7 @@ class KioskWindow(QMainWindow):
         self._show_text(0, TextToRead(0, stopped, self._texts.text(text), button=""))
 
     def give_way(self) -> None:
-        """Close this window if its host is gone: another window has opened."""
+        """Close this window if its host has ended, because another window has opened."""
         if self._host_gone:
             self._end()
 
@@ -331,7 +340,7 @@ class KioskWindow(QMainWindow):
         self.show_game(game, ParticipantLink(game.host, game.port, game.token, consent))
 
     def show_game(self, game: GameToJoin, link: ParticipantLink) -> None:
-        """Show a game by a link to its server."""
+        """Show a game that is played at its server."""
         on = partial(self._go_on, game.page)
         back = on if game.practice else None
         shown = GamePage(
@@ -362,11 +371,11 @@ class KioskWindow(QMainWindow):
             QAccessible.updateAccessibility(QAccessibleAnnouncementEvent(self, warning))
 
     def _go_on(self, page: int) -> None:
-        """Report once that the person continues."""
+        """Report that the person continues, but only once."""
         self._leave_page(WentOn(page))
 
     def _leave_page(self, message: WentOn | WentBack) -> None:
-        """Report once that the person leaves a page."""
+        """Report that the person leaves a page, but only once."""
         if message.page == self._page:
             self._page = -1
             self._send(message)
@@ -388,7 +397,10 @@ class KioskWindow(QMainWindow):
             page.setFocus()
 
     def _offer_instructions(self) -> None:
-        """Offer the settings, and the instructions if the person has read some; a game offers its own."""
+        """Show the buttons for the settings and, if the person has read instructions, for these.
+
+        A game has its own buttons.
+        """
         offered = bool(self._instructions) and self._has_run and self.game is None
         self.progress.again.setVisible(offered)
         # A game has its own button for the settings.
@@ -410,7 +422,7 @@ class KioskWindow(QMainWindow):
         self._send(InstructionsNews(is_open, time.monotonic_ns()))
 
     def _cover(self, panel: TitledPanel | None, widest: int = 520) -> None:
-        """Show a panel above the page and disable the page's keys. If None, show the page alone."""
+        """Show a panel above the page and disable the page's keys. If None, show only the page."""
         if self.instructions.isVisible():
             self._report_reading(is_open=False)
         self.pages.setEnabled(panel is None)
@@ -431,7 +443,7 @@ class KioskWindow(QMainWindow):
     # Leaving
 
     def closeEvent(self, event: QCloseEvent) -> None:
-        """Ask first: only the researcher closes the window."""
+        """Ask for confirmation; only the researcher can close the window at once."""
         if not self._leaving:
             event.ignore()
             self._ask_to_leave()
@@ -471,7 +483,7 @@ class KioskWindow(QMainWindow):
     # The window itself
 
     def changeEvent(self, event: QEvent) -> None:
-        """Report when keys and clicks go to another window, and when they return."""
+        """Report when the keyboard focus moves to another window, and when it returns."""
         super().changeEvent(event)
         if event.type() != QEvent.Type.ActivationChange or self._leaving:
             return
@@ -486,13 +498,13 @@ class KioskWindow(QMainWindow):
         return self.overlay.keeps_tab(forward=forward) or super().focusNextPrevChild(forward)
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        """Let the overlay cover the whole window."""
+        """Keep the overlay as large as the window."""
         super().resizeEvent(event)
         self.overlay.setGeometry(self._inside.rect())
 
 
 class KioskProgram:
-    """Opens the window after its texts have arrived; before that, nothing is shown.
+    """Program of the kiosk's window. It opens the window when its texts have arrived; before that, it shows nothing.
 
     Args:
         app: the application.
@@ -539,7 +551,7 @@ class KioskProgram:
             look.open_within_screen(window)
             window.show()
         else:
-            # Set the size as well: without a window manager, full screen has no effect.
+            # Also set the size, because full screen has no effect without a window manager.
             window.setGeometry(window.screen().geometry())
             window.showFullScreen()
         return window

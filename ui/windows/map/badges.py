@@ -1,4 +1,5 @@
-"""Labels of robots: pictures that are made once, and positions that cover no robot, no words and no other label."""
+"""Labels of robots: pictures that are made once, and their positions, at which they cover no robot, no words and no
+other label."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -25,11 +26,11 @@ SIGN_WIDTH = 19.0
 
 _SIDES = np.array([(0, -1), (0, 1), (1, 0), (-1, 0), (1, -1), (-1, -1), (1, 1), (-1, 1)], dtype=np.float64)
 _REACHES = (1.0, 1.9, 2.8)
-"""Directions of labels from their robot, best first; and distances, in heights of a label."""
+"""Directions of labels from their robot, best first; and possible distances, as multiples of a label's height."""
 
 OVERLAP_WEIGHT, ROBOT_WEIGHT, WORDS_WEIGHT, RANK_WEIGHT, MOVE_WEIGHT = 4.0, 1.0, 2.0, 6.0, 30.0
-"""Weights in the cost of a position: per square pixel over another label, over a robot, over words; per rank of the
-position; for a change of the position."""
+"""Weights in the cost of a position: per square pixel over another label, over a robot, and over words; per rank of the
+position; and for a change of the position."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,8 +47,8 @@ class Anchor:
 def place_labels(anchors: Sequence[Anchor], before: Sequence[int], words: FloatArray) -> tuple[FloatArray, list[int]]:
     """Choose positions for labels, one label after another.
 
-    Greedy: each label takes the cheapest of 24 positions around its robot, given the labels before it. While no label
-    overlaps anything at its old position, nothing is searched.
+    The search is greedy: each label takes the cheapest of 24 positions around its robot, given the labels placed before
+    it. While no label overlaps anything at its old position, there is no search.
 
     Args:
         anchors: the robots, in order of precedence.
@@ -112,7 +113,7 @@ class BadgeText:
         `colour`: color of the robot.
         selected: True if the robot is selected; the label is then filled.
         trouble: True if the robot has a problem; the label then has a warning sign.
-        commander: another commander of the robot, in words after the sign of a mast; empty if there is none.
+        commander: another commander of the robot in words, which follow the sign of a mast; empty if there is none.
     """
 
     label: str
@@ -187,7 +188,7 @@ def _made(badge_text: BadgeText, palette: Palette, font: QFont, ratio: float) ->
 
 
 def _paint_mast(painter: QPainter, left: float, ink: QColor) -> None:
-    """Paint a mast that sends to both sides, the sign of another commander."""
+    """Paint a mast that sends to both sides, which is the sign of another commander."""
     painter.setPen(QPen(ink, 1.4))
     painter.setBrush(Qt.BrushStyle.NoBrush)
     middle = left + SIGN_WIDTH / 2.0 - 2.0
@@ -200,7 +201,10 @@ def _paint_mast(painter: QPainter, left: float, ink: QColor) -> None:
 
 
 def _paint_warning(painter: QPainter, palette: Palette, font: QFont, *, on_colour: bool) -> None:
-    """Paint a triangle with an exclamation mark on the left of a label; red would not show on a robot's color."""
+    """Paint a triangle with an exclamation mark on the left of a label.
+
+    A red triangle would not be visible on a robot's color.
+    """
     painter.setPen(Qt.PenStyle.NoPen)
     painter.setBrush(QColor(palette.panel if on_colour else palette.bad))
     painter.drawPolygon(QPolygonF([QPointF(13.0, 2.5), QPointF(20.5, 16.0), QPointF(5.5, 16.0)]))

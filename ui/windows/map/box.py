@@ -23,19 +23,19 @@ LEAST_FIT = 0.5
 class MapBox(pg.ViewBox):  # type: ignore[misc]  # pyqtgraph has no types
     """View straight down with north (+y) up, in meters of the map frame.
 
-    The middle of the view never leaves the map, so that people cannot lose the map.
+    The middle of the view never leaves the map, so that a part of the map is always visible.
 
     Args:
         palette: the colors.
         letters: the font.
-        menu: True for a menu of the right button, to which pyqtgraph adds its export.
+        menu: True if the right mouse button opens a menu, to which pyqtgraph adds its export.
 
     Attributes:
         colors: palette for drawing items.
         letters: font for drawing items.
-        fitted: True while the whole map is shown, since no person has moved it.
+        fitted: True while the whole map is shown, because no person has moved it.
         bounds: box around the map, meters.
-        exposed: part to paint, logical pixels of this box. If None, all of it is being exported to a file.
+        exposed: part to paint, logical pixels of this box. If None, the whole box is being exported to a file.
     """
 
     def __init__(self, palette: Palette, letters: QFont, *, menu: bool) -> None:
@@ -53,7 +53,7 @@ class MapBox(pg.ViewBox):  # type: ignore[misc]  # pyqtgraph has no types
         self.sigRangeChanged.connect(lambda: self._limit(self.viewRect()))
 
     def fit(self) -> None:
-        """Show the whole map, also after changes of size."""
+        """Show the whole map, now and after changes of size."""
         self.fitted = True
         middle = self.bounds.center()
         self._show_scale(self.fit_scale(), middle.x(), middle.y())
@@ -66,12 +66,12 @@ class MapBox(pg.ViewBox):  # type: ignore[misc]  # pyqtgraph has no types
 
     @property
     def middle(self) -> tuple[float, float]:
-        """Map point in the middle of the view."""
+        """Return the map point in the middle of the view."""
         middle = self.viewRect().center()
         return middle.x(), middle.y()
 
     def zoom(self, factor: float, x: float, y: float) -> None:
-        """Enlarge the map by a factor; a map point stays at its place."""
+        """Enlarge the map by a factor; one map point stays at its place on the screen."""
         self.fitted = False
         self.scaleBy((1.0 / factor, 1.0 / factor), (x, y))
 
@@ -81,7 +81,7 @@ class MapBox(pg.ViewBox):  # type: ignore[misc]  # pyqtgraph has no types
         return to_pixels
 
     def repaint_part(self, part: QRegion) -> None:
-        """Request a repaint of a part of this box, logical pixels; an item's `update` would repaint everything."""
+        """Request a repaint of a part of this box, logical pixels; `update` of an item would repaint everything."""
         self.getViewWidget().viewport().update(part.translated(self.scenePos().toPoint()))
 
     def updateMatrix(self, changed: object = None) -> None:

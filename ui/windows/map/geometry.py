@@ -1,4 +1,4 @@
-"""Floor plan as the map draws it: its cells, its extent, and a test for places without walls."""
+"""Floor plan as the map draws it: its cells and its extent, and a test if a place contains walls."""
 
 import base64
 import binascii
@@ -29,8 +29,8 @@ class MapGeometry:
         resolution: meters per cell.
         cells: (rows, cols) FREE, WALL, UNKNOWN or another value without a meaning; row 0 lies at the origin.
         bounds: box around the known cells and the rooms, map frame.
-        walls_below: (rows + 1, cols + 1) number of wall cells below and left of each corner of cells: a summed-area
-            table (Crow 1984), which counts the walls in any box with four look-ups.
+        walls_below: (rows + 1, cols + 1) number of wall cells below and left of each corner of a cell. This is a
+            summed-area table (Crow 1984), which gives the number of wall cells in any box with four look-ups.
     """
 
     origin: Pose2
@@ -77,7 +77,7 @@ def _cells(floor_plan: FloorPlan) -> NDArray[np.uint8]:
     rows, cols = floor_plan.height, floor_plan.width
     size = rows * cols
     if rows < 1 or cols < 1 or size > MOST_PIXELS:
-        return np.full((1, 1), UNKNOWN, dtype=np.uint8)  # Our keeper never sends such sizes.
+        return np.full((1, 1), UNKNOWN, dtype=np.uint8)  # Our keeper never sends a floor plan of such a size.
     try:
         packed = base64.b64decode(floor_plan.cells, validate=True)
         cells = np.frombuffer(zlib.decompressobj().decompress(packed, size), dtype=np.uint8)
@@ -89,7 +89,7 @@ def _cells(floor_plan: FloorPlan) -> NDArray[np.uint8]:
 
 
 def contains(region: FloatArray, points: FloatArray) -> NDArray[np.bool_]:
-    """Return (n,) True for those of (n, 2) points in a region of (k, 2) corners; map frame."""
+    """Return (n,) True for each of (n, 2) points that is in a region of (k, 2) corners; map frame."""
     corners = tuple((float(x), float(y)) for x, y in region)
     held: NDArray[np.bool_] = inside(corners, points[:, 0], points[:, 1])
     return held

@@ -17,7 +17,7 @@ from ui.windows.map.item import Z_GROUND, CellImage, MapItem
 from ui.windows.map.rooms import paint_floors, paint_signs
 
 MARGIN = 0.25
-"""Share of the view that the picture of a moving view adds on each side."""
+"""Width of the margin that the picture of a moving view has on each side, as a share of the view."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -40,7 +40,7 @@ class _Picture:
 
 
 class Ground(MapItem):
-    """Static part of the map. It is painted again only if it changes or the view leaves the picture."""
+    """Static part of the map. It is painted again only if it changes, or if the view extends beyond the picture."""
 
     def __init__(self, box: MapBox) -> None:
         super().__init__(box, Z_GROUND)
@@ -71,13 +71,13 @@ class Ground(MapItem):
         self.invalidate()
 
     def invalidate(self) -> None:
-        """Paint again with the next frame."""
+        """Paint the ground again in the next frame."""
         self._picture = None
         self.update()
 
     @property
     def picture(self) -> object:
-        """Last picture. It is replaced whenever the ground is painted again, and None until then."""
+        """Last picture; None before the first. It is replaced whenever the ground is painted again."""
         return self._picture
 
     def words(self, to_pixels: QTransform) -> FloatArray:
@@ -89,12 +89,12 @@ class Ground(MapItem):
         return moved
 
     def draw(self, painter: QPainter, to_pixels: QTransform) -> None:
-        """Draw the picture; for a file, draw its parts."""
+        """Draw the picture. For a file, draw its parts directly."""
         if self._exportOpts:
             self._paint_all(painter, to_pixels, self.box.rect())
             return
         picture, ratio = self._picture, self.box.getViewWidget().devicePixelRatioF()
-        # The scale of a view that only moved differs in its last digits.
+        # If a view only moved, its scale can differ in the last digits.
         moving = picture is not None and math.isclose(picture.to_pixels.m11(), to_pixels.m11(), rel_tol=1e-9)
         if not moving or picture is None or not self._covered(picture, to_pixels, ratio):
             picture = self._picture = self._painted(to_pixels, ratio, MARGIN if moving else 0.0)
@@ -110,13 +110,13 @@ class Ground(MapItem):
 
     def _painted(self, to_pixels: QTransform, ratio: float, margin: float) -> _Picture:
         view = self.box.rect()
-        # A multiple of four pixels is a whole number of device pixels at every scaling in steps of a quarter.
+        # At every scaling in steps of a quarter, a multiple of four pixels is a whole number of device pixels.
         x, y = (4 * math.ceil(side * margin / 4.0) for side in (view.width(), view.height()))
         width, height = view.width() + 2 * x, view.height() + 2 * y
         pixmap = QPixmap(math.ceil(width * ratio), math.ceil(height * ratio))
         pixmap.setDevicePixelRatio(ratio)
-        # Fill it completely: next to an axis, the box is not a whole number of pixels wide, and its last pixels would
-        # keep noise.
+        # Fill the picture completely. Next to an axis, the box is not a whole number of pixels wide, and its last
+        # pixels would contain noise.
         place = QRectF(QPointF(), pixmap.deviceIndependentSize())
         moved = to_pixels * QTransform.fromTranslate(x, y)
         painter = QPainter(pixmap)

@@ -17,7 +17,9 @@ Z_GROUND, Z_FLAT, Z_ROBOTS, Z_ABOVE, Z_SCALE_BAR = -1, 10, 20, 30, 40
 
 
 class MapItem(pg.GraphicsObject):  # type: ignore[misc]  # pyqtgraph has no types
-    """Item on the whole map. It paints in logical pixels of the box, so that lines and letters keep their size.
+    """Item that covers the whole map.
+
+    It paints in logical pixels of the box, so that lines and letters keep their size.
 
     Args:
         box: view of the map.
@@ -41,11 +43,11 @@ class MapItem(pg.GraphicsObject):  # type: ignore[misc]  # pyqtgraph has no type
         painter.setFont(self.box.letters)
         try:
             self.draw(painter, self.box.to_pixels())
-        except Exception:  # Otherwise Qt's bindings would end the process.
+        except Exception:  # Without this, Qt's bindings would end the process.
             sys.excepthook(*sys.exc_info())
 
     def draw(self, painter: QPainter, to_pixels: QTransform) -> None:
-        """Draw in logical pixels of the box; the transform leads from map meters to these."""
+        """Draw in logical pixels of the box; the transform converts map meters to these pixels."""
         raise NotImplementedError
 
 

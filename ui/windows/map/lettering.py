@@ -1,17 +1,17 @@
-"""Letters on the map: their heights are in pixels, and follow the size of text."""
+"""Letters on the map: their heights are in pixels, and depend on the size of text."""
 
 from PySide6.QtGui import QFont
 
 USUAL = 10.5
-"""Size of text at which lengths on the map have their nominal values, points."""
+"""Size of text in points at which lengths on the map have their nominal values."""
 
 
 LEAST = 400
-"""Width and height from which a map shows larger letters, logical pixels."""
+"""Width and height of a map from which its letters are larger, logical pixels."""
 
 
 def fitting_font(font: QFont, width: int, height: int) -> QFont:
-    """Return the font of a map of this size; on a small map, large letters would cover the things that they label."""
+    """Return the font of a map of this size. On a small map, large letters would cover the things that they label."""
     made = QFont(font)
     made.setPointSizeF(min(font.pointSizeF(), USUAL * max(1.0, min(width, height) / LEAST)))
     return made
@@ -23,7 +23,7 @@ def text_scale(font: QFont) -> float:
 
 
 def sized(font: QFont, pixels: float, weight: QFont.Weight) -> QFont:
-    """Return a font with letters of this height, in this weight."""
+    """Return a font with letters of this height and this weight."""
     made = QFont(font)
     made.setPixelSize(max(1, round(pixels)))
     made.setWeight(weight)

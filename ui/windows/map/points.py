@@ -29,13 +29,13 @@ def polygon(points: FloatArray) -> QPolygonF:
 
 
 def pieces(points: FloatArray) -> list[FloatArray]:
-    """Return the parts of a line of (n, 2) points between rows of NaN."""
+    """Return the pieces of a line of (n, 2) points; rows of NaN separate the pieces."""
     gaps = np.flatnonzero(np.isnan(points[:, 0]))
     return [part for part in np.split(points, np.sort(np.concatenate((gaps, gaps + 1)))) if not np.isnan(part).any()]
 
 
 def steps(points: FloatArray) -> FloatArray:
-    """Return (m, 4) lines between neighbors among (n, 2) points; none from or to a row of NaN."""
+    """Return (m, 4) lines between successive points of (n, 2); no line begins or ends at a row of NaN."""
     lines: FloatArray = np.concatenate((points[:-1], points[1:]), axis=1)
     return lines[~np.isnan(lines).any(axis=1)]
 

@@ -32,13 +32,13 @@ TRAIL_ALPHA = 0.5
 """Opacity of a trail at its newest end."""
 
 LABEL_MARGIN = 40.0
-"""Distance outside the view at which a robot may still show its label inside, pixels."""
+"""Distance in pixels by which a robot may be outside the view and still have its label inside."""
 
 JUMP = 1.0
-"""Distance between two frames that is too large for driving, meters."""
+"""Distance between two frames from which a robot was not driven but moved, meters."""
 
 FLAG = 20.0
-"""Distance around a path that includes the flag at its end, pixels."""
+"""Margin around a path that includes the flag at its end, pixels."""
 
 DASH, SPACE = 7.0, 5.0
 """Lengths of a dash and of the gap after it along a path, pixels."""
@@ -49,7 +49,7 @@ _CIRCLE = polygon(np.stack((np.cos(_ROUND), np.sin(_ROUND)), axis=1))
 """Circle of radius 1."""
 
 _NOSE = np.array([[0.72, 0.0], [0.12, 0.42], [0.26, 0.0], [0.12, -0.42]])
-"""Arrowhead on a robot that points ahead, in units of the body's reach."""
+"""Arrowhead on a robot that points forward, in units of the body's reach."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -74,7 +74,7 @@ class _Body:
         return cls(polygon(footprint), polygon(_NOSE * reach), reach, inside)
 
     def scale(self, to_pixels: QTransform) -> float:
-        """Return the drawing scale, pixels per meter; the robot never gets too small to see."""
+        """Return the drawing scale, pixels per meter. A robot is never drawn too small to be seen."""
         return max(to_pixels.m11(), MIN_RADIUS / self.reach)
 
     def transform(self, to_pixels: QTransform, pose: Pose2) -> QTransform:
@@ -114,13 +114,13 @@ class _Place:
 
 
 class Robots(MapItem):
-    """All robots. Items flat on the floor are drawn first, labels last.
+    """All robots. Items that are flat on the floor are drawn first, labels last.
 
     While robots stand still, nothing is painted: `show_robots` repaints only the parts that changed.
 
     Args:
         box: view of the map.
-        ground: ground with words that labels must not cover.
+        ground: ground whose words labels must not cover.
     """
 
     def __init__(self, box: MapBox, ground: Ground) -> None:
@@ -133,11 +133,11 @@ class Robots(MapItem):
         self._trails: dict[int, tuple[FloatArray, FloatArray]] = {}
         self._pens: dict[str, list[QPen]] = {}
         self._laid: dict[int, _Place] = {}
-        # View and ground of the current places.
+        # View and ground for which the places were computed.
         self._laid_in: tuple[QTransform, float, object] | None = None
 
     def show_robots(self, robots: Sequence[RobotMark]) -> None:
-        """Show the current robots. After a jump, labels are placed as if they were new."""
+        """Show the current robots. After a jump of a robot, labels are placed as if they were new."""
         before = {mark.robot: mark.pose for mark in self.marks}
         if any(mark.pose.distance(before.get(mark.robot, mark.pose)) > JUMP for mark in robots):
             self._places.clear()
@@ -156,13 +156,13 @@ class Robots(MapItem):
         self.box.repaint_part(changed)
 
     def invalidate(self) -> None:
-        """Make the labels again, for example with another font or other colors."""
+        """Draw the labels again, for example after a change of the font or the colors."""
         self._badges.clear()
         self._laid_in = None
         self.update()
 
     def draw(self, painter: QPainter, to_pixels: QTransform) -> None:
-        """Draw all robots with a part that needs painting."""
+        """Draw all robots of which a part needs painting."""
         # A file may have more pixels than the screen.
         ratio = self.box.getViewWidget().devicePixelRatioF() * painter.worldTransform().m11()
         if self._laid_in != (to_pixels, ratio, self._ground.picture):
@@ -186,7 +186,7 @@ class Robots(MapItem):
                 painter.drawPixmap(place.corner, place.badge.picture)
 
     def _lay_out(self, to_pixels: QTransform, ratio: float, picture: object) -> None:
-        """Find the places of all robots in a view; keep those of robots that stand still."""
+        """Compute the places of all robots in a view; keep the places of robots that have not moved."""
         before, self._laid = self._laid, {}
         for mark in self.marks:
             place = before.get(mark.robot)
@@ -242,7 +242,7 @@ class Robots(MapItem):
             return
         known, lines = self._trails.get(mark.robot, (None, None))
         if lines is None or known is not mark.trail:
-            # Its last line leads to the robot, and changes in each frame.
+            # The last line of the trail leads to the robot, and changes in each frame.
             lines = steps(np.concatenate((mark.trail, mark.trail[-1:])))
             self._trails[mark.robot] = mark.trail, lines
         lines[-1, 2:] = mark.pose.x, mark.pose.y
@@ -278,7 +278,7 @@ class Robots(MapItem):
     def _paint_ellipse(self, painter: QPainter, to_pixels: QTransform, mark: RobotMark, ellipse: Ellipse) -> None:
         body = self._body(mark.footprint)
         if ellipse.major * to_pixels.m11() < body.inside * body.scale(to_pixels):
-            return  # The body will cover it.
+            return  # The body will cover this part.
         c, s = to_pixels.m11() * math.cos(ellipse.angle), to_pixels.m11() * math.sin(ellipse.angle)
         centre = pixel(to_pixels, mark.pose.x, mark.pose.y)
         transform = QTransform(
@@ -342,7 +342,7 @@ def _around(to_pixels: QTransform, points: FloatArray, margin: float) -> QRect:
 
 
 def _changed(to_pixels: QTransform, before: _Place, now: _Place) -> Iterator[QRect]:
-    """Yield boxes around everything that differs between two places of a robot."""
+    """Yield boxes around all differences between two places of a robot."""
     if before is now:
         return
     if before.label != now.label or before.badge is not now.badge:
@@ -353,14 +353,15 @@ def _changed(to_pixels: QTransform, before: _Place, now: _Place) -> Iterator[QRe
         return
     yield before.near
     yield now.near
-    if old.selected != new.selected:  # It moved in front of the others, or back.
+    if old.selected != new.selected:  # The robot is now drawn in front of the others, or behind them.
         yield from (before.trail, now.trail, before.path, now.path)
         return
     if old.trail is not new.trail:
         yield from (before.trail, now.trail)
     rest = len(new.path) - 1
     if 0 < rest < len(old.path) and np.array_equal(old.path[-rest:], new.path[1:]):
-        # Dashes are counted from the far end, so only the near end changes, and the dash at the first kept point.
+        # Dashes are counted from the far end. Therefore only the near end changes, and the dash at the first kept
+        # point.
         used = np.concatenate((old.path[: len(old.path) - rest + 1], new.path[:1]))
         yield _around(to_pixels, used, DASH + 3.0)
     else:
@@ -368,7 +369,7 @@ def _changed(to_pixels: QTransform, before: _Place, now: _Place) -> Iterator[QRe
 
 
 def _fading(colour: str) -> list[QPen]:
-    """Return the pens of a trail, for its oldest part first."""
+    """Return the pens of a trail, beginning with the pen of its oldest part."""
     pens = []
     for step in range(TRAIL_STEPS):
         faded = QColor(colour)
@@ -380,8 +381,8 @@ def _fading(colour: str) -> list[QPen]:
 def _dashes(pixels: FloatArray) -> FloatArray:
     """Return (n, 4) dashes along a line.
 
-    Dashes are counted from the far end, so that they keep their places while the robot uses up the near end. Single
-    lines paint five times faster than Qt's dashed polylines.
+    Dashes are counted from the far end, so that they do not move while the robot drives along the path. Single lines
+    are painted five times faster than Qt's dashed polylines.
     """
     line = np.ascontiguousarray(pixels[::-1]).view(np.complex128)[:, 0]
     along = np.concatenate(([0.0], np.cumsum(np.abs(np.diff(line)))))

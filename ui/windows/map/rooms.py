@@ -1,4 +1,4 @@
-"""Rooms on the map: sign, pattern and color show a room's state; a frame shows that it can be chosen."""
+"""Rooms on the map: sign, pattern and color show a room's state; a frame shows that the room can be chosen."""
 
 from collections.abc import Sequence
 
@@ -41,7 +41,7 @@ NUMBER_MIN, NUMBER_MAX = 15.0, 40.0
 """Smallest and greatest height of a room's number, pixels at the usual size of text."""
 
 POSITIONS = 14
-"""Number of places to try for words and signs along each axis of a room."""
+"""Number of positions along each axis of a room that are tried for words and signs."""
 
 FRAME_INSET = 4.0
 """Distance between a wall and the frame of a room that can be chosen, pixels."""
@@ -79,7 +79,7 @@ def paint_signs(
     font: QFont,
     geometry: MapGeometry | None,
 ) -> FloatArray:
-    """Paint frames, numbers, names, signs of state and findings: over walls, under robots, clear of furniture.
+    """Paint frames, numbers, names, signs of state and finds: above walls, below robots, and beside furniture.
 
     Returns:
         (m, 4) left, top, right and bottom of all texts and signs, pixels.
@@ -97,7 +97,8 @@ def paint_signs(
 
 
 def _paint_edge(painter: QPainter, to_pixels: QTransform, mark: RoomMark, palette: Palette) -> None:
-    """Paint a frame inside the walls of a room that can be chosen; it is stronger while the room is considered."""
+    """Paint a frame inside the walls of a room that can be chosen; the frame is stronger while the room is
+    considered."""
     if not mark.choosable and not mark.considered:
         return
     path = QPainterPath()
@@ -115,7 +116,7 @@ def _paint_edge(painter: QPainter, to_pixels: QTransform, mark: RoomMark, palett
 
 
 def _from_corner() -> FloatArray:
-    """Return (n, 2) places in a unit square, those nearest to the corner (0, 0) first."""
+    """Return (n, 2) places in a unit square, beginning with those nearest to the corner (0, 0)."""
     shares = np.linspace(0.0, 1.0, POSITIONS)
     places: FloatArray = np.stack(np.meshgrid(shares, shares), axis=-1).reshape(-1, 2)
     return places[np.argsort(places.sum(axis=1), kind="stable")]
@@ -125,7 +126,7 @@ _FROM_CORNER = _from_corner()
 
 
 class _Space:
-    """Free space in a room for words and signs, pixels; they avoid walls and each other.
+    """Free space in a room for words and signs, pixels; they must not cover walls or each other.
 
     Attributes:
         taken: boxes that are already used.
@@ -144,13 +145,13 @@ class _Space:
         self.taken: list[QRectF] = []
 
     def put(self, width: float, height: float, right: bool, low: bool) -> QRectF | None:
-        """Reserve a box of this size as near as possible to a corner of the room; return None if none fits."""
+        """Reserve a box of this size as near as possible to a corner of the room; return None if no box fits."""
         slack = np.array([self.width - width, self.height - height]) - 2.0 * self.inset
         if slack.min() < 0.0:
             return None
         shares = np.abs((float(right), float(low)) - _FROM_CORNER)
         places = shares * slack + (self._left + self.inset, self._top + self.inset)
-        # Usually the corner itself is free, and the other places need no test.
+        # Usually the corner is free, and no other place needs to be tested.
         for some in (places[:1], places[1:]):
             for x, y in some[self._is_free(some, width, height)].tolist():
                 box = QRectF(x, y, width, height)
@@ -160,7 +161,7 @@ class _Space:
         return None
 
     def _is_free(self, places: FloatArray, width: float, height: float) -> NDArray[np.bool_]:
-        """Return (n,) True for those of (n, 2) upper left corners of boxes in the room and off the walls."""
+        """Return (n,) True for each of (n, 2) upper left corners whose box is in the room and covers no wall."""
         x, y = width + self.inset / 2.0, height + self.inset / 2.0
         least = -self.inset / 2.0
         around = np.array([[least, least], [x, least], [x, y], [least, y]])
@@ -170,13 +171,13 @@ class _Space:
 
 
 def _paint_words(painter: QPainter, space: _Space, mark: RoomMark, palette: Palette, font: QFont) -> None:
-    # If a room is too small for large letters, use the usual size: state and number matter most.
+    # If a room is too small for large letters, use the normal size, because state and number are most important.
     for scale in sorted({text_scale(font), min(text_scale(font), 1.0)}, reverse=True):
         sign = space.put(2.0 * SIGN_RADIUS * scale, 2.0 * SIGN_RADIUS * scale, right=True, low=False)
         if sign is not None:
             _paint_sign(painter, sign.center(), mark, palette, scale)
             break
-    # If there is no room for both, show the answer, which is new.
+    # If there is not enough space for both, show the answer, which is new.
     texts = (mark.answer, *mark.answer_shorter), (mark.found, *mark.found_shorter)
     pills = [_Pill(space, words, font, shorter) for words, *shorter in texts if words]
     for scale in sorted({text_scale(font), min(text_scale(font), 1.0)}, reverse=True):
@@ -195,9 +196,9 @@ def _paint_title(
     scale: float,
     before_name: "Sequence[_Pill]",
 ) -> bool:
-    """Paint a room's number, and its name if there is space next to these words.
+    """Paint a room's number, and also its name if there is space for it.
 
-    Return False if there is not even space for the number.
+    Return False if there is no space for the number.
     """
     number = min(max(min(space.width, space.height) * 0.2, NUMBER_MIN * scale), NUMBER_MAX * scale)
     large, small = sized(font, number, QFont.Weight.DemiBold), sized(font, NAME_HEIGHT * scale, QFont.Weight.Normal)
@@ -225,7 +226,7 @@ def _paint_title(
 
 
 class _Pill:
-    """Words in a frame, in a lower corner of a room; shortened if there is no room for all."""
+    """Words in a frame in a lower corner of a room; they are shortened if there is no space for all words."""
 
     def __init__(self, space: _Space, text: str, font: QFont, shorter: Sequence[str] = ()) -> None:
         self.font = sized(font, NAME_HEIGHT * text_scale(font), QFont.Weight.Medium)
@@ -238,12 +239,12 @@ class _Pill:
         self._space = space
 
     def put(self) -> QRectF | None:
-        """Reserve the place; return None if there is none, or no words."""
+        """Reserve the place. Return None if there is no place, or if there are no words."""
         return self._space.put(*self._size, right=False, low=True) if self.words else None
 
 
 def _have_space(space: _Space, pills: Sequence[_Pill]) -> bool:
-    """Return True if all of them have a place; do not reserve it."""
+    """Return True if there is space for all of them; reserve nothing."""
     boxes = [pill.put() for pill in pills if pill.words]
     for box in boxes:
         if box is not None:
@@ -252,7 +253,7 @@ def _have_space(space: _Space, pills: Sequence[_Pill]) -> bool:
 
 
 def _first_words(text: str) -> tuple[str, ...]:
-    """Return fewer and fewer of the first words of a text, each time with an ellipsis."""
+    """Return shorter and shorter beginnings of a text, each followed by an ellipsis."""
     words = text.split(" ")
     return tuple(f"{' '.join(words[:count])} …" for count in range(len(words) - 1, 0, -1))
 
@@ -274,7 +275,7 @@ _STROKES: dict[RoomState, list[list[tuple[float, float]]]] = {
     "won": [[(-5.0, 0.5), (-1.5, 4.0), (5.0, -3.5)]],
     "lost": [[(-4.0, -4.0), (4.0, 4.0)], [(-4.0, 4.0), (4.0, -4.0)]],
 }
-"""Lines on the disc of a visited room, pixels from its middle at the usual size of text."""
+"""Lines on the disc of a visited room, pixels from its middle at the normal size of text."""
 
 
 def _paint_sign(painter: QPainter, centre: QPointF, mark: RoomMark, palette: Palette, scale: float) -> None:
@@ -318,7 +319,10 @@ def _paint_sign_of_usual_size(painter: QPainter, mark: RoomMark, palette: Palett
 
 
 def _pattern(state: str, palette: Palette, ratio: float) -> QBrush:
-    """Return a brush: stripes for a reserved room, dots for a visited one. A tile fills a room faster than strokes."""
+    """Return a brush: stripes for a reserved room, dots for a visited one.
+
+    A tile fills a room faster than single strokes.
+    """
     step = HATCH_SPACING if state == "reserved" else DOT_SPACING
     tile = QPixmap(round(step * ratio), round(step * ratio))
     tile.fill(Qt.GlobalColor.transparent)

@@ -17,10 +17,11 @@ LONGEST = 2.5 * SHORTEST
 
 
 class ScaleBar(MapItem):
-    """Bar of a round number of meters in the lower right corner. pyqtgraph's own bar has a fixed length."""
+    """Scale bar in the lower right corner, whose length is a round number of meters. pyqtgraph's own bar has a fixed
+    length."""
 
     def boundingRect(self) -> QRectF:
-        """Return the lower right corner, with room for the longest bar."""
+        """Return the lower right corner, with space for the longest bar."""
         scale, whole = text_scale(self.box.letters), self.box.rect()
         wide, high = LONGEST * scale + 30.0, 12.0 + 11.0 * scale + 6.0
         return QRectF(whole.width() - wide, whole.height() - high, wide, high)

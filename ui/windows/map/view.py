@@ -28,16 +28,16 @@ from ui.windows.map.scale_bar import ScaleBar
 from ui.windows.map.words import describe
 
 HIT_RADIUS = 24.0
-"""Distance from a robot's middle within which a click hits it, pixels."""
+"""Distance from a robot's middle within which a click selects it, pixels."""
 
 DRAG_THRESHOLD = 4.0
-"""Distance from which a press counts as a drag, not as a click, pixels."""
+"""Distance from which a movement of the pressed pointer is a drag, not a click, pixels."""
 
 FOLLOW_SCALE = 60.0
-"""Smallest scale when following a robot starts, pixels per meter."""
+"""Smallest scale after the map begins to follow a robot, pixels per meter."""
 
 FOLLOW_SHARE = 0.15
-"""Share of the distance to the followed robot that the view moves in one frame."""
+"""Share of the distance to the followed robot by which the view moves in one frame."""
 
 FOLLOW_TOLERANCE = 1.0
 """Distance within which the followed robot counts as being in the middle, pixels."""
@@ -48,7 +48,7 @@ AXIS_GAP = 8.0
 DESCRIPTION_PERIOD = 1000
 """Milliseconds between two updates of the description in words."""
 
-pg.setConfigOption("mouseRateLimit", 0)  # Handle each move of the pointer.
+pg.setConfigOption("mouseRateLimit", 0)  # Do not combine moves of the pointer: handle each of them.
 
 
 class MapView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no types
@@ -60,20 +60,20 @@ class MapView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no types
         palette: the colors.
         parent: parent widget.
         texts: texts of the description. If None, English ones.
-        axes: True for axes in meters, and for a menu of the right button that exports the map.
+        axes: True for axes in meters, and for a menu of the right mouse button that exports the map.
 
     Attributes:
         box: view of the map, to which items belong.
         followed: index of the robot that is kept in the middle, or None.
-        sight: part with the followed robot in its middle, logical pixels. If None, the whole widget.
+        sight: part that has the followed robot in its middle, logical pixels. If None, it is the whole widget.
         hovered: number of the room that the pointer was moved onto, or None.
 
     Signals:
         room_clicked: number of the room, counted from 1.
         robot_clicked: index of the robot.
         room_hovered: new value of `hovered`.
-        follow_ended: the robot is no longer followed, since the map was dragged, or all of it is shown.
-        point_pressed, point_dragged, point_released: x, y in map meters, while a tool has the left button.
+        follow_ended: the robot is no longer followed, because the map was dragged or the whole map is shown.
+        point_pressed, point_dragged, point_released: x, y in map meters, while a tool uses the left button.
     """
 
     room_clicked = Signal(int)
@@ -105,7 +105,7 @@ class MapView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no types
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
         self.viewport().setFocusPolicy(
             Qt.FocusPolicy.NoFocus
-        )  # This also applies to this widget, the viewport's focus proxy.
+        )  # This also applies to the widget itself, which is the viewport's focus proxy.
         self._texts = texts or shipped_texts()
         self.setAccessibleName(self._texts.text("map.name"))
         self._describing = QTimer(self)
@@ -113,7 +113,7 @@ class MapView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no types
         self._describing.start(DESCRIPTION_PERIOD)
 
     def _lay_out(self) -> None:
-        """Fill the view with the map, and configure it for few items that are all painted in each frame."""
+        """Fill the widget with the map, and configure it for a few items that are all painted in each frame."""
         layout = pg.GraphicsLayout()
         self.setCentralItem(layout)
         layout.setContentsMargins(0, 0, 0, 0)
@@ -128,12 +128,12 @@ class MapView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no types
         scene = self.scene()
         scene.setItemIndexMethod(QGraphicsScene.ItemIndexMethod.NoIndex)
         scene.setMoveDistance(DRAG_THRESHOLD)
-        scene.minDragTime = math.inf  # A slow click is a click, too.
+        scene.minDragTime = math.inf  # A slow click also counts as a click.
 
     # Contents ---------------------------------------------------------------------------------------------------------
 
     def show_floor_plan(self, floor_plan: FloorPlan) -> None:
-        """Show another floor plan completely."""
+        """Show another floor plan, all of it."""
         geometry = unpack(floor_plan)
         self._ground.show_geometry(geometry)
         left, bottom, right, top = geometry.bounds
@@ -168,7 +168,7 @@ class MapView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no types
             axis.setPen(palette.line)
             axis.setTextPen(palette.muted)
             axis.setTickFont(self.box.letters)
-            # Use a fixed size: an axis that grows with its numbers would move the map.
+            # The size is fixed, because an axis that grows with its numbers would move the map.
             if side == "left":
                 axis.setWidth(metrics.horizontalAdvance("-10.5") + AXIS_GAP)
             else:
@@ -177,26 +177,26 @@ class MapView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no types
     # View -------------------------------------------------------------------------------------------------------------
 
     def fit(self) -> None:
-        """Show the whole floor plan, also after changes of size, and stop following a robot."""
+        """Show the whole floor plan, now and after changes of size, and stop following a robot."""
         self._end_follow()
         self.box.fit()
 
     @property
     def fitted(self) -> bool:
-        """True while the whole floor plan is shown, since no person has moved it."""
+        """True while the whole floor plan is shown, because no person has moved it."""
         return self.box.fitted
 
     def follow(self, robot: int | None) -> None:
-        """Keep this robot in the middle. If None, stop following."""
+        """Keep this robot in the middle of the view. If None, stop following."""
         self.followed = robot
         if robot is not None:
             self.box.zoom(max(FOLLOW_SCALE * self.metres(1.0), 1.0), *self.box.middle)
             self._follow()
 
     def set_tool(self, cursor: Qt.CursorShape | None) -> None:
-        """Give the left button to a tool, which then receives `point_pressed` and similar signals. If None, end that.
+        """Let a tool use the left button and receive `point_pressed` and similar signals. If None, end this.
 
-        While a tool has it, the middle button drags the map, and clicks select nothing.
+        While a tool uses the left button, the middle button drags the map, and clicks select nothing.
         """
         self._tool = cursor
         self._point_at(self._last)
@@ -225,13 +225,14 @@ class MapView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no types
         return QRectF(self.pixel(left, top), self.pixel(right, bottom))
 
     def opposite_corner(self, robot: int) -> tuple[bool, bool] | None:
-        """Return the corner of the map farthest from a robot, if it is shown: True for right, True for bottom."""
+        """Return the corner of the map farthest from a robot, if the robot is shown, as two flags: True for right, True
+        for bottom."""
         pose = next((mark.pose for mark in self._robots.marks if mark.robot == robot), None)
         middle = self.box.bounds.center()
         return None if pose is None else (pose.x < middle.x(), pose.y > middle.y())
 
     def metres(self, pixels: float) -> float:
-        """Return a length on the screen in meters on the map."""
+        """Return the length in meters on the map of a length on the screen."""
         return pixels / self.box.to_pixels().m11()
 
     def room_at(self, position: QPointF) -> int | None:
@@ -240,18 +241,18 @@ class MapView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no types
         return next((mark.room for mark in self._rooms if contains(mark.region, here)[0]), None)
 
     def robot_at(self, position: QPointF) -> int | None:
-        """Return the robot nearest to a pixel of this widget, if one is near."""
+        """Return the robot nearest to a pixel of this widget, if a robot is near the pixel."""
         reached = [(self.pixel(mark.pose.x, mark.pose.y) - position, mark.robot) for mark in self._robots.marks]
         near = [(gap.x() ** 2 + gap.y() ** 2, robot) for gap, robot in reached]
         distance, robot = min(near, default=(HIT_RADIUS**2 + 1.0, -1))
         return robot if distance <= HIT_RADIUS**2 else None
 
     def sizeHint(self) -> QSize:
-        """Return a usual size of a map."""
+        """Return the usual size of a map."""
         return QSize(800, 600)
 
     def minimumSizeHint(self) -> QSize:
-        """Return no minimum size: the window decides."""
+        """Return an empty size: the window decides on the minimum."""
         return QSize()
 
     def _end_follow(self) -> None:
@@ -270,13 +271,13 @@ class MapView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no types
     # Events -----------------------------------------------------------------------------------------------------------
 
     def paintEvent(self, event: QPaintEvent) -> None:
-        """Paint, and inform items about the part to be painted."""
+        """Paint, and inform the items about the part that needs painting."""
         self.box.exposed = event.region().translated(-self.box.scenePos().toPoint())
         super().paintEvent(event)
         self.box.exposed = None
 
     def resizeEvent(self, event: QResizeEvent | None) -> None:
-        """Adapt to another size; on a small map letters are smaller."""
+        """Adapt to another size; a small map has smaller letters."""
         super().resizeEvent(event)
         if event is not None:
             self._fit_letters()
@@ -367,7 +368,7 @@ class MapView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no types
             self.room_clicked.emit(room)
 
     def _point_at(self, position: QPointF) -> None:
-        """Show whether a click at a pixel has an effect, and hover its room if the pointer was moved there."""
+        """Show if a click at a pixel has an effect, and hover the room at the pixel if the pointer was moved there."""
         robot, room = self.robot_at(position), self.room_at(position)
         choosable = any(mark.room == room and mark.choosable for mark in self._rooms)
         shape = Qt.CursorShape.PointingHandCursor if robot is not None or choosable else Qt.CursorShape.ArrowCursor
@@ -376,7 +377,7 @@ class MapView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no types
             self.hover(room if robot is None else None)
 
     def hover(self, room: int | None) -> None:
-        """Set the hovered room, or none."""
+        """Set the hovered room. If None, no room is hovered."""
         if room != self.hovered:
             self.hovered = room
             self.room_hovered.emit(room)

@@ -1,4 +1,4 @@
-"""Field for the answer to an item, whatever its scale."""
+"""Base class of the fields for answers, for items of all scales."""
 
 from PySide6.QtCore import Signal
 from PySide6.QtWidgets import QWidget
@@ -15,11 +15,11 @@ class AnswerField(QWidget):
         texts: texts of the study.
 
     Attributes:
-        touched: a person starts to answer.
-        changed: the answer changed.
-        typed: the answer changed in the middle of typing.
-        pasted: number of characters that were pasted.
-        passed: a person finished the item with the keyboard.
+        touched: signal: a person begins to answer.
+        changed: signal: the answer has changed.
+        typed: signal: the answer has changed, and the person still types.
+        pasted: signal with the number of pasted characters.
+        passed: signal: a person has finished the item with the keyboard.
     """
 
     touched = Signal()
@@ -40,7 +40,7 @@ class AnswerField(QWidget):
 
     @property
     def problem(self) -> str:
-        """Sentence about an entry that is not a valid answer; empty if nothing is wrong."""
+        """Sentence that says why an entry is not a valid answer; empty if it is valid."""
         return ""
 
     def show_answer(self, answer: Answer) -> None:
@@ -48,15 +48,15 @@ class AnswerField(QWidget):
         raise NotImplementedError
 
     def take_key(self, text: str) -> bool:
-        """Answer by a digit or letter; return True if the field has an answer with this key."""
+        """Answer by a digit or letter; return True if an answer of the field has this key."""
         return False
 
     def focus_target(self) -> QWidget | None:
-        """Return the widget that gets the focus when the item does; None if focus would look like an answer."""
+        """Return the widget that gets the focus when the item does; None if the focus would look like an answer."""
         raise NotImplementedError
 
     def number(self, number: float) -> str:
-        """Return a number of the item with all its decimals."""
+        """Return a number of the item with all its decimal places."""
         return f"{number:g}".replace(".", self.texts.forms.decimal)
 
     def told(self, answer: Answer) -> str:

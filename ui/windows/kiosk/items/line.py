@@ -1,4 +1,7 @@
-"""Line between two words on which a person makes a mark. It starts without a mark, since a mark would be an answer."""
+"""Line between two words on which a person makes a mark.
+
+At first there is no mark, because a mark would be an answer.
+"""
 
 from PySide6.QtCore import QPointF, QRectF, QSize, Qt
 from PySide6.QtGui import QColor, QKeyEvent, QMouseEvent, QPaintEvent, QPen
@@ -11,16 +14,16 @@ from ui.windows.kiosk.items.field import AnswerField
 from ui.windows.look import GAP, RING, colours, px, smooth_painter, spaced
 
 _FINE = 1000
-"""Number of places of a mark on a line without steps."""
+"""Number of possible positions of a mark on a line without steps."""
 _MOST_TICKS = 21
 
 
 class MarkedLine(QSlider):
-    """Line for a mark. A click sets the mark; arrow keys move it, starting from the middle.
+    """Line for a mark. A click sets the mark; arrow keys move it, beginning at the middle.
 
     Args:
         field: field that contains the line.
-        places: highest place of a mark, counted from 0.
+        places: highest position of a mark, counted from 0.
     """
 
     def __init__(self, field: AnswerField, places: int) -> None:
@@ -33,7 +36,7 @@ class MarkedLine(QSlider):
         self.setFocusPolicy(Qt.FocusPolicy.TabFocus)
 
     def mark(self, place: int) -> None:
-        """Set the mark there, as a person does."""
+        """Set the mark at this position, as a person does."""
         self._field.touched.emit()
         before = self.value() if self.marked else None
         self.marked = True

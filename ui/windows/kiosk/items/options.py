@@ -14,9 +14,9 @@ from ui.windows.look import GAP, spaced
 from ui.windows.participant.widgets.buttons import ActionButton, ButtonFace, Weight
 
 _SHORT = 14
-"""Largest number of letters in an option that can be next to others in a row."""
+"""Greatest number of characters in options that are shown next to each other in a row."""
 _BESIDE = 4
-"""Largest number of options in a row."""
+"""Greatest number of options in a row."""
 
 
 class OptionButton(ActionButton):
@@ -26,7 +26,7 @@ class OptionButton(ActionButton):
         field: field that contains the button.
         label: text on the button.
         name: name for screen readers.
-        key: key that chooses it; empty if the key is on the label.
+        key: key that chooses it; empty if the label already shows the key.
         weight: weight of the button.
         alone: True if choosing it excludes the others.
     """
@@ -41,24 +41,25 @@ class OptionButton(ActionButton):
         self.show_face(ButtonFace(label, key), name)
         self.setAccessibleDescription(field.item.text)
         self.pressed.connect(field.touched)
-        # Let the keyboard continue where the mouse was. Wait for the end of the click, since focus may scroll the page.
+        # The keyboard then continues from the place of the click. Wait for the end of the click, because a change of
+        # focus may scroll the page.
         self.clicked.connect(lambda: self.setFocus(Qt.FocusReason.MouseFocusReason))
         self.choose(False)
 
     def choose(self, chosen: bool) -> None:
-        """Show whether the answer is chosen. To screen readers, an exclusive answer is a radio button."""
+        """Show if the answer is chosen. For screen readers, an exclusive answer is a radio button."""
         self.setAutoExclusive(False)
         self.setChecked(chosen)
         self.setAutoExclusive(self._alone)
 
     def focusInEvent(self, event: QFocusEvent) -> None:
-        """Keep the other buttons within reach of the arrow keys: Qt would leave only one radio button of a group."""
+        """Keep the other buttons reachable by arrow keys: Qt would leave only one radio button of a group reachable."""
         super().focusInEvent(event)
         for other in self._field.findChildren(OptionButton):
             other.setFocusPolicy(Qt.FocusPolicy.TabFocus)
 
     def nextCheckState(self) -> None:
-        """Do nothing: the field decides which answer is chosen."""
+        """Do nothing, because the field decides which answer is chosen."""
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         """Let Enter go to the next item if this answer is already chosen."""

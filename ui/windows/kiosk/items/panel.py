@@ -47,8 +47,8 @@ class ItemPanel(QFrame):
         texts: texts of the study.
 
     Attributes:
-        news: an event of the item: its kind, and the number of pasted characters.
-        passed: the person finished the item with the keyboard.
+        news: signal with an event of the item: the kind of the event, and the number of pasted characters.
+        passed: signal: the person has finished the item with the keyboard.
     """
 
     news = Signal(str, int)
@@ -130,7 +130,10 @@ class ItemPanel(QFrame):
         self._name()
 
     def show_left(self, seconds: float) -> bool:
-        """Show the rest of the time limit, and close the item at the end. Return True if this closed it."""
+        """Show the time left for the item, and close the item when the time is over.
+
+        Return True if this call closed the item.
+        """
         before, self._left = self._left, max(math.ceil(seconds), 0)
         if self.closed or self._left == before:
             return False
@@ -143,7 +146,7 @@ class ItemPanel(QFrame):
         return self.closed
 
     def close_item(self) -> None:
-        """Close the item with the answer so far, since its time limit is over."""
+        """Close the item with the answer so far, because its time limit is over."""
         self.closed, self._ungiven = True, False
         self._pause.stop()
         self.field.setEnabled(False)
@@ -160,13 +163,13 @@ class ItemPanel(QFrame):
         QAccessible.updateAccessibility(QAccessibleAnnouncementEvent(self, sentence))
 
     def come_into_sight(self) -> None:
-        """Note the first time that the item is fully visible."""
+        """Record the first time that the item is fully visible."""
         if not self._is_shown:
             self._is_shown = True
             self.news.emit("shown", 0)
 
     def go_on(self) -> None:
-        """Note that the person went elsewhere, which gives the answer."""
+        """Record that the person went elsewhere; the answer then counts as given."""
         if self._pause.isActive():
             self._changed()
         if self._ungiven:
@@ -174,7 +177,7 @@ class ItemPanel(QFrame):
             self.news.emit("given", 0)
 
     def focus_target(self) -> QWidget:
-        """Return the widget that gets the focus when the item does; the panel itself if nothing is chosen yet."""
+        """Return the widget that gets the focus when the item does; before an answer is chosen, the panel itself."""
         if self.closed:
             return self
         if self.not_applicable is not None and self.not_applicable.isChecked():

@@ -96,7 +96,7 @@ class FreeText(QPlainTextEdit):
     """Field for a free text that reports pasted and dropped text.
 
     Args:
-        field: field that contains it.
+        field: answer field that contains this text field.
     """
 
     def __init__(self, field: AnswerField) -> None:
@@ -113,7 +113,7 @@ class FreeText(QPlainTextEdit):
             self._field.pasted.emit(max(len(source.text()), len(self.toPlainText()) - before))
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Leave Ctrl+Enter to the page."""
+        """Leave the keys Ctrl+Enter to the page."""
         with_ctrl = event.modifiers() & Qt.KeyboardModifier.ControlModifier
         if with_ctrl and event.key() in (Qt.Key.Key_Return, Qt.Key.Key_Enter):
             event.ignore()

@@ -1,4 +1,4 @@
-"""Page of a form: its items one below another, and the buttons that lead on."""
+"""Page of a form: its items one below another, and the buttons to the previous and next page."""
 
 import time
 from collections.abc import Callable, Sequence
@@ -27,7 +27,7 @@ from ui.windows.participant.widgets.panels import set_text
 LIMIT_STEP = 100
 """Milliseconds between two updates of time limits."""
 WIDEST = 860
-"""Largest width of the column of items, `px`: longer lines and scales are harder to read."""
+"""Greatest width of the column of items, `px`: longer lines and scales are harder to read."""
 
 
 class FormPage(QWidget):
@@ -39,10 +39,10 @@ class FormPage(QWidget):
         clock: monotonic clock, seconds.
 
     Attributes:
-        news: an `ItemNews`.
-        went_on: all required items are answered, and the person continues.
-        went_back: the person goes back to the previous page.
-        back: button to the previous page; None if there is no way back.
+        news: signal with an `ItemNews`.
+        went_on: signal: all required items are answered, and the person continues.
+        went_back: signal: the person goes back to the previous page.
+        back: button to the previous page; None if the person cannot go back.
     """
 
     news = Signal(object)
@@ -95,7 +95,7 @@ class FormPage(QWidget):
         bar.valueChanged.connect(lambda _value: self._looking.start())
         bar.rangeChanged.connect(lambda _least, _most: self._looking.start())
         bar.rangeChanged.connect(lambda _least, most: self._align_foot(bar.sizeHint().width() if most > 0 else 0))
-        QApplication.instance().focusChanged.connect(self._follow)  # type: ignore[union-attr]  # there is one
+        QApplication.instance().focusChanged.connect(self._follow)  # type: ignore[union-attr]  # there is always one
         self._show_count()
 
     def _build_foot(self, rows: QVBoxLayout) -> None:
@@ -113,7 +113,7 @@ class FormPage(QWidget):
         self.go_on.clicked.connect(self._leave)
 
     def _align_foot(self, scroll_bar: int) -> None:
-        """Keep the foot aligned with the items, which have a scroll bar of this width next to them."""
+        """Keep the buttons at the bottom aligned with the items, which have a scroll bar of this width next to them."""
         self._foot.setContentsMargins(0, 0, scroll_bar, 0)
 
     def _add_to_foot(self, row: QHBoxLayout, button: ActionButton, label: str, shown: str, *keys: str) -> None:
@@ -125,7 +125,8 @@ class FormPage(QWidget):
             shortcut.activated.connect(button.click)
 
     def start(self) -> None:
-        """Give the focus to the first item without an answer, or to the first one that the host found missing."""
+        """Give the focus to the first item without an answer, or to the first item whose answer the host found
+        missing."""
         missing = [panel for panel in self.panels if panel.item.id in self._form.missing]
         for panel in missing:
             panel.point_at_missing(self._texts.text("forms.please_answer"))
@@ -136,7 +137,8 @@ class FormPage(QWidget):
         first.focus_target().setFocus(Qt.FocusReason.OtherFocusReason)
 
     def focusNextPrevChild(self, forward: bool) -> bool:
-        """Let Tab move from item to item, to "not applicable" between them, and finally to the buttons that lead on."""
+        """Let Tab move from item to item, with "not applicable" after its item, and finally to the buttons below the
+        items."""
         stops: list[QWidget] = []
         for panel in self.panels:
             stops.append(panel.focus_target())
@@ -150,7 +152,7 @@ class FormPage(QWidget):
         return True
 
     def _stop_of(self, focused: QWidget | None, stops: Sequence[QWidget]) -> int:
-        """Return the index of the stop of the item in which another widget has the focus."""
+        """Return the index of the Tab stop of the item in which another widget has the focus."""
         panel = next((panel for panel in self.panels if focused is not None and panel.isAncestorOf(focused)), None)
         return -1 if panel is None else stops.index(panel.focus_target())
 
@@ -171,7 +173,10 @@ class FormPage(QWidget):
         return super().event(event)
 
     def _look(self) -> None:
-        """Report items that are fully visible. For an item taller than the window, the question counts."""
+        """Report items that are fully visible.
+
+        If an item is taller than the window, it is enough that its question is visible.
+        """
         if not self.isVisible():
             return
         port = self._area.viewport()
@@ -183,7 +188,7 @@ class FormPage(QWidget):
                 panel.come_into_sight()
 
     def _follow(self, _before: QWidget | None, now: QWidget | None) -> None:
-        """Scroll to the item that has the focus, and note that the person is there."""
+        """Scroll to the item that has the focus, and record that the person is there."""
         panel = next((panel for panel in self.panels if now is panel or (now and panel.isAncestorOf(now))), None)
         if panel is not None:
             self._area.ensureWidgetVisible(panel, 0, 2 * GAP)
@@ -218,7 +223,7 @@ class FormPage(QWidget):
             self._enter(None)
 
     def _leave(self) -> None:
-        """Continue if nothing is missing; otherwise mark all missing answers, and go to the first."""
+        """Continue if no answer is missing; otherwise mark all missing answers, and go to the first one."""
         if self._is_new:
             return
         self._enter(None)
@@ -241,7 +246,7 @@ class FormPage(QWidget):
 
     @property
     def _is_new(self) -> bool:
-        """True at first, when a press was meant for the previous page."""
+        """Return True shortly after the page appears, when a press was meant for the previous page."""
         return self._clock() - self._came < READING
 
     def _show_count(self) -> None:
@@ -255,7 +260,7 @@ class FormPage(QWidget):
 
 
 def _column(inside: QWidget, vertical: int = 2 * GAP) -> QVBoxLayout:
-    """Return a column in the middle of a widget."""
+    """Return a column of limited width in the middle of a widget."""
     outer = spaced(QHBoxLayout(inside), 0, 2 * GAP, vertical, 2 * GAP, vertical)
     column = follow_text(QWidget(), lambda it: it.setMaximumWidth(px(WIDEST)))
     outer.addStretch(1)

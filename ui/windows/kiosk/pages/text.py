@@ -1,4 +1,4 @@
-"""Pages with a text, and one button that leads on."""
+"""Pages with a text, and one button to the next page."""
 
 import time
 from collections.abc import Callable
@@ -18,9 +18,10 @@ from ui.windows.participant.widgets.panels import page_column
 from ui.windows.participant.widgets.reading import ReadingText
 
 SHORT = 500
-"""Largest number of letters in a text in the middle of the page; a longer text gets a panel that scrolls."""
+"""Greatest number of characters of a text that is shown in the middle of the page; a longer text gets a panel that
+scrolls."""
 READING = 0.4
-"""Seconds for which a new page ignores presses, since they were meant for the previous page."""
+"""Seconds for which a new page ignores presses, because they were meant for the previous page."""
 _IN_A_GROUP = 4
 
 
@@ -33,7 +34,7 @@ class ReadingPage(QWidget):
         clock: monotonic clock, seconds.
 
     Attributes:
-        went_on: the person continues.
+        went_on: signal: the person continues.
     """
 
     went_on = Signal()
