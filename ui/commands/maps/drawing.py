@@ -55,7 +55,7 @@ FINE, FINE_ENOUGH = 0.01, 0.02
 MOST_CELLS, COARSE_ENOUGH = 4_000_000, 0.05
 """In images with more pixels than the first number, pixels are merged into cells of at most the second size, meters."""
 MANY = 15
-"""Number of rooms from which the command tells the user that the measurement can be stopped and continued."""
+"""Number of rooms from which the command prints that the measurement can be stopped and continued."""
 WIDEST = 300.0
 """Size of a map, meters, above which it is probably wrong."""
 

@@ -162,7 +162,7 @@ class Robots(MapItem):
         self.update()
 
     def draw(self, painter: QPainter, to_pixels: QTransform) -> None:
-        """Draw all robots of which a part needs painting."""
+        """Draw all robots that have a part that needs painting."""
         # A file may have more pixels than the screen.
         ratio = self.box.getViewWidget().devicePixelRatioF() * painter.worldTransform().m11()
         if self._laid_in != (to_pixels, ratio, self._ground.picture):

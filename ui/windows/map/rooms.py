@@ -79,7 +79,7 @@ def paint_signs(
     font: QFont,
     geometry: MapGeometry | None,
 ) -> FloatArray:
-    """Paint frames, numbers, names, signs of state and finds: above walls, below robots, and beside furniture.
+    """Paint frames, numbers, names, signs of state and finds: above walls, below robots, and away from furniture.
 
     Returns:
         (m, 4) left, top, right and bottom of all texts and signs, pixels.

@@ -1,4 +1,4 @@
-"""Robots next to the map."""
+"""Cards of the robots, next to the map."""
 
 from PySide6.QtCore import QPointF, QRect, QRectF, QSize, Qt, Signal
 from PySide6.QtGui import QColor, QFontMetricsF, QPainter, QPaintEvent, QPen, QResizeEvent
@@ -25,16 +25,16 @@ from ui.windows.participant.widgets.painting import (
 
 PAD = 1.25 * GAP
 EDGE = 6.0
-"""Distance above the first line and below the last one when there is little room, logical pixels."""
+"""Distance above the first line and below the last one when there is little space, logical pixels."""
 BAR = 7.0
 CLOSE, FAR = 3.0, 7.0
-"""Distance between the bar and the lines with little room, and with enough room, logical pixels."""
+"""Distance between the bar and the lines: with little space, and with enough space, logical pixels."""
 BETWEEN = 3.0
 """Distance between the line of another commander and the line of the robot's activity, logical pixels."""
 
 
 class CardFace(ParticipantButton):
-    """Card without its buttons; pressing it selects the robot."""
+    """Card without its buttons; a press on it selects the robot."""
 
     def __init__(self, texts: Texts, parent: QWidget) -> None:
         super().__init__(texts, parent)
@@ -43,10 +43,10 @@ class CardFace(ParticipantButton):
         self._button_width = 0
 
     def nextCheckState(self) -> None:
-        """Do nothing: the game decides whether the card is checked, not a press."""
+        """Do nothing, because the game decides if the card is checked, not a press."""
 
     def show_card(self, card: RobotCard, button_width: int) -> None:
-        """Show this robot; leave this width free for the button in the first line below the bar."""
+        """Show this robot; keep this width free for the button in the first line below the bar."""
         if (card, button_width) == (self._card, self._button_width):
             return
         if self._card is None or bool(self._card.commander) != bool(card.commander):
@@ -65,7 +65,7 @@ class CardFace(ParticipantButton):
         return QSize(px(200), int(self._high(CLOSE)))
 
     def paintEvent(self, _event: QPaintEvent) -> None:
-        """Draw name and energy; the bar; another commander; activity and place; progress."""
+        """Draw name and energy, the bar, another commander, activity and place, and progress."""
         card = self._card
         if card is None:
             return
@@ -97,7 +97,7 @@ class CardFace(ParticipantButton):
             self._progress(painter, rect, card.progress, palette.robot(card.robot))
 
     def button_place(self, size: QSize) -> QRect:
-        """Return the place of a button of this size: at the end of the first line below the bar."""
+        """Return the place for a button of this size: at the end of the first line below the bar."""
         above = EDGE + max(0.0, self.height() - self._high(CLOSE)) / 4.0 + self._line() + 1.0
         if self._card is not None and self._card.commander:
             above += self.commander_high()
@@ -110,7 +110,7 @@ class CardFace(ParticipantButton):
 
     @staticmethod
     def _line() -> float:
-        """Return the height of a line, which is that of the button in it."""
+        """Return the height of a line, which is that of its button."""
         return key_size("X")[1] + 4.0
 
     def _high(self, space: float) -> float:
@@ -165,7 +165,7 @@ class CardFace(ParticipantButton):
 
     @staticmethod
     def _progress(painter: QPainter, rect: QRectF, share: float, colour: str) -> None:
-        """Draw a thin line along the lower edge that grows with the distance driven."""
+        """Draw a thin line along the lower edge, with a length in proportion to the distance driven."""
         y = rect.bottom() - 5.0
         reach = rect.left() + PAD + (rect.width() - 2.0 * PAD) * min(1.0, max(0.0, share))
         pen = QPen(QColor(colours().track), 3.0)
@@ -180,8 +180,8 @@ class CardFace(ParticipantButton):
 class Card(ActionWidget):
     """Card of a robot: its face and a button.
 
-    The button stops a driving robot, asks another commander to give the robot back, or takes up again a treasure that
-    was left at the robot's place.
+    The button stops a driving robot, asks another commander to give the robot back, or resumes a treasure that was left
+    in the robot's room.
     """
 
     def __init__(self, texts: Texts, parent: QWidget | None = None) -> None:
@@ -250,7 +250,7 @@ class Cards(ActionWidget):
     """Cards of all robots, in the order of the team.
 
     Attributes:
-        reveal: card to scroll into view.
+        reveal: signal with the card to scroll into view.
     """
 
     reveal = Signal(object)
@@ -264,10 +264,10 @@ class Cards(ActionWidget):
         self.cards: list[Card] = []
 
     def height_to_come(self) -> int:
-        """Return how much the cards may still grow, logical pixels.
+        """Return the height by which the cards may still grow, logical pixels.
 
-        Once another commander has taken a robot, each robot may be taken. The layout keeps this height free below the
-        cards, so that the rooms below never move away from under the pointer.
+        After another commander has taken one robot, it may take each of them. The layout keeps this height free below
+        the cards, so that the rooms below never move while the pointer is on them.
         """
         own = sum(not card.commander for card in self._shown) if self._others_command else 0
         return own * CardFace.commander_high()
@@ -295,7 +295,8 @@ class Cards(ActionWidget):
                 self.focus_selected()
 
     def focus_selected(self) -> None:
-        """Give the focus to the card of the selected robot: with two framed cards, both would look selected."""
+        """Give the focus to the card of the selected robot; otherwise two cards would have a frame, and both would look
+        selected."""
         for shown, card in zip(self.cards, self._shown, strict=True):
             if card.selected:
                 shown.face.setFocus(Qt.FocusReason.OtherFocusReason)
@@ -309,7 +310,7 @@ class Cards(ActionWidget):
 
 
 def _draw_line(painter: QPainter, line: QRectF, marked: Sign | None, ink: str, words: str, beside: str = "") -> None:
-    """Draw a line of a card: a sign with bold words, or plain words without a sign, and more words next to them."""
+    """Draw a line of a card: a sign with bold words, or plain words without a sign; then more words."""
     small = QFontMetricsF(font("small"))
     left = line.left()
     if marked is not None:
@@ -352,7 +353,7 @@ def draw_energy(painter: QPainter, rect: QRectF, card: RobotCard) -> None:
 
 
 def energy_words(texts: Texts, card: RobotCard) -> tuple[str, ...]:
-    """Return the energy left, and the cost of a considered move: the full words, and shorter ones."""
+    """Return the energy left and the cost of a considered move in words, in a long and a short version."""
     energy, left = texts.number(card.energy), card.energy
     if card.cost is None:
         shown = energy

@@ -1,4 +1,4 @@
-"""Column next to the map: robots on top, rooms below them."""
+"""Column next to the map: robots at the top, rooms below them."""
 
 import math
 
@@ -19,7 +19,10 @@ _SECTION = int(1.5 * GAP)
 
 
 class SideColumn(ActionWidget):
-    """Robots above rooms. If height is short, robots move closer together, rooms fold, and finally parts scroll."""
+    """Robots above rooms.
+
+    If there is little height, first the robots move closer together, then the rooms fold, and finally parts scroll.
+    """
 
     def __init__(self, texts: Texts) -> None:
         super().__init__()
@@ -62,7 +65,8 @@ class SideColumn(ActionWidget):
         to_come = self.cards.height_to_come()
         tiles = self.tiles.fit(wide, room - most - to_come, room - least - to_come)
         if least + tiles > room:
-            # The two do not both fit: each keeps at least two fifths, and gives unused height to the other.
+            # If the two parts do not both fit, each gets at least two fifths of the height, and leaves height that it
+            # does not need to the other.
             tiles = min(tiles, max(room - least, int(0.4 * room)))
         cards = min(most, room - tiles)
         to_come = min(to_come, room - tiles - cards)
@@ -74,7 +78,7 @@ class SideColumn(ActionWidget):
 
 
 class ColumnScrollArea(QScrollArea):
-    """Scroll area without a frame; its scroll bar is visible only when its widget does not fit."""
+    """Scroll area without a frame; its scroll bar is visible only if its widget does not fit."""
 
     def __init__(self, inside: QWidget, parent: QWidget) -> None:
         super().__init__(parent)

@@ -35,15 +35,15 @@ class HistoryView(QPlainTextEdit):
         self.setMaximumHeight(px(160))
 
     def sizeHint(self) -> QSize:
-        """Return a size of some lines; with little space, the view shrinks to two lines."""
+        """Return the size of some lines; if there is little space, the view shrinks to two lines."""
         return QSize(px(300), px(160))
 
     def height_over(self, height: int) -> int:
-        """Return the height of the view above a map of this height, logical pixels."""
+        """Return the height of the view over a map of this height, logical pixels."""
         return max(self.minimumHeight(), min(self.maximumHeight(), height // 3))
 
     def show_history(self, history: tuple[HistoryLine, ...]) -> None:
-        """Show this history; only new lines are written."""
+        """Show this history; write only the new lines."""
         if history == self._shown:
             return
         new = _new(self._shown, history)
@@ -77,7 +77,7 @@ class HistoryView(QPlainTextEdit):
 
 
 def _new(shown: tuple[HistoryLine, ...], history: tuple[HistoryLine, ...]) -> tuple[HistoryLine, ...]:
-    """Return the lines that follow those shown; the oldest of them may have been removed."""
+    """Return the lines that follow the lines shown. The oldest lines shown may have been removed meanwhile."""
     for gone in range(len(shown) + 1):
         kept = len(shown) - gone
         if shown[gone:] == history[:kept]:

@@ -1,4 +1,5 @@
-"""Keys of the window: one shortcut each, so that the focused widget receives none, and none counts twice."""
+"""Keys of the window: each has one shortcut, so that the focused widget does not receive it, and no key counts
+twice."""
 
 import string
 from collections.abc import Callable
@@ -22,14 +23,14 @@ _REPEATING = ("Tab", "Shift+Tab", "Up", "Down")
 
 
 class KeyboardShortcuts:
-    """Turns keys into acts.
+    """Shortcuts that turn keys into acts.
 
-    A key without a meaning on the current screen goes to the widget with the focus. On a page of text, Tab then moves
-    from button to button, and arrow keys scroll.
+    A key that has no act on the current screen goes to the widget with the focus. On a page of text, for example, Tab
+    then moves from button to button, and arrow keys scroll.
 
     Args:
         window: window with the keys.
-        do: called with the act of a pressed key.
+        do: function that is called with the act of a pressed key.
     """
 
     def __init__(self, window: QWidget, do: Callable[[Act], None]) -> None:
@@ -39,7 +40,7 @@ class KeyboardShortcuts:
         self._shortcuts = {key: self._shortcut(window, key) for key in _NAMES}
 
     def show_screen(self, screen: Screen) -> None:
-        """Give the keys their meanings on this screen."""
+        """Give the keys their acts on this screen."""
         self._screen = screen
         for key, shortcut in self._shortcuts.items():
             act = act_for(_NAMES[key], screen)

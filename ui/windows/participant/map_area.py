@@ -23,12 +23,12 @@ _CORNERS: tuple[Corner, ...] = ((True, True), (True, False), (False, True), (Fal
 
 
 class MapArea(QWidget):
-    """Map that fills the whole area; over it a banner, the history, and at most one panel.
+    """Map that fills the whole area. Over the map are a banner, the history, and at most one panel.
 
-    A pop-up about a robot covers the corner of the map that is farthest from its subject. It stays there as long as it
-    is about that robot, unless it would hide the robot or the room. It covers at most half of the map and two thirds of
-    its height, unless its words need more. If no corner is free, the pop-up becomes as low as its words allow.
-    Any other panel is in the middle. Nothing moves the map.
+    A pop-up about a robot covers the corner of the map that is farthest from its subject. It stays in this corner while
+    it is about the same robot, unless it would hide the robot or the room. It covers at most half of the map and two
+    thirds of the map's height, unless its words need more space. If no corner is free, the pop-up becomes as low as its
+    words allow. Any other panel is in the middle. Nothing moves the map.
     """
 
     def __init__(self, texts: Texts, map_view: MapView) -> None:
@@ -60,7 +60,7 @@ class MapArea(QWidget):
             panel: the panel.
             robot: index of the robot that a pop-up is about; pop-ups about the same robot stay in the same corner. If
                 None, the panel is in the middle.
-            subject: subject of a pop-up. While it is the same, the pop-up never gets lower.
+            subject: subject of a pop-up. While the subject is the same, the height of the pop-up never decreases.
             about: function that returns the places on the map that a pop-up should leave visible, pixels, the most
                 important first.
         """
@@ -85,9 +85,9 @@ class MapArea(QWidget):
         self._place()
 
     def keep_in_sight(self) -> None:
-        """Move the pop-up to another corner if it hides its subject, and would hide less there.
+        """Move the pop-up to another corner if it hides its subject, and would hide less of it there.
 
-        If the map follows the robot, the map moves instead: the robot is kept in the middle of the free part.
+        If the map follows the robot, the map moves instead, so that the robot stays in the middle of the free part.
         """
         self._map.sight = None
         if self._panel is None or self._robot is None or self._corner is None:
@@ -111,11 +111,11 @@ class MapArea(QWidget):
         self.place_anew()
 
     def showEvent(self, _event: QShowEvent) -> None:
-        """Lay out everything again: while the area was hidden, Qt did not report new sizes to the map."""
+        """Lay out everything again, because Qt did not report new sizes to the map while the area was hidden."""
         self.place_anew()
 
     def event(self, event: QEvent) -> bool:
-        """Lay out again after a change of a panel's words, which may need another size."""
+        """Lay out everything again if the words of a panel have changed and may need another size."""
         if event.type() == QEvent.Type.LayoutRequest:
             self._place()
         return super().event(event)
@@ -134,7 +134,7 @@ class MapArea(QWidget):
             return
         space = self._space()
         if self._robot is None:
-            # Below the banner, which would hide the title in a low window.
+            # The panel is below the banner, which would hide its title in a low window.
             space.setTop(space.top() + self.banner.height_for(space.width()))
             size = panel.wanted(min(px(MAX_PANEL_WIDTH), space.width()), space.height())
             place = QRect(QPoint(0, 0), size)
@@ -172,10 +172,10 @@ class MapArea(QWidget):
         return self.rect().adjusted(GAP, GAP, -GAP, -GAP - below)
 
     def _best_corner(self, size: QSize, space: QRect) -> Corner:
-        """Return the corner in which a pop-up hides least of its subject, and is farthest from it.
+        """Return the corner in which a pop-up hides least of its subject, and is farthest from the subject.
 
-        A followed robot is always in the middle of the view. In this case its place on the whole map counts, and the
-        view can move to the free side.
+        A followed robot is always in the middle of the view. For such a robot, its place on the whole map decides,
+        because the view can move to the free side.
         """
         if self._robot is not None and self._map.followed == self._robot:
             opposite = self._map.opposite_corner(self._robot)
@@ -190,7 +190,8 @@ class MapArea(QWidget):
         return max(_CORNERS, key=merit)
 
     def _hides(self, place: QRect) -> int:
-        """Return how much of its subject a pop-up would hide; earlier places count more."""
+        """Return how much of its subject a pop-up would hide; the first places of the subject have the greatest
+        weight."""
         about = self._about()
         return sum(2 ** (len(about) - at) for at, part in enumerate(about) if place.intersects(part))
 
@@ -199,7 +200,8 @@ class MapArea(QWidget):
         return self._hides(self._at(self._best_corner(size, space), size, space))
 
     def _free(self, panel: QRect) -> QRect:
-        """Return the part of the map next to a pop-up in a corner, or the part above or below it if that is wider."""
+        """Return the part of the map next to a pop-up in a corner; if the part above or below the pop-up is wider,
+        return that."""
         next_to, over = self._space(), self._space()
         if panel.center().x() > next_to.center().x():
             next_to.setRight(panel.left())

@@ -9,11 +9,11 @@ from ui.windows.look import GAP, colours, font, smooth_painter
 from ui.windows.participant.widgets.painting import write
 
 COUNT_DURATION = 900
-"""Milliseconds in which a score counts up and the gain floats away."""
+"""Milliseconds for which a score counts up and the gain moves away."""
 
 
 class ScoreLabel(QWidget):
-    """Score. When it changes, it counts to the new value, and the gain is shown next to it for a moment."""
+    """Score. When it changes, it counts up to the new value, and the gain is shown next to it for a moment."""
 
     def __init__(self, texts: Texts, parent: QWidget | None = None) -> None:
         super().__init__(parent)

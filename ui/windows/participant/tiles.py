@@ -23,17 +23,18 @@ SPACE = GAP - 2
 """Distance between tiles, logical pixels."""
 
 _FOLDED, _NARROW, _WIDE = 40, 76, 140
-"""Smallest width of a folded tile and of a usual one, and the width from which a tile shows the room's name; `px`."""
+"""Smallest width of a folded tile, smallest width of a normal tile, and width from which a tile shows the room's name;
+`px`."""
 
 _TALLEST = 1.5
-"""Greatest height of a tile, as a share of the usual one."""
+"""Greatest height of a tile, as a multiple of the usual height."""
 
 
 class Tile(ParticipantButton):
     """Room: its number, which is also its key, a sign of its state, and its cost or the find in it.
 
     Attributes:
-        looked_at: the pointer moved onto or off the tile, or the tile got or lost the focus.
+        looked_at: signal: the pointer moved onto or off the tile, or the tile got or lost the focus.
     """
 
     looked_at = Signal()
@@ -53,7 +54,7 @@ class Tile(ParticipantButton):
         self.update()
 
     def fold(self, folded: bool) -> None:
-        """Show only the number and the sign, or everything."""
+        """Show only the number and the sign if `folded` is True; otherwise show everything."""
         if folded != self._folded:
             self._folded = folded
             self.update()
@@ -63,21 +64,21 @@ class Tile(ParticipantButton):
         return tile_size(self._folded)
 
     def minimumSizeHint(self) -> QSize:
-        """Return the size hint: a tile does not get smaller."""
+        """Return the size hint, because a tile does not get smaller."""
         return self.sizeHint()
 
     @property
     def pointed_room(self) -> int | None:
-        """Room of the tile while the pointer is on it."""
+        """Room of the tile while the pointer is on it; otherwise None."""
         return self._tile.room if self._pointed and self._tile is not None else None
 
     @property
     def focused_room(self) -> int | None:
-        """Room of the tile while it has the focus."""
+        """Room of the tile while it has the focus; otherwise None."""
         return self._tile.room if self.hasFocus() and self._tile is not None else None
 
     def set_pointed(self, pointed: bool) -> None:
-        """Store the state, and report that the room is looked at, or no longer."""
+        """Store this state, and report that the person looks at the room, or no longer does."""
         before = self._pointed
         super().set_pointed(pointed)
         if pointed != before:
@@ -94,7 +95,7 @@ class Tile(ParticipantButton):
         self.looked_at.emit()
 
     def paintEvent(self, _event: QPaintEvent) -> None:
-        """Draw the background of the state, the number, the sign, and the line below."""
+        """Draw the background in the color of the state, the number, the sign, and the line below."""
         tile = self._tile
         if tile is None:
             return
@@ -165,13 +166,13 @@ def tile_size(folded: bool) -> QSize:
 
 
 class Tiles(ActionWidget):
-    """All rooms in a grid. If the height allows it, there are few columns, with room for names.
+    """All rooms in a grid. If there is enough height, there are few columns, with space for names.
 
-    If there is no height for a grid, the rooms fold into a row of numbers.
+    If there is not enough height for a grid, the rooms fold into a row of numbers.
 
     Attributes:
-        reveal: tile to scroll into view.
-        looked_at: a person may look at another room.
+        reveal: signal with the tile to scroll into view.
+        looked_at: signal: the person may look at another room now.
     """
 
     reveal = Signal(QWidget)
@@ -188,7 +189,7 @@ class Tiles(ActionWidget):
 
     @property
     def considered(self) -> int | None:
-        """Room under the pointer, otherwise the one with the focus."""
+        """Room under the pointer or, if there is none, the room with the focus."""
         pointed = (tile.pointed_room for tile in self.tiles)
         focused = (tile.focused_room for tile in self.tiles)
         return next((room for room in (*pointed, *focused) if room is not None), None)
@@ -204,11 +205,11 @@ class Tiles(ActionWidget):
             shown.show_tile(tile)
 
     def fit(self, width: int, height: int, most: int) -> int:
-        """Use the fewest columns that fit, or fold; return the height.
+        """Use the fewest columns that fit, or fold the rooms; return the height.
 
         Args:
             width: width of the space.
-            height: height of the space, which is filled as far as it looks good.
+            height: height of the space; tiles fill it up to their greatest height.
             most: height to use if more columns do not help.
         """
         for folded, high in ((False, height), (False, most), (True, most)):
@@ -219,7 +220,7 @@ class Tiles(ActionWidget):
             if self._high(self._columns) <= high:
                 break
         rows = -(-len(self.tiles) // self._columns) or 1
-        # This number of rows may need fewer columns, which are wider then.
+        # With this number of rows, fewer columns may be enough, which are then wider.
         self._columns = -(-len(self.tiles) // rows) or 1
         tallest = int((1.0 if self._folded else _TALLEST) * self._tall)
         self._tall = max(self._tall, min((height + SPACE) // rows - SPACE, tallest))
@@ -233,7 +234,7 @@ class Tiles(ActionWidget):
         return QSize(4 * px(_NARROW), self._high(self._columns))
 
     def minimumSizeHint(self) -> QSize:
-        """Return the height of all rows at one column's width: rows do not get lower."""
+        """Return the height of all rows at one column's width, because the height of rows is fixed."""
         return QSize(px(_NARROW), self._high(self._columns))
 
     def resizeEvent(self, _event: QResizeEvent) -> None:
@@ -268,7 +269,7 @@ class Tiles(ActionWidget):
 
 
 def below(texts: Texts, tile: RoomTile) -> tuple[str, ...]:
-    """Return the line below a room's number, and shorter ones: the find there, or the cost to go there."""
+    """Return the line below a room's number, and shorter versions of it: the find there, or the cost to go there."""
     if tile.found:
         return tile.found, *tile.found_shorter
     if tile.state == "reserved":
@@ -282,7 +283,7 @@ def below(texts: Texts, tile: RoomTile) -> tuple[str, ...]:
 
 
 def spoken_tile(texts: Texts, tile: RoomTile) -> str:
-    """Return a room as screen readers read it."""
+    """Return a room as a sentence for screen readers."""
     if tile.robot is None or tile.state == "unvisited":
         state = texts.text(f"window.{tile.state}")
     else:

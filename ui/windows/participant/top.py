@@ -18,7 +18,7 @@ _SPARE = 50
 
 
 class TopStrip(ActionWidget):
-    """Score, time and remaining rooms on the left, tools on the right, or below if the window is too narrow."""
+    """Score, time and remaining rooms on the left. Tools are on the right, or below if the window is too narrow."""
 
     def __init__(self, texts: Texts, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -48,7 +48,7 @@ class TopStrip(ActionWidget):
 
 
 class BannerLine(QWidget):
-    """Line across the top of the map; it covers the edge of the map, so that nothing moves when it appears."""
+    """Banner across the top of the map. It covers the edge of the map, so that nothing moves when it appears."""
 
     def __init__(self, parent: QWidget) -> None:
         super().__init__(parent)
@@ -57,7 +57,7 @@ class BannerLine(QWidget):
         self.hide()
 
     def show_banner(self, banner: Banner | None) -> bool:
-        """Show this banner, or nothing. Return True if that changed anything."""
+        """Show this banner, or nothing. Return True if the visible content changed."""
         if banner == self._banner:
             return False
         self._banner = banner
@@ -75,7 +75,7 @@ class BannerLine(QWidget):
         return int(text.height() + 2 * GAP)
 
     def paintEvent(self, _event: QPaintEvent) -> None:
-        """Draw bad news on red with a warning sign, a note on a panel's background."""
+        """Draw bad news on red with a warning sign, and a note on a panel's background."""
         if self._banner is None:
             return
         palette = colours()

@@ -16,7 +16,7 @@ from ui.windows.participant.widgets.panels import set_text
 
 
 class WaitingChip(ParticipantButton):
-    """Item that waits: its robot, and a description in two lines.
+    """Pop-up that waits: its robot, and a description in two lines.
 
     Attributes:
         short: True if only the robot is shown; the description remains in the tool tip and for screen readers.
@@ -39,7 +39,7 @@ class WaitingChip(ParticipantButton):
         self.update()
 
     def shorten(self, short: bool) -> None:
-        """Show only the robot, or the words again."""
+        """Show only the robot, or also the words again."""
         if short != self.short:
             self.short = short
             self.updateGeometry()
@@ -87,14 +87,15 @@ class WaitingChip(ParticipantButton):
 
 
 def _width_of_two_lines(text: str) -> float:
-    """Return the smallest width at which words need at most two lines, broken as `WRAPPED` does, logical pixels."""
+    """Return the smallest width at which words need at most two lines if they are wrapped as `WRAPPED` does, logical
+    pixels."""
     metrics, words = QFontMetricsF(font("small")), text.split()
     lines = ((" ".join(words[:at]), " ".join(words[at:])) for at in range(1, len(words) + 1))
     return math.ceil(min((max(map(metrics.horizontalAdvance, pair)) for pair in lines), default=0.0)) + 1.0
 
 
 class HorizontalScrollArea(QScrollArea):
-    """Scroll area that scrolls sideways, also with the vertical wheel."""
+    """Scroll area that scrolls sideways, also by the vertical mouse wheel."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -112,7 +113,9 @@ class HorizontalScrollArea(QScrollArea):
 
 
 class WaitingStrip(ActionWidget):
-    """Everything that waits for the participant, oldest first. The height never changes, so that nothing jumps.
+    """Strip with everything that waits for the participant, oldest first.
+
+    Its height never changes, so that nothing moves.
 
     Attributes:
         history: button that opens the history.
@@ -141,17 +144,17 @@ class WaitingStrip(ActionWidget):
         follow_text(self, lambda it: it.setFixedHeight(WaitingChip.height_of_two_lines() + 2))
 
     def resizeEvent(self, _event: QResizeEvent) -> None:
-        """Give the chips all the available room."""
+        """Give the chips all the available space."""
         self._make_room()
 
     def event(self, event: QEvent) -> bool:
-        """Give the chips room again after a change of words or their size."""
+        """Arrange the chips again if the words or their size have changed."""
         if event.type() == QEvent.Type.LayoutRequest:
             self._make_room()
         return super().event(event)
 
     def _make_room(self) -> None:
-        """Hide the number of chips if it leaves too little room for one of them; shorten the last ones."""
+        """Hide the number of waiting items if it leaves too little space for one chip; then shorten the last chips."""
         shown = [chip for chip in self.chips if not chip.isHidden()]
         widest = max((chip.width_of(short=False) for chip in shown), default=0)
         counted, others = self._count.sizeHint().width() + GAP, self.history.sizeHint().width() + GAP
@@ -163,12 +166,12 @@ class WaitingStrip(ActionWidget):
             needed -= each.width_of(short=False) - each.width_of(short=True) if each.short else 0
 
     def show_waiting(self, waiting: tuple[WaitingItem, ...], nothing_waits: str) -> None:
-        """Show these items, or the sentence if there are none; do nothing for those already shown."""
+        """Show these items or, if there are none, the sentence; do nothing for items already shown."""
         set_text(self._count, self._texts.text("window.waiting", count=len(waiting)) if waiting else nothing_waits)
         if waiting == self._shown:
             return
         self._shown = waiting
-        # The sentence may use both lines; the number is never wrapped.
+        # The sentence may use both lines; the number of items is never wrapped.
         self._count.setWordWrap(not waiting)
         self._area.setVisible(bool(waiting))
         self._row.setStretchFactor(self._count, 0 if waiting else 1)

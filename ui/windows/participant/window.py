@@ -71,24 +71,24 @@ from ui.windows.participant.widgets.buttons import ParticipantButton
 from ui.windows.participant.widgets.panels import ModalOverlay, TitledPanel, set_text
 
 FRAME = 16
-"""Milliseconds between two updates from the model."""
+"""Milliseconds between two updates of the window from its model."""
 
 ANSWER_DELAY = 0.3
-"""Seconds for which a new pop-up ignores answers: a press was meant for the previous content.
+"""Seconds for which a new pop-up ignores answers, because a press was meant for the previous content.
 
-The next turn of the same dialogue counts as new, too: the second half of a double click is not an answer. A name is
-submitted only after there was time to read it.
+The next turn of the same dialogue also counts as new, because the second press of a double click is not an answer. A
+name can be submitted only after there was time to read it.
 """
 
 ROBOT_SIZE = 40
-"""Side of the square around a robot on the map that a pop-up should not cover, logical pixels."""
+"""Side of the square around a robot on the map that a pop-up should leave visible, logical pixels."""
 
 
 class ParticipantWindow(QWidget):
     """Map, robots next to it, rooms below them, pop-ups in a corner of the map.
 
-    It is a window, or a page of one. It follows the model while it is shown, in the language that the model had when
-    it was made.
+    It can be a window or a page of a window. It follows the model while it is shown. Its language is the one that the
+    model had when the window was created.
 
     Args:
         model: source of all data shown.
@@ -97,11 +97,11 @@ class ParticipantWindow(QWidget):
         can_cancel: True to offer *Cancel* before the game is reached.
 
     Attributes:
-        declined: the participant does not take part in the study.
-        sounded: play a `GameSound`.
-        went_on: the participant continues after the game.
-        help_shown: the sheet of rules and keys was opened or closed.
-        settings_wanted: the participant wants to open the settings.
+        declined: signal: the participant does not take part in the study.
+        sounded: signal with a `GameSound` to play.
+        went_on: signal: the participant continues after the game.
+        help_shown: signal: the sheet of rules and keys was opened or closed.
+        settings_wanted: signal: the participant wants to open the settings.
     """
 
     declined = Signal()
@@ -125,12 +125,13 @@ class ParticipantWindow(QWidget):
         self._announced: int | None = None
         self._popped: tuple[Act, ...] = ()
         self._popped_at = self._opened_at = -ANSWER_DELAY
-        # Time at which digits became those of rooms again: a press right afterwards was meant for a numbered answer.
+        # Time since which digits mean rooms again. A press shortly afterwards was meant for a numbered answer.
         self._digits_at = -ANSWER_DELAY
-        # Time at which the game selected another robot: a room selected right afterwards was meant for the last one.
+        # Time at which the game selected another robot. A room chosen shortly afterwards was meant for the previous
+        # robot.
         self._selected_at = -ANSWER_DELAY
         self._acting = False
-        # Time at which the pop-up appeared that was visible when the currently held key was pressed.
+        # When the currently held key was pressed, a pop-up was visible; this is the time at which it appeared.
         self._pressed_since = self._opened_at
         self.setWindowTitle(self._texts.text("window.title"))
         self.setMinimumSize(760, 420)
@@ -144,7 +145,7 @@ class ParticipantWindow(QWidget):
         self._ticking = QTimer(self)
         self._ticking.setTimerType(Qt.TimerType.PreciseTimer)
         self._ticking.timeout.connect(self.refresh)
-        # No widget shows the focus until a person moves through the window by keyboard.
+        # No widget shows the focus until a person moves through the window by the keyboard.
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.setFocus()
         self.refresh()
@@ -180,7 +181,8 @@ class ParticipantWindow(QWidget):
         around = QVBoxLayout(self)
         around.setContentsMargins(0, 0, 0, 0)
         around.addWidget(self.pages)
-        # Not a child of the pages: to assistive technology, they have no children other than the current page.
+        # It is not a child of the pages, because for assistive technology these have no children other than the current
+        # page.
         self.overlay = ModalOverlay(self)
         self._connect()
 
@@ -205,7 +207,7 @@ class ParticipantWindow(QWidget):
 
     @property
     def regions(self) -> list[QWidget]:
-        """Stops of F6 in reading order; only the pop-up in front if there is one."""
+        """Stops of F6 in reading order; if a pop-up is in front, it is the only stop."""
         if self.overlay.isVisible():
             return [panel for panel in (self.question, self.help, self.large) if panel.isVisible()]
         if self._screen is not None and self._screen.phase in self._page_of:
@@ -216,7 +218,7 @@ class ParticipantWindow(QWidget):
     # Each frame -------------------------------------------------------------------------------------------------------
 
     def refresh(self) -> None:
-        """Read the model's current state, and update the parts that changed."""
+        """Read the current state of the model, and update the parts that changed."""
         now = self._clock()
         screen = self._model.screen(now)
         if screen is not self._screen:
@@ -232,7 +234,7 @@ class ParticipantWindow(QWidget):
         self._show_map(now)
 
     def do(self, act: Act) -> None:
-        """Let the model do this, unless it was meant for the previous content."""
+        """Let the model do this act, unless it was meant for the previous content."""
         if isinstance(act, DeclineConsentAct):
             self.declined.emit()
             return
@@ -255,7 +257,7 @@ class ParticipantWindow(QWidget):
         if isinstance(act, FitMap):
             self.map.fit()
         if isinstance(act, TypeLetter) and isinstance(QApplication.focusWidget(), ParticipantButton):
-            # Enter should submit the name, not press the button.
+            # Enter then submits the name, and does not press the button.
             self.treasure.names.setFocus()
         self._acting = True
         self.refresh()
@@ -271,14 +273,14 @@ class ParticipantWindow(QWidget):
             self.do(FollowRobot())
 
     def _consider(self) -> None:
-        """Let the model consider the room looked at on the map or among the tiles, if it changed."""
+        """Pass the room that the person looks at, on the map or among the tiles, to the model if it changed."""
         room = self.map.hovered or self.column.tiles.considered
         if room != self._considered and not self._showing:
             self._considered = room
             self.do(ConsiderRoom(room))
 
     def set_palette(self, palette: Palette) -> None:
-        """Use these colors for the map and the history; all other parts follow the application's palette."""
+        """Use these colors for the map and the history; all other parts use the application's palette."""
         self.map.set_palette(palette)
         self.history.repaint_words()
 
@@ -291,7 +293,7 @@ class ParticipantWindow(QWidget):
             if floor_plan != before:
                 self.map.show_floor_plan(floor_plan)
                 self.map_area.place_anew()
-                return  # Rooms and robots come with the next frame: both together would block the window.
+                return  # Rooms and robots are updated in the next frame, because both together would block the window.
         self.map.show_rooms(self._model.rooms(now))
         first = self.map.robot_place(0) is None
         self.map.show_robots(self._model.robots(now))
@@ -371,7 +373,7 @@ class ParticipantWindow(QWidget):
             self._opened_at = now
 
     def _subject_on_map(self) -> list[QRect]:
-        """Return the places on the map of the pop-up's subject, pixels: the robot and the middle of the room."""
+        """Return the places on the map of the pop-up's subject, pixels: the robot, and the middle of the room."""
         pop = None if self._screen is None else self._screen.popup
         if pop is None:
             return []
@@ -390,8 +392,8 @@ class ParticipantWindow(QWidget):
     # Keys and focus ---------------------------------------------------------------------------------------------------
 
     def event(self, event: QEvent) -> bool:
-        """Keep arrow keys that were pressed before a pop-up appeared away from its list: they were meant for other
-        parts."""
+        """Keep arrow keys that were pressed before a pop-up appeared away from its list, because they were meant for
+        other parts."""
         if event.type() == QEvent.Type.ShortcutOverride and isinstance(event, QKeyEvent):
             if not event.isAutoRepeat():
                 self._pressed_since = self._opened_at
@@ -401,7 +403,10 @@ class ParticipantWindow(QWidget):
         return super().event(event)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Handle a letter without a shortcut; in a dialogue, let arrow keys move to the answers, and turn pages."""
+        """Handle a letter without a shortcut.
+
+        In a dialogue, let arrow keys move to the answers, and other keys turn pages.
+        """
         if self.dialogue.isVisible():
             self.dialogue.go_to(event.key())
         self._keyboard.type(event)
@@ -421,16 +426,16 @@ class ParticipantWindow(QWidget):
         return next((home for home in self.regions if home is focused or home.isAncestorOf(focused)), None)
 
     def _keep_focus(self, before: QWidget | None) -> None:
-        """Move the focus from a region that disappeared to the one that replaced it."""
+        """Move the focus from a region that disappeared to the region that replaced it."""
         regions = self.regions
         if before is not None and before not in regions and regions:
             if regions[0] is self.top:
-                self.column.cards.focus_selected()  # Not to the tools: the next Enter would press one.
+                self.column.cards.focus_selected()  # Do not focus the tools, because the next Enter would press one of them.
             elif regions[0] is self.dialogue:
-                # Not its first button, which puts it aside: Enter is for the first answer.
+                # Do not focus its first button, which puts it aside, because Enter is meant for the first answer.
                 self.dialogue.setFocus(Qt.FocusReason.OtherFocusReason)
             elif regions[0] is self.treasure and self.treasure.names.isVisible():
-                self.treasure.names.setFocus(Qt.FocusReason.OtherFocusReason)  # There Enter submits the name.
+                self.treasure.names.setFocus(Qt.FocusReason.OtherFocusReason)  # Enter submits the name in this list.
             else:
                 focus.focus_region(regions[0])
 
@@ -453,19 +458,23 @@ class ParticipantWindow(QWidget):
         self._ticking.stop()
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        """Divide the width again; let the overlay cover the whole window."""
+        """Divide the width again; keep the overlay as large as the window."""
         super().resizeEvent(event)
         self._divide()
         self.overlay.setGeometry(self.rect())
 
     def _divide(self) -> None:
-        """Give the column next to the map three tenths of the width, or more for its words, but less than half."""
+        """Give the column next to the map three tenths of the width.
+
+        Give it more if its words need more, but less than half.
+        """
         wide = min(max(px(336), int(self.width() * 0.3)), px(480))
         self.column.setFixedWidth(min(wide, int(self.width() * 0.45)))
 
 
 def _offered(screen: Screen) -> tuple[Act, ...]:
-    """Return the possible answers to the pop-up, the question and the end; all of these appear on their own."""
+    """Return the possible answers to the pop-up, to the question and to the end page; these appear without a
+    request."""
     acts: list[Act] = []
     if screen.confirmation is not None:
         acts += [screen.confirmation.yes.act, screen.confirmation.no.act]
@@ -494,7 +503,7 @@ def _subject(screen: Screen) -> tuple[object, ...]:
 
 
 def _selected(screen: Screen) -> int | None:
-    """Return the selected robot."""
+    """Return the index of the selected robot."""
     return next((card.robot for card in screen.cards if card.selected), None)
 
 
@@ -504,14 +513,14 @@ def _is_numbered(screen: Screen) -> bool:
 
 
 def _listed(screen: Screen) -> tuple[object, ...]:
-    """Return the subject of letters and arrow keys."""
+    """Return the subject of the list to which letters and arrow keys go."""
     pop = screen.popup
     subject = (pop.robot, pop.room) if isinstance(pop, TreasurePopup) else None
     return subject, screen.confirmation, bool(screen.help)
 
 
 def _hint(texts: Texts, screen: Screen) -> str:
-    """Return a remark about the considered room, or the digits typed so far."""
+    """Return a remark about the considered room, or about the digits typed so far."""
     if screen.typed:
         return texts.text("window.digits", digits=screen.typed, enter=shown_key(texts, "Enter"))
     tile: RoomTile | None = next((tile for tile in screen.tiles if tile.considered), None)

@@ -27,11 +27,11 @@ from ui.windows.participant.widgets.panels import TitledPanel, page_column, set_
 from ui.windows.participant.widgets.reading import ReadingText
 
 FILLS = 1000
-"""Stretch of a text, so that it gets the space it needs before the empty space around it gets any."""
+"""Stretch factor of a text: the text gets the space that it needs before the empty space around it gets any."""
 
 
 def page_keys(texts: Texts) -> tuple[tuple[str, str], ...]:
-    """Return the keys of every page, for people who move from button to button."""
+    """Return the keys that work on every page, for people who move from button to button."""
     ctrl, space, enter = (shown_key(texts, key) for key in ("Ctrl", "Space", "Enter"))
     return (
         (texts.text("pages.keys_arrows"), texts.text("pages.key_arrows", space=space, enter=enter)),
@@ -41,13 +41,13 @@ def page_keys(texts: Texts) -> tuple[tuple[str, str], ...]:
 
 
 def window_keys(texts: Texts) -> tuple[tuple[str, str], ...]:
-    """Return the keys of the game's window other than those of the game."""
+    """Return the keys of the game's window, without those of the game."""
     keys = texts.text("keys.one_or_other", key="F6", other_key=shown_key(texts, "Ctrl+Tab"))
     return (keys, texts.text("pages.key_next_part")), *page_keys(texts)
 
 
 class ConnectingPage(QWidget):
-    """Page before the game: shows the reason for waiting, and the time waited.
+    """Page before the game, which shows the reason for waiting and the time waited.
 
     Args:
         texts: texts in the window's language.
@@ -55,7 +55,7 @@ class ConnectingPage(QWidget):
         can_cancel: True to offer *Cancel*.
 
     Attributes:
-        cancelled: the participant does not want to wait any longer.
+        cancelled: signal: the participant does not want to wait any longer.
     """
 
     cancelled = Signal()
@@ -64,13 +64,13 @@ class ConnectingPage(QWidget):
         super().__init__(parent)
         self._texts = texts
         make_region(self, texts.text("pages.connecting"))
-        # The focus stays here: a second press of Enter, meant for the previous page, must not cancel.
+        # The focus stays on the page: a second press of Enter, meant for the previous page, must not cancel.
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         rows = spaced(QVBoxLayout(self), GAP, 4 * GAP)
         self._title = look.label(texts.text("pages.one_moment"), "hero", bold=True)
         self._what = look.label(size="title", muted=True)
         self.bar, self.waited = QProgressBar(), look.label(muted=True)
-        self.bar.setRange(0, 0)  # Busy indicator: the duration is unknown.
+        self.bar.setRange(0, 0)  # Busy indicator, because the duration is unknown.
         self.bar.setTextVisible(False)
         self.bar.setAccessibleName(texts.text("pages.one_moment"))
         follow_text(self.bar, lambda bar: bar.setFixedWidth(look.px(280)))
@@ -125,7 +125,7 @@ class ConsentPage(ActionWidget):
         rows.addWidget(look.label(texts.text("pages.before"), "hero", bold=True))
         self._text = ReadingText(texts.text("pages.agree_to"))
         rows.addWidget(self._text, FILLS)
-        # Both buttons look equally important: the study must not suggest an answer.
+        # Both buttons look equally important, because the study must not suggest an answer.
         self.decline, self.agree = ActionButton(texts, hints=True), ActionButton(texts, hints=True)
         foot = _foot(rows)
         for button in (self.decline, self.agree):
@@ -143,12 +143,12 @@ class ConsentPage(ActionWidget):
 def consent_page(
     texts: Texts, text: str, answered: Callable[[bool], None], hint_of_no: str, *, markdown: bool = False
 ) -> ConsentPage:
-    """Return the page for use outside of a game, with its own keys.
+    """Return the page for use outside of a game; it handles its own keys.
 
     Args:
         texts: texts in the window's language.
         text: text to agree to.
-        answered: called with the answer; True means that the person takes part.
+        answered: function that is called with the answer; True means that the person takes part.
         hint_of_no: consequences of a no.
         markdown: True if the text is Markdown.
     """
@@ -185,14 +185,14 @@ class ThanksPage(QWidget):
 
 
 class QuestionPanel(TitledPanel):
-    """Question whether the person really means an act."""
+    """Question that asks the person to confirm an act."""
 
     def __init__(self, texts: Texts, parent: QWidget | None = None) -> None:
         super().__init__(texts, texts.text("pages.question"), parent)
         self._text = look.label()
         self.rows.addWidget(self._text, 1)
         foot = _foot(self.rows)
-        # The default button is never the one that cannot be undone.
+        # The default button never confirms an act that cannot be undone.
         self.no, self.yes = ActionButton(texts, "main", hints=True), ActionButton(texts, hints=True)
         for button in (self.no, self.yes):
             button.requested.connect(self.requested)
@@ -221,7 +221,7 @@ class EndingPanel(TitledPanel):
         self._ways = [self.again]
 
     def add_way_back(self, button: ActionButton) -> None:
-        """Offer another way to continue, below the next game."""
+        """Offer another button to continue, below the one for the next game."""
         self._ways.append(button)
         self.rows.addWidget(button)
 
@@ -232,7 +232,7 @@ class EndingPanel(TitledPanel):
         self.again.show_action(ending.again)
 
     def wanted(self, width: int, height: int) -> QSize:
-        """Return a size as high as the lines if there is space; otherwise they scroll."""
+        """Return the size at which all lines fit if there is space; otherwise they scroll."""
         lines = max(self._lines.heightForWidth(width - 8 * GAP), self._area.minimumSizeHint().height())
         ways = sum(way.sizeHint().height() + self.rows.spacing() for way in self._ways)
         around = self.top.sizeHint().height() + ways + 8 * GAP
@@ -259,7 +259,7 @@ class KeyCap(QWidget):
 
 
 class HelpSheet(TitledPanel):
-    """Sheet of the rules and of all keys with their meanings; in a study also of its instructions.
+    """Sheet of the rules and of all keys with their effects; in a study, it also has the study's instructions.
 
     Attributes:
         instructions: texts above the rules, each with True if it is Markdown.
@@ -310,7 +310,7 @@ class HelpSheet(TitledPanel):
         return "pages.instructions_and_rules" if has_keys else "pages.instructions"
 
     def wanted(self, width: int, height: int) -> QSize:
-        """Return a size as high as the lines, if there is space."""
+        """Return the size at which all lines fit, if there is space."""
         inside = self._area.widget()
         lines = inside.sizeHint().height() if inside is not None else 0
         return QSize(width, min(height, lines + self.top.sizeHint().height() + 6 * GAP))
@@ -330,10 +330,10 @@ def _text_area(inside: QWidget | None, name: str) -> QScrollArea:
 
 
 def _foot(rows: QVBoxLayout) -> QHBoxLayout:
-    """Add a row below others, filled from the right.
+    """Add a row below others; the row is filled from the right.
 
-    It is added before it is filled: when a layout is added, PySide takes a spacer inside it for an object that Python
-    owns, and deletes it a second time.
+    The row is added before it is filled. If a layout that contains a spacer is added, PySide treats the spacer as an
+    object that Python owns, and deletes it a second time.
     """
     row = QHBoxLayout()
     rows.addLayout(row)

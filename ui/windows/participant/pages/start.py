@@ -15,7 +15,7 @@ from ui.windows.participant.widgets.panels import ModalOverlay, page_column
 
 _LAST_DIGIT = 9
 _IN_A_ROW = 5
-"""Largest number of choices side by side."""
+"""Greatest number of choices next to each other."""
 
 
 class StartPage(QWidget):
@@ -25,14 +25,14 @@ class StartPage(QWidget):
         texts: texts in the window's language.
         least: smallest number of robots to choose from.
         most: largest number of robots to choose from.
-        usual: number that is chosen at first.
+        usual: number that is selected at first.
         rules: rules of the game, in sentences.
         parent: parent widget.
 
     Attributes:
-        start: start a game with this number of robots.
-        tutorial: start the practice game.
-        settings_wanted: open the settings.
+        start: signal: start a game with this number of robots.
+        tutorial: signal: start the practice game.
+        settings_wanted: signal: open the settings.
     """
 
     start = Signal(int)
@@ -131,14 +131,14 @@ class StartPage(QWidget):
         return self.overlay.keeps_tab(forward=forward) or super().focusNextPrevChild(forward)
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        """Let the overlay cover the whole page."""
+        """Keep the overlay as large as the page."""
         super().resizeEvent(event)
         self.overlay.setGeometry(self.rect())
 
     def _choice(self, number: int) -> ActionButton:
         button = ActionButton(self._texts, "large")
         button.setCheckable(True)
-        # The number is its own key, so no key is printed next to it.
+        # The number itself is the key, so no key is printed next to it.
         button.show_face(ButtonFace(str(number)), self._texts.text("words.robots", count=number))
         button.clicked.connect(lambda: self.choose(number))
         return button
@@ -159,7 +159,7 @@ class StartPage(QWidget):
         )
 
     def _enter(self) -> None:
-        """Start the game, or close the sheet if it is open."""
+        """Start the game. If the sheet is open, close the sheet instead."""
         if self.overlay.isVisible():
             self._toggle_help()
         else:

@@ -1,4 +1,4 @@
-"""Pop-up for the dialogue of a robot with the participant."""
+"""Pop-up of a dialogue between a robot and the participant."""
 
 from PySide6.QtCore import QSize, Qt
 from PySide6.QtWidgets import QGridLayout, QVBoxLayout, QWidget
@@ -40,9 +40,9 @@ class DialoguePanel(TitledPanel):
         self.rows.addWidget(self._warning)
         answers = spaced(QVBoxLayout(), GAP)
         self.rows.addLayout(answers)
-        # All buttons look alike: the window must not make one answer look better than another.
+        # All buttons look alike, because the window must not make one answer look better than another.
         self.choices = ActionRow(texts, answers, self.requested, hints=True)
-        # Answer that opened the questions; the focus returns to it when the person leaves the questions.
+        # Answer that opened the questions; it gets the focus again when the person leaves the questions.
         self._left_from = 0
         self.arrange(self.usual_size())
 
@@ -70,7 +70,7 @@ class DialoguePanel(TitledPanel):
             self._keep_focus(focused, before, pop)
 
     def arrange(self, space: QSize) -> None:
-        """Put readings and sentences next to the picture, or below it if the panel is narrow."""
+        """Put sensor readings and sentences next to the picture, or below it if the panel is narrow."""
         super().arrange(space)
         self.transcript.keep_room(space.height() // 2)
         side_by_side = self.room_beside(PICTURE.width(), space) >= px(_SAID_WIDTH)
@@ -84,16 +84,16 @@ class DialoguePanel(TitledPanel):
             self._grid.setRowStretch(each, int(each == row + 1))
 
     def usual_size(self) -> QSize:
-        """Return the size of a pop-up about a find if the dialogue is about one, since it takes that pop-up's place."""
+        """Return the size of a pop-up about a find if the dialogue is about a find, because it replaces that pop-up."""
         about_find = self._pop is not None and (self._pop.facts or self._pop.picture is not None)
         if about_find:
             return find_size()
-        # Robots that argue say more, and offer more answers.
+        # Dialogues with robots that argue have more sentences and more answers.
         numbered = self._pop is not None and self._pop.numbered
         return QSize(px(380), px(400)) if numbered else super().usual_size()
 
     def go_to(self, key: int) -> None:
-        """Go to the first answer by Down, to the last by Up; turn pages of the sentences."""
+        """Go to the first answer by Down, and to the last one by Up; turn pages of the sentences by other keys."""
         match key:
             case Qt.Key.Key_Down:
                 self._focus_choice(0)
@@ -105,7 +105,7 @@ class DialoguePanel(TitledPanel):
                 self.transcript.turn_page(1)
 
     def _focus_choice(self, at: int) -> None:
-        """Give the focus to an answer, counted from 0, or from the end as -1."""
+        """Give the focus to the answer with this index; -1 is the last answer."""
         shown = [button for button in self.choices.buttons if not button.isHidden()]
         if shown:
             shown[at].setFocus(Qt.FocusReason.OtherFocusReason)
@@ -115,7 +115,8 @@ class DialoguePanel(TitledPanel):
         return next((at for at, button in enumerate(self.choices.buttons) if button.hasFocus()), None)
 
     def _keep_focus(self, focused: int, before: DialoguePopup | None, pop: DialoguePopup) -> None:
-        """Give the focus to the first of new answers; after a look at the questions, to the earlier answer."""
+        """Give the focus to the first of new answers; when the person leaves the questions, to the answer that opened
+        them."""
         turned = before is not None and (before.robot, before.sentences) == (pop.robot, pop.sentences)
         if _asks(pop) and not (before is not None and _asks(before)):
             self._left_from = focused
@@ -127,5 +128,5 @@ class DialoguePanel(TitledPanel):
 
 
 def _asks(pop: DialoguePopup) -> bool:
-    """Return True while the answers are questions to the robot, which Esc leaves."""
+    """Return True while the answers are questions to the robot; Esc leaves them."""
     return any(choice.key == "Esc" for choice in pop.choices)

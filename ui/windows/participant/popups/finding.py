@@ -23,19 +23,21 @@ from ui.windows.participant.widgets.painting import WRAPPED, ring, sign, write
 from ui.windows.participant.widgets.panels import TitledPanel
 
 PICTURE = QSize(208, 156)
-"""Size of a picture in a pop-up, logical pixels; it is the same in all pop-ups and at all text sizes."""
+"""Size of a picture in a pop-up, logical pixels; it is the same in all pop-ups and for all sizes of text."""
 FACTS_WIDTH = 112
 """Smallest width of the known facts about a treasure, `px`."""
 _VALUES_A_ROW = 3
 
 
 def find_size() -> QSize:
-    """Return the usual size of a pop-up about a find, logical pixels; names fit next to the picture."""
+    """Return the usual size of a pop-up about a find, logical pixels; names then fit next to the picture."""
     return QSize(PICTURE.width() + 6 * GAP + px(240), px(330))
 
 
 class TreasurePicture(ParticipantButton):
-    """Picture of a treasure that a press enlarges or shrinks again; or a frame with a note if there is none.
+    """Picture of a treasure, which a press enlarges or shrinks again.
+
+    If there is no picture, it is a frame with a note.
 
     Args:
         texts: texts in the window's language.
@@ -64,7 +66,7 @@ class TreasurePicture(ParticipantButton):
         return QSize(PICTURE)
 
     def show_picture(self, data: bytes | None, note: str = "", enlarge: Action | None = None) -> None:
-        """Show the picture in these bytes of an image file, or a note that says why there is none.
+        """Show the picture in these bytes of an image file, or a note that says why there is no picture.
 
         Args:
             data: content of the image file.
@@ -110,9 +112,9 @@ class TreasurePicture(ParticipantButton):
 
 
 class PicturePlace(QWidget):
-    """Place of a picture; before the picture exists, the button that takes it.
+    """Place for a picture; until there is a picture, it shows the button that takes one.
 
-    The place is as large as the larger of the two, so that nothing moves when the picture appears.
+    The place has the size of the larger of the two, so that nothing moves when the picture appears.
 
     Attributes:
         picture: the picture.
@@ -137,11 +139,11 @@ class PicturePlace(QWidget):
         follow_text(self, PicturePlace._fit)
 
     def _fit(self) -> None:
-        """Keep the height that the button's words need at the width of a picture."""
+        """Keep the height that the button's words need at the width of the picture."""
         self.take.setMinimumHeight(self.take.heightForWidth(PICTURE.width() - 2 * GAP))
 
     def show_place(self, picture: bytes | None, note: str, take: Action | None, enlarge: Action | None) -> None:
-        """Show the picture, or the button that takes it, or a note that says why there is neither."""
+        """Show the picture, or the button that takes it, or a note that says why there is neither of them."""
         self.picture.show_picture(picture, note, enlarge)
         if take is not None:
             self.take.show_action(take)
@@ -188,7 +190,7 @@ class TreasureFacts(QWidget):
     def __init__(self, texts: Texts, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self._texts = texts
-        # None while the robot is still looking.
+        # None while the robot is still sensing.
         self._facts: tuple[TreasureFact, ...] | None = None
         follow_text(self, lambda it: it.setMinimumWidth(px(FACTS_WIDTH)))
         policy = QSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Preferred)
@@ -204,7 +206,7 @@ class TreasureFacts(QWidget):
         return int(sum(self._height(fact, width) for fact in self._facts or ()) or self._line()) + GAP
 
     def show_facts(self, facts: tuple[TreasureFact, ...] | None) -> None:
-        """Show the known facts among these; None while the robot is still looking."""
+        """Show those of these facts that are known; None while the robot is still sensing."""
         known = None if facts is None else tuple(fact for fact in facts if fact.value)
         if known == self._facts and self.accessibleName():
             return
@@ -262,7 +264,7 @@ class TreasureFacts(QWidget):
 
     @staticmethod
     def _shape(painter: QPainter, patch: QRectF, words: str) -> None:
-        """Draw a shape: round or square, large or small, as far as the words say."""
+        """Draw a shape, which is round or square, and large or small, as the words say."""
         inset = 0.28 * patch.width() if "small" in words else 0.04 * patch.width()
         shape = patch.adjusted(inset, inset, -inset, -inset)
         painter.setPen(QColor(colours().text))
@@ -273,13 +275,13 @@ class TreasureFacts(QWidget):
             painter.drawRect(shape)
 
     def _words(self, fact: TreasureFact) -> str:
-        """Return a fact in words, without a label if it is drawn."""
+        """Return a fact in words; a fact with a drawing needs no label."""
         drawn = fact.drawn is not PropertyDrawing.NONE
         return fact.shown if drawn else self._texts.text("window.fact", label=fact.label, value=fact.shown)
 
 
 class FactActs(QWidget):
-    """Buttons that find out more about a treasure: one for each property to sense, one for each value to report.
+    """Buttons that find out more about a treasure: one for each property to sense, and one for each value to report.
 
     Signals:
         requested: a person asks for an act.
@@ -304,7 +306,7 @@ class FactActs(QWidget):
             self._lay_out(offered)
         actions = [action for fact in offered for action in fact.acts]
         for button, action in zip(self._buttons, actions, strict=True):
-            # The key of the values is shown next to the question, since it moves from one value to the next.
+            # The key of the values is shown next to the question, because it moves from one value to the next.
             button.show_action(replace(action, key="") if isinstance(action.act, TellPropertyAct) else action)
         self.setVisible(bool(offered))
 
@@ -339,7 +341,7 @@ class NamingResult(QWidget):
         self.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Preferred)
 
     def sizeHint(self) -> QSize:
-        """Return the size of a sign, the points and some lines."""
+        """Return the size of a sign, the points and a few lines."""
         return QSize(px(160), px(120))
 
     def show_verdict(self, text: str, points: int | None) -> None:

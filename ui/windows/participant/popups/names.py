@@ -1,4 +1,4 @@
-"""List of names that a treasure may have."""
+"""List of possible names of a treasure."""
 
 from PySide6.QtCore import QModelIndex, QSize, Qt, Signal
 from PySide6.QtGui import QFocusEvent, QHideEvent, QKeyEvent, QMouseEvent, QShowEvent
@@ -18,7 +18,7 @@ class NameList(QListWidget):
     """List of possible names of a treasure. None is picked until a person picks one.
 
     Attributes:
-        picked: name that the person picked.
+        picked: signal with the name that the person picked.
     """
 
     picked = Signal(str)
@@ -30,7 +30,8 @@ class NameList(QListWidget):
         self.setSelectionMode(QAbstractItemView.SelectionMode.SingleSelection)
         self.setFrameShape(QFrame.Shape.NoFrame)
         self.setUniformItemSizes(True)
-        # A bar at the bottom would cover one of only two visible names; names that are cut off have a tool tip.
+        # A scroll bar at the bottom would cover one of only two visible names. Names that are cut off have a tool tip
+        # instead.
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self.setProperty("roomy", True)
         self.setFocusPolicy(Qt.FocusPolicy.TabFocus)
@@ -73,7 +74,7 @@ class NameList(QListWidget):
         return QSize(px(220), self._high * min(max(len(self._names), 3), 8) + 2 * GAP)
 
     def widest(self) -> int:
-        """Return the width at which every name is fully visible."""
+        """Return the width at which all names are fully visible."""
         words = self._rows()
         bar = self.verticalScrollBar().sizeHint().width()
         wide = max((self.fontMetrics().horizontalAdvance(each) for each in words), default=0)
@@ -91,23 +92,23 @@ class NameList(QListWidget):
         super().showEvent(event)
 
     def hideEvent(self, event: QHideEvent) -> None:
-        """Empty the list: assistive technology finds the names even if the list is hidden."""
+        """Empty the list, because assistive technology finds the names even in a hidden list."""
         super().hideEvent(event)
         self.clear()
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Leave the list sideways by arrow keys; the window's shortcuts pick its names."""
+        """Leave the list to the left or right by arrow keys; the window's shortcuts pick the names."""
         if event.key() in focus.ARROWS:
             focus.move_focus(self, event.key())
         else:
             event.ignore()
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
-        """Do nothing: a click picks a name; dragging over the list does not."""
+        """Do nothing: only a click picks a name, not a drag over the list."""
         event.accept()
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
-        """Pick by a click. If a press picked nothing, mark the picked name again."""
+        """Pick a name by a click. If the press picked nothing, mark the picked name again."""
         super().mouseReleaseEvent(event)
         self._pick()
 
@@ -123,7 +124,7 @@ class NameList(QListWidget):
         self.clear()
         self.addItems(self._rows())
         for row in range(self.count()):
-            self.item(row).setToolTip(self.item(row).text())  # a narrow list cuts it off
+            self.item(row).setToolTip(self.item(row).text())  # a narrow list cuts off the name
         self._high = max(self.sizeHintForRow(0), self._high)
 
     def _pick(self) -> None:
@@ -137,7 +138,7 @@ class NameList(QListWidget):
             self.setCurrentRow(row)
 
     def _rows(self) -> list[str]:
-        """Return the names as the list shows them, with their points if known."""
+        """Return the names in the form in which the list shows them, with their points if known."""
         texts, worth = self._texts, self._worth or (None,) * len(self._called)
         return [
             words

@@ -71,10 +71,11 @@ class TreasurePanel(TitledPanel):
         self.arrange(self.usual_size())
 
     def arrange(self, space: QSize) -> None:
-        """Put the list next to the picture if names fit there completely, otherwise above it; the readings likewise.
+        """Put the list next to the picture if names fit there completely, otherwise above it.
 
-        If space is short, cost and gain of a name move from the button to the bottom, and everything gets closer
-        together.
+        The sensor readings are next to the picture if they fit there and the list is elsewhere; otherwise they are
+        below it. If there is little space, cost and gain of a name move from the button to the bottom, and all parts
+        move closer together.
         """
         super().arrange(space)
         self._space = space
@@ -103,7 +104,7 @@ class TreasurePanel(TitledPanel):
         self._grid.setRowStretch(2, int(named))
 
     def _show_stakes(self) -> None:
-        """Show cost and gain of a name if the button does not; the place is high enough for each name."""
+        """Show cost and gain of a name if the button does not show them; their place is high enough for all names."""
         asks = self._pop is not None and self._pop.asks_for_name
         set_text(self._stakes, self._pop.name_it.hint if self._pop is not None and asks else "")
         self._stakes.setVisible(self.compact and asks)
@@ -116,8 +117,8 @@ class TreasurePanel(TitledPanel):
         return find_size()
 
     def _ask_for_pick(self, name: str) -> None:
-        # A function inside `__init__` would refer to this panel from a list that the panel owns: it would never be
-        # freed.
+        # A function inside `__init__` would refer to this panel from a list that the panel owns. The panel would then
+        # never be freed.
         self.requested.emit(PickName(name))
 
     def show_pop(self, pop: TreasurePopup) -> None:

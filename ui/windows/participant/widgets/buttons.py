@@ -1,4 +1,4 @@
-"""Buttons that show an `Action`: its label, its key, its cost, or why it cannot be pressed."""
+"""Buttons that show an `Action`: its label, its key, its cost, or the reason why it is not possible."""
 
 from dataclasses import dataclass, replace
 from typing import Literal
@@ -17,7 +17,7 @@ from ui.windows.participant.widgets.painting import WRAPPED, box, key_cap, key_s
 
 Weight = Literal["main", "large", "plain", "small", "quiet"]
 """Prominence of a button: "main" for the most likely action; "large", "plain" and "small" for one of several actions,
-by the available space; "quiet" for a side matter, without an edge."""
+depending on the available space; "quiet" for a minor action, without an edge."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,16 +37,16 @@ _ENTER = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
 class ParticipantButton(QPushButton):
     """Base class of the buttons in the participant's window; each subclass paints itself.
 
-    A button that cannot be pressed at the moment stays reachable: if pressed, it shows the reason and keeps the focus.
-    It accepts the focus only from the keyboard: after a click, Space and Enter must not press it again.
+    A button whose action is not possible at the moment can still get the focus; if it is pressed, it shows the reason
+    and keeps the focus. A click does not give a button the focus, because Space and Enter would then press it again.
 
     Args:
         texts: texts in the window's language.
         parent: parent widget.
 
     Attributes:
-        requested: the `Act` of the action shown.
-        focused: the button itself, once it has the focus.
+        requested: signal with the `Act` of the action shown.
+        focused: signal with the button itself, when it gets the focus.
     """
 
     requested = Signal(object)
@@ -56,7 +56,7 @@ class ParticipantButton(QPushButton):
         super().__init__(parent)
         self._texts = texts
         self.face: ButtonFace | None = None
-        # Key as people read it.
+        # Name of the key for people.
         self._shown_key = ""
         self.act: Act | None = None
         self._pointed = False
@@ -84,16 +84,16 @@ class ParticipantButton(QPushButton):
         self.setToolTip(face.hint)
 
     def pointed_at(self) -> bool:
-        """Return True if the pointer was moved onto the button and it can be pressed."""
+        """Return True if the pointer was moved onto the button and the button can be pressed."""
         return self.face is not None and self.face.enabled and (self._pointed or self.isDown())
 
     def let_go(self) -> None:
-        """Forget the pointer and an unfinished press: both were meant for the previous content."""
+        """Forget the pointer and an unfinished press, because both were meant for the previous content."""
         self.setDown(False)
         self.set_pointed(False)
 
     def set_pointed(self, pointed: bool) -> None:
-        """Store whether the pointer was moved onto the button."""
+        """Store if the pointer was moved onto the button."""
         if pointed != self._pointed:
             self._pointed = pointed
             self.update()
@@ -104,14 +104,14 @@ class ParticipantButton(QPushButton):
         self.set_pointed(False)
 
     def focusInEvent(self, event: QFocusEvent) -> None:
-        """Report the focus, so that a scroll area can show the button."""
+        """Report that the button got the focus, so that a scroll area can show it."""
         super().focusInEvent(event)
         self.focused.emit(self)
 
     def event(self, event: QEvent) -> bool:
         """Follow the pointer, and let Enter press the button before the window's shortcuts receive it.
 
-        Space stays with the shortcuts: while a person types a name, it is a blank.
+        Space is left to the shortcuts, because it is a blank while a person types a name.
         """
         if event.type() == QEvent.Type.HoverLeave:
             self.set_pointed(False)
@@ -143,9 +143,9 @@ class ParticipantButton(QPushButton):
 
 
 class ActionButton(ParticipantButton):
-    """Usual button: the label, the hint below it if `hints`, the key on the right.
+    """Usual button: the label, the hint below it if `hints`, and the key on the right.
 
-    If its key is absent for a while, its space stays free, so that nothing moves.
+    If the key is not shown for a while, its space stays free, so that nothing moves.
     """
 
     def __init__(
@@ -156,7 +156,7 @@ class ActionButton(ParticipantButton):
         self._weight = weight
         self._hints = self._breaks = hints
         self._kept: ButtonFace | None = None
-        # Last key of the act shown.
+        # Latest key of the act shown.
         self._last_key = ""
         # A label that wraps needs more than the usual height.
         policy = QSizePolicy(QSizePolicy.Policy.Minimum, QSizePolicy.Policy.Fixed)
@@ -212,7 +212,7 @@ class ActionButton(ParticipantButton):
         return QSize(width, self.heightForWidth(width))
 
     def minimumSizeHint(self) -> QSize:
-        """Return the smallest size: labels may wrap if the button can have hints."""
+        """Return the smallest size: labels can wrap if the button can have hints."""
         hint = self.sizeHint()
         return QSize(min(hint.width(), px(96)), hint.height()) if self._breaks else hint
 
@@ -251,7 +251,7 @@ class ActionButton(ParticipantButton):
         text = rect.adjusted(1.5 * GAP, self._above(), -1.5 * GAP, -self._above())
         line = QFontMetricsF(self._font()).height()
         if key_wide:
-            # Next to the label, since a hint below it uses the whole width.
+            # The key is next to the label, because a hint below the label uses the whole width.
             middle = text.top() + line / 2.0 if self._hints and face.hint else rect.center().y()
             cap = QRectF(text.right() - key_wide, middle - key_high / 2.0, key_wide, key_high)
             if face.key:
@@ -284,7 +284,7 @@ class ActionButton(ParticipantButton):
         return {"main": GAP, "large": 1.5 * GAP, "plain": GAP, "quiet": 0.6 * GAP, "small": 1.5}[self._weight]
 
     def _has_room_for_key(self, face: ButtonFace, width: float) -> bool:
-        """Return True if each word of the label fits next to the key; otherwise only the tool tip shows the key."""
+        """Return True if each word of the label fits next to the key. Otherwise only the tool tip shows the key."""
         metrics = QFontMetricsF(self._font())
         longest = max(map(metrics.horizontalAdvance, face.label.split()), default=0.0)
         return longest <= width - self._width_next_to_label(face)
@@ -309,22 +309,22 @@ def _is_enter(event: QKeyEvent) -> bool:
 
 
 class ActionWidget(QWidget):
-    """Part of the window with buttons in it.
+    """Part of the window that contains buttons.
 
     Attributes:
-        requested: `Act` of the pressed button.
+        requested: signal with the `Act` of the pressed button.
     """
 
     requested = Signal(object)
 
 
 class ActionRow:
-    """Buttons in a layout, one for each action, all alike; they are reused when the actions change.
+    """Buttons in a layout, one for each action, all with the same look; they are reused when the actions change.
 
     Args:
         texts: texts in the window's language.
         layout: layout that gets the buttons.
-        requested: signal that passes on their acts.
+        requested: signal to which their acts are passed on.
         weight: weight of each button.
         hints: True to show the actions' hints.
     """

@@ -1,6 +1,6 @@
-"""Keyboard focus: arrow keys move it inside a region, F6 moves it from region to region.
+"""Keyboard focus: arrow keys move it within a region, F6 moves it from region to region.
 
-Tab is not available for that, since in this game it selects the next robot.
+Tab cannot do this, because it selects the next robot in this game.
 """
 
 from collections.abc import Sequence
@@ -9,7 +9,7 @@ from PySide6.QtCore import QPoint, QRect, Qt
 from PySide6.QtWidgets import QApplication, QWidget
 
 REGION = "region"
-"""Name of the property that makes a widget a region."""
+"""Name of the property that marks a widget as a region."""
 
 ARROWS: dict[int, tuple[int, int]] = {
     Qt.Key.Key_Left: (-1, 0),
@@ -20,7 +20,7 @@ ARROWS: dict[int, tuple[int, int]] = {
 
 
 def make_region(widget: QWidget, name: str) -> None:
-    """Make a widget a region with this name."""
+    """Mark a widget as a region with this name."""
     widget.setProperty(REGION, name)
     widget.setAccessibleName(name)
 
@@ -38,7 +38,7 @@ def reachable(inside: QWidget) -> list[QWidget]:
         ((QRect(widget.mapTo(inside, QPoint(0, 0)), widget.size()), widget) for widget in found),
         key=lambda each: (each[0].center().y(), each[0].x()),
     ):
-        # Widgets of different heights next to each other form one row.
+        # Widgets of different heights that are next to each other form one row.
         if rows and place.top() <= rows[-1][0][0].bottom():
             rows[-1].append((place, widget))
         else:
@@ -49,8 +49,8 @@ def reachable(inside: QWidget) -> list[QWidget]:
 def move_focus(widget: QWidget, key: int) -> None:
     """Give the focus to a neighbor inside the widget's region.
 
-    Left and right follow the reading order, so that no widget is left out. Up and down go to the nearest widget in that
-    direction; a distance sideways counts three times.
+    Left and right follow the reading order, so that all widgets are reachable. Up and down go to the nearest widget in
+    that direction; a horizontal distance counts three times.
     """
     home: QWidget | None = widget
     while home is not None and home.property(REGION) is None:

@@ -1,4 +1,4 @@
-"""Shapes for painting buttons, cards and tiles, so that a thing looks the same everywhere."""
+"""Functions that paint parts of buttons, cards and tiles, so that the same thing looks the same everywhere."""
 
 from collections.abc import Sequence
 from typing import Literal
@@ -10,8 +10,8 @@ from sim.common.robot_numbers import number_of
 from ui.windows.look import GAP, RADIUS, RING, colours, font, smooth_painter, text_colour_on
 
 Sign = Literal["open", "arrow", "dot", "tick", "cross", "trouble", "busy", "talk", "mast"]
-"""Signs, in order: not visited yet; a robot is on its way; visited; won; lost; a problem; requested and not done yet; a
-person or robot speaks; another commander."""
+"""Signs, in this order: not visited yet; a robot is on its way; visited; won; lost; a problem; requested and not done
+yet; a person or robot speaks; another commander."""
 
 
 LEFT = Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter
@@ -38,7 +38,7 @@ def box(
     dashed: bool = False,
     radius: float = RADIUS - 2,
 ) -> None:
-    """Draw a filled box with round corners and its edge inside the rectangle."""
+    """Draw a filled box with round corners; its edge is inside the rectangle."""
     pen = QPen(QColor(edge), width)
     if dashed:
         pen.setStyle(Qt.PenStyle.DashLine)
@@ -49,7 +49,7 @@ def box(
 
 
 def ring(painter: QPainter, rect: QRectF, colour: str) -> None:
-    """Draw the focus ring, slightly inside the edge of the widget so that the two never merge."""
+    """Draw the focus ring slightly inside the edge of the widget, so that ring and edge never merge."""
     inset = RING / 2.0 + 2.0
     painter.setPen(QPen(QColor(colour), RING))
     painter.setBrush(Qt.BrushStyle.NoBrush)
@@ -141,7 +141,7 @@ def sign(painter: QPainter, rect: QRectF, kind: Sign, ink: str) -> None:
 
 
 def hatch(ink: str, ground: str) -> QBrush:
-    """Return a brush of slanted lines, for a part that will be taken away."""
+    """Return a brush of slanted lines, for a part that an act would take away."""
     key = (ink, ground)
     if key not in _HATCHES:
         tile = QPixmap(6, 6)
@@ -159,7 +159,7 @@ _HATCHES: dict[tuple[str, str], QPixmap] = {}
 
 
 def fitting(texts: Sequence[str], width: float, metrics: QFontMetricsF) -> str:
-    """Return the first of these texts that fits, or the fitting part of the last one."""
+    """Return the first of these texts that fits, or the part of the last one that fits."""
     whole = (text for text in texts if metrics.horizontalAdvance(text) <= width)
     return next(whole, None) or elided(texts[-1], width, metrics)
 

@@ -23,7 +23,7 @@ from ui.windows.participant.widgets.focus import go_round, make_region
 from ui.windows.participant.widgets.painting import WRAPPED, chip, chip_size, write
 
 PROMINENT = 2
-"""Number of newest sentences of a dialogue that are not dimmed: the last one, and the reply."""
+"""Number of newest sentences of a dialogue that are not dimmed: the last sentence, and the one before it."""
 
 OVERLAY_COLOUR = "#0b0f14"
 """Color of the overlay that dims the window, in light and dark."""
@@ -56,7 +56,7 @@ class RobotChip(QWidget):
 
 
 class TitledPanel(QFrame):
-    """Panel above everything else, with a title.
+    """Panel with a title, above everything else.
 
     Args:
         texts: texts in the window's language.
@@ -64,8 +64,8 @@ class TitledPanel(QFrame):
         parent: parent widget.
 
     Attributes:
-        requested: `Act` of the pressed button, or of the picked name.
-        top: row of the title; more widgets go to its right.
+        requested: signal with the `Act` of the pressed button, or of the picked name.
+        top: row of the title; more widgets can be added on its right.
         rows: content below the title; it scrolls if there is too little space.
         foot: part below the content that is always visible.
         compact: True if there is less space than usual on the map.
@@ -100,7 +100,8 @@ class TitledPanel(QFrame):
         self.setAccessibleName(title)
 
     def usual_size(self) -> QSize:
-        """Return the size as a pop-up on the map, logical pixels; the pop-up is higher only if its words need more."""
+        """Return the size of a pop-up on the map, logical pixels; the pop-up is higher only if its words need more
+        height."""
         return QSize(px(340), px(300))
 
     def arrange(self, space: QSize) -> None:
@@ -110,7 +111,7 @@ class TitledPanel(QFrame):
         self._title.setFont(font("body", bold=True))
 
     def room_beside(self, width: int, space: QSize) -> int:
-        """Return the width left next to a part of this width, logical pixels, also if the content scrolls."""
+        """Return the width left next to a part of this width, logical pixels, even if the content scrolls."""
         inside = min(self.usual_size().width(), space.width()) - self.edges().width()
         return inside - self._scrolling.verticalScrollBar().sizeHint().width() - width - self.rows.spacing()
 
@@ -119,13 +120,13 @@ class TitledPanel(QFrame):
         self._scrolling.ensureWidgetVisible(part, 0, GAP)
 
     def least(self, width: int) -> int:
-        """Return the smallest height at a width, logical pixels; with less height the content scrolls."""
+        """Return the smallest height at a width, logical pixels; if there is less height, the content scrolls."""
         around = self.edges()
         foot = least_height(self.foot, width - around.width()) if self.foot.count() else 0
         return least_height(self.rows, width - around.width()) + foot + around.height()
 
     def wanted(self, width: int, height: int) -> QSize:
-        """Return the preferred size for at most this space."""
+        """Return the preferred size, at most this space."""
         around = self.edges()
         wide = width - around.width()
         if self._inside.width() not in (wide, wide - self._scrolling.verticalScrollBar().sizeHint().width()):
@@ -135,12 +136,12 @@ class TitledPanel(QFrame):
         return QSize(width, min(max(needed, least_height(self.rows, wide)) + around.height(), height))
 
     def edges(self) -> QSize:
-        """Return the size of the frame and of the space inside it."""
+        """Return the size of the frame plus that of the margins inside it."""
         return self.size() - self.contentsRect().size() + QSize(2 * GAP, 2 * GAP)
 
 
 class PanelScrollArea(QScrollArea):
-    """Scrolls the content of a panel if there is less space than its smallest size."""
+    """Scroll area for the content of a panel. It scrolls if there is less space than the content's smallest size."""
 
     def __init__(self, inside: QWidget, rows: QVBoxLayout) -> None:
         super().__init__()
@@ -149,7 +150,7 @@ class PanelScrollArea(QScrollArea):
         self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self.setWidget(inside)
-        QApplication.instance().focusChanged.connect(self._reveal)  # type: ignore[union-attr]  # there is one
+        QApplication.instance().focusChanged.connect(self._reveal)  # type: ignore[union-attr]  # there is always one
 
     def resizeEvent(self, event: QResizeEvent) -> None:
         """Fit the content."""
@@ -157,14 +158,14 @@ class PanelScrollArea(QScrollArea):
         self._fit()
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Fit the content again when it needs another size, and report that to the layout."""
+        """Fit the content again if it needs another size, and report that to the layout."""
         if event.type() == QEvent.Type.LayoutRequest:
             self._fit()
             self.updateGeometry()
         return super().eventFilter(watched, event)
 
     def _fit(self) -> None:
-        # A scroll bar narrows the content, which may wrap and then need the bar only because of it.
+        # A scroll bar narrows the content. The content may then wrap, and need the scroll bar only because of that.
         fits = least_height(self._rows, self.width()) <= self.height()
         policy = Qt.ScrollBarPolicy.ScrollBarAlwaysOff if fits else Qt.ScrollBarPolicy.ScrollBarAsNeeded
         self.setVerticalScrollBarPolicy(policy)
@@ -182,7 +183,10 @@ def least_height(rows: QLayout, width: int) -> int:
 
 
 class OpaqueBackground(QWidget):
-    """Opaque background. Qt knows that nothing shines through, so a moving map below it needs no redraw here."""
+    """Opaque background.
+
+    Qt then knows that nothing shines through, and does not redraw it when the map below it moves.
+    """
 
     def __init__(self) -> None:
         super().__init__()
@@ -194,7 +198,10 @@ class OpaqueBackground(QWidget):
 
 
 class SpeechBubble(QWidget):
-    """Sentence in a bubble: a robot's on the left in its color, the participant's on the right in the accent color."""
+    """Sentence in a bubble.
+
+    A robot's bubble is on the left in its color, the participant's on the right in the accent color.
+    """
 
     def __init__(self, texts: Texts, speaker: Literal["robot", "you"], text: str, robot: int) -> None:
         super().__init__()
@@ -219,7 +226,7 @@ class SpeechBubble(QWidget):
         return QSize(px(320), self.heightForWidth(px(320)))
 
     def minimumSizeHint(self) -> QSize:
-        """Return the size on one line, in case the width allows it."""
+        """Return the size with all words on one line, which a wide layout allows."""
         return QSize(px(120), self.heightForWidth(10000))
 
     def heightForWidth(self, width: int) -> int:
@@ -244,13 +251,13 @@ class SpeechBubble(QWidget):
         write(painter, area, self._text, font(), palette.muted if self._older else palette.text, WRAPPED)
 
     def _words(self, width: int) -> QRectF:
-        """Return the space of the words. Bubbles leave a share of the width free, so that the sides differ."""
+        """Return the area of the words. Bubbles leave a part of the width free, so that the two sides differ."""
         frame = QRectF(0.0, 0.0, max(0.86 * width - 3.0 * GAP, 40.0), 10000.0)
         return QFontMetricsF(font()).boundingRect(frame, int(Qt.TextFlag.TextWordWrap), self._text)
 
 
 class Transcript(QScrollArea):
-    """Sentences of a dialogue so far, the newest at the bottom and visible."""
+    """Sentences of a dialogue so far; the newest is at the bottom and visible."""
 
     def __init__(self, texts: Texts, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -270,7 +277,7 @@ class Transcript(QScrollArea):
         self._robot: int | None = None
         self._room = 0
         self.verticalScrollBar().rangeChanged.connect(self._to_end)
-        # New bubbles get their place only after all pending events.
+        # New bubbles get their place only after all pending events have been handled.
         self._settling = QTimer(self, singleShot=True, interval=0)
         self._settling.timeout.connect(self._to_end)
 
@@ -307,18 +314,21 @@ class Transcript(QScrollArea):
         return QSize(px(320), self.heightForWidth(self.width()))
 
     def minimumSizeHint(self) -> QSize:
-        """Return the size of the newest sentence, as far as there is room for it."""
+        """Return the size of the newest sentence, as far as there is space for it."""
         newest = self._bubbles[-1].heightForWidth(self.width()) if self._bubbles else 0
         return QSize(px(120), min(self.sizeHint().height(), max(px(60), min(newest, self._room))))
 
     def keep_room(self, height: int) -> None:
-        """Show the newest sentence completely up to this height, logical pixels."""
+        """Show the newest sentence completely, up to this height, logical pixels."""
         if height != self._room:
             self._room = height
             self.updateGeometry()
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        """Report the new height for a new width. If everything fits, hide the bar: its width would wrap lines."""
+        """Report the new height after a change of width.
+
+        If everything fits, hide the scroll bar, because its width would wrap lines.
+        """
         super().resizeEvent(event)
         fits = self.height() >= self.heightForWidth(self.width())
         policy = Qt.ScrollBarPolicy.ScrollBarAlwaysOff if fits else Qt.ScrollBarPolicy.ScrollBarAsNeeded
@@ -328,21 +338,21 @@ class Transcript(QScrollArea):
         self._to_end()
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Report the new size to the layout, since bubbles appear a moment after they are added."""
+        """Report the new size to the layout, because bubbles appear a moment after they are added."""
         if event.type() == QEvent.Type.LayoutRequest:
             self.updateGeometry()
             self._settling.start()
         return super().eventFilter(watched, event)
 
     def _to_end(self) -> None:
-        """Show the newest sentence from its beginning."""
+        """Show the newest sentence, with its beginning at the top if it does not fit."""
         self._lines.activate()
         bar = self.verticalScrollBar()
         bar.setValue(min([bar.maximum(), *(bubble.y() for bubble in self._bubbles[-1:])]))
 
 
 class ModalOverlay(QWidget):
-    """Modal overlay: dims the window, blocks it, and shows one panel in the middle."""
+    """Modal overlay: it dims the window, blocks it, and shows one panel in the middle."""
 
     def __init__(self, parent: QWidget) -> None:
         super().__init__(parent)
@@ -369,7 +379,7 @@ class ModalOverlay(QWidget):
         self.raise_()
 
     def keeps_tab(self, *, forward: bool) -> bool:
-        """Move the focus by Tab inside the panel. Return False while the panel is hidden: Tab is free."""
+        """Move the focus by Tab within the panel. Return False if no panel is shown, so that Tab works as usual."""
         if self.isVisible():
             go_round(self, 1 if forward else -1)
         return self.isVisible()
@@ -397,7 +407,7 @@ class ModalOverlay(QWidget):
 
 
 def page_column(page: QWidget, width: int) -> QVBoxLayout:
-    """Return a column in the middle of a page, at most this wide, `px`; it scrolls if the page is too low."""
+    """Return a column in the middle of a page, at most this wide, `px`; it scrolls if the page is not high enough."""
     inside, area = QWidget(), QScrollArea(widgetResizable=True)
     area.setFrameShape(QFrame.Shape.NoFrame)
     area.setFocusPolicy(Qt.FocusPolicy.NoFocus)
@@ -415,7 +425,7 @@ def page_column(page: QWidget, width: int) -> QVBoxLayout:
 
 
 def set_text(shown: QLabel, text: str) -> None:
-    """Set a label's text only if it differs, which saves a layout."""
+    """Set a label's text only if it has changed, which avoids a new layout."""
     if shown.text() != text:
         shown.setText(text)
 

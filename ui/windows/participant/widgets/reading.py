@@ -1,4 +1,4 @@
-"""Text to read in a panel, no higher than it needs."""
+"""Text to read in a panel, with no more height than it needs."""
 
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QTextBlockFormat, QTextCursor
@@ -8,7 +8,7 @@ from ui.windows import look
 from ui.windows.look import GAP
 
 _LINES = 130.0
-"""Height of lines, percent."""
+"""Height of lines, percent of the normal height."""
 
 
 class ReadingText(QTextBrowser):
@@ -17,7 +17,7 @@ class ReadingText(QTextBrowser):
     Args:
         name: name for screen readers.
         parent: parent widget.
-        whole: True to keep the full height, so that the surrounding area scrolls instead.
+        whole: True to keep the full height, so that the area around it scrolls instead.
     """
 
     def __init__(self, name: str, parent: QWidget | None = None, *, whole: bool = False) -> None:
@@ -52,8 +52,8 @@ class ReadingText(QTextBrowser):
         cursor.mergeBlockFormat(spacing)
 
     def _fit(self) -> None:
-        # The size hint stays small: otherwise a page that scrolls would give the text all the room, and hide its
-        # buttons.
+        # The size hint stays small. With a large hint, a page that scrolls would give all its height to the text, and
+        # hide its buttons.
         high = int(self.document().size().height()) + 1 + self.height() - self.viewport().height()
         if self._whole:
             self.setMinimumHeight(high)
