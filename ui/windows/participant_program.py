@@ -1,4 +1,4 @@
-"""Participant's window as a program: at a server, or hosted by the program that runs the games.
+"""Participant's window as a program: connected to a server, or hosted by the program that runs the games.
 
 It connects the window (`ParticipantWindow`), its model (`Participant`) and the thread that talks to the server
 (`ParticipantLink`).
@@ -63,27 +63,28 @@ FRAME = 15
 
 
 class GamePage(QWidget):
-    """Game at a server: the participant's window, its model and link, and in practice a strip with advice.
+    """Page with a game at a server: the participant's window, its model and link, and in practice a strip with advice.
 
-    Its language is that of the game, once the server has sent it.
+    Its language is that of the game, as soon as the server has sent it.
 
     Args:
         link: link to the server, not started yet.
-        texts: texts to use until then.
+        texts: texts to use until the server has sent the language.
         preferences: preferences of the participant.
         practice: True for the practice game; its strip says what to do next.
-        back: function that goes back to the start page from practice, or from the end of the game. If None, there is no
-            way back.
+        back: function that returns to the start page from practice, or from the end of the game. If None, the
+            participant cannot return.
         clock: monotonic clock, seconds.
-        way_back: label of the button back; its language does not change.
-        once: True if one game is played and something else follows: its end stays as it was when it appeared.
+        way_back: label of the button that returns; its language does not change.
+        once: True if only one game is played, and another part of a study follows. The end page of the game then does
+            not change any more.
         cancel: function that leaves before the game is reached. If None, canceling is not offered.
 
     Attributes:
-        seen_over: the end of the game is shown.
-        declined: the participant does not take part in the study.
-        went_on: the participant continues after the game.
-        help_shown: the sheet of rules and keys was opened or closed.
+        seen_over: signal: the end of the game is shown.
+        declined: signal: the participant does not take part in the study.
+        went_on: signal: the participant continues after the game.
+        help_shown: signal: the sheet of rules and keys was opened or closed.
     """
 
     seen_over = Signal()
@@ -162,12 +163,13 @@ class GamePage(QWidget):
         if self._texts == before:
             return
         gone = self.window_of_game
-        # If no widget has the focus yet, set it for the time when the window becomes active.
+        # If no widget has the focus yet, set the focus for the time when the window becomes active.
         focus = QApplication.focusWidget()
         had_focus = focus is None or focus is gone or gone.isAncestorOf(focus)
         self._open_window()
         self.window_of_game.help.instructions = gone.help.instructions
-        self.window_of_game.show()  # Otherwise the layout shows it later, and it cannot accept the focus now.
+        # Otherwise the layout would show the window later, and it could not accept the focus now.
+        self.window_of_game.show()
         gone.close()
         self._rows.removeWidget(gone)
         gone.deleteLater()
@@ -184,7 +186,7 @@ class GamePage(QWidget):
         title.setWordWrap(False)
         row.addWidget(title)
         row.addSpacing(2 * GAP)
-        # Advice of one line and of two lines has the same height, so that the map below does not move.
+        # Advice gets the same height with one line and with two lines, so that the map below does not move.
         look.follow_text(self._advice, lambda it: it.setMinimumHeight(2 * it.fontMetrics().lineSpacing()))
         said = spaced(QVBoxLayout(), 0, 0)
         said.addWidget(self._advice)
@@ -207,7 +209,7 @@ class GamePage(QWidget):
             self._back()
 
     def require(self, to_do: tuple[str, ...]) -> None:
-        """Offer the way back only after all these tasks, in words, are done."""
+        """Offer the button that returns only after all these tasks, given in words, are done."""
         if self._way_back is None or to_do == self._must_do:
             return
         self._must_do = to_do
@@ -240,9 +242,9 @@ class GamePage(QWidget):
         self.window_of_game.do(CloseWindow(ends))
 
     def pump(self) -> None:
-        """Handle the events from the server, and set the open requests."""
+        """Handle the events that the server sent, and set the open requests."""
         if self._once and self._is_over:
-            return  # Its server may stop now.
+            return  # The server of this game may stop from now on.
         now = self._clock()
         for received in self._link.take_events():
             match received.event:
@@ -270,24 +272,24 @@ class GamePage(QWidget):
         return self._is_over
 
     def disconnect_from_game(self) -> None:
-        """Leave the server, but keep showing the end of the game."""
+        """Leave the server, but continue to show the end of the game."""
         self._link.stop()
 
     def _choose_sound(self, on: bool) -> None:
-        """Apply a choice of the settings."""
+        """Apply a change in the settings of sound."""
         if on != self._model.sound_on:
             self.window_of_game.do(SwitchSound())
             self._keep_sound(on)
 
     def _keep_sound(self, on: bool) -> None:
-        """Store the participant's choice for other games; if sound is off, stop sounds at once."""
+        """Store the participant's choice for other games; if sound is off, stop all sounds at once."""
         self._sound_on = on
         self._preferences.choose_sound(on)
         if not on:
             self._sounds.stop()
 
     def decline(self) -> None:
-        """Report to the server, on leaving, that the participant does not take part."""
+        """Report to the server, before the window leaves it, that the participant does not take part."""
         self._link.decline()
 
     def leave(self) -> None:
@@ -305,7 +307,7 @@ class ParticipantMainWindow(QMainWindow):
         preferences: preferences of the participant.
         send: function that sends a message to the host; None if there is no host.
         clock: monotonic clock, seconds.
-        texts: texts in the window's language. If None, the first message of the host brings them.
+        texts: texts in the window's language. If None, they arrive with the first message of the host.
     """
 
     _texts: Texts
@@ -375,7 +377,7 @@ class ParticipantMainWindow(QMainWindow):
         back = None if self._send_to_host is None else lambda: self._send(Back())
         way_back = self._texts.text("pages.back_to_start")
         cancel = back or self.leave
-        self._preferences.languages = {}  # A game keeps its language.
+        self._preferences.languages = {}  # The language of a game does not change.
         game = GamePage(link, self._texts, self._preferences, practice, back, self._clock, way_back, once, cancel)
         game.declined.connect(self._decline)
         game.windowTitleChanged.connect(self.setWindowTitle)
@@ -386,7 +388,7 @@ class ParticipantMainWindow(QMainWindow):
         self._send(ChooseLanguage(language))
 
     def _cancel(self, page: ConnectingPage) -> None:
-        """Ask the host to go back to the start page, which it does after the game's program has stopped."""
+        """Ask the host to return to the start page. The host does so after the game's program has stopped."""
         self._going_back = True
         page.cancel.setEnabled(False)
         page.show_waiting(self._texts.text("pages.going_back"))
@@ -398,7 +400,7 @@ class ParticipantMainWindow(QMainWindow):
         self.close()
 
     def closeEvent(self, event: QCloseEvent) -> None:
-        """Ask first in the middle of a game."""
+        """Ask for confirmation in the middle of a game."""
         if not self._leaving and self.game is not None and self.game.in_progress:
             event.ignore()
             self.game.ask_to_leave(ends=self._send_to_host is not None)
@@ -471,7 +473,7 @@ class ParticipantMainWindow(QMainWindow):
 
 
 def why_lost(texts: Texts, lost: ConnectionLost) -> str:
-    """Return a sentence for the player about a lost connection; empty if there is nothing to add."""
+    """Return a sentence for the player about a lost connection; empty if nothing is known about the reason."""
     match lost.reason:
         case LossReason.REFUSED if lost.detail:
             return texts.text("window.server_says", words=lost.detail)
@@ -486,10 +488,10 @@ def why_lost(texts: Texts, lost: ConnectionLost) -> str:
 
 
 def play_at(host: str, port: int, token: str, choice: look.Choice, key: ClientKey | None = None) -> int:
-    """Open the window at a server, with a key if there is one. Return the exit code when the window is closed."""
+    """Open the window at a server, with a key if there is one. Return the exit code after the window is closed."""
     app = application()
     table = _table(app, choice, None, shipped_texts())
-    # A participant's key is valid for one game, so the window offers no other.
+    # A participant's key is valid for one game, so the window offers no further game.
     table.join(ParticipantLink(host, port, token, key=key), once=key is not None)
     table.show()
     code = app.exec()
@@ -509,7 +511,7 @@ def play_hosted(choice: look.Choice) -> int:
 def _table(
     app: QApplication, choice: look.Choice, send: Callable[[FromWindow], None] | None, texts: Texts | None = None
 ) -> ParticipantMainWindow:
-    """Return the main window in the style and the size of text that the user chose."""
+    """Return the main window with the colors and the size of text that the user chose."""
     preferences = preferences_of(app, "participant", choice, has_sound=True)
     table = ParticipantMainWindow(preferences, send, texts=texts)
     preferences.add_keys(table)

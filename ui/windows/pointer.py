@@ -1,7 +1,7 @@
-"""Distinguishes widgets that the pointer moved onto from widgets that appeared under the resting pointer.
+"""Test if the pointer was moved onto a widget, or if the widget appeared under the resting pointer.
 
-Qt reports both in the same way. So a window stores the resting place of the pointer before it shows something else,
-and a pointer that is still there points at nothing.
+Qt reports both in the same way. Therefore a window stores the place of the pointer before it shows new contents. While
+the pointer is still at this place, it points at nothing.
 """
 
 from PySide6.QtCore import QPointF
@@ -9,11 +9,11 @@ from PySide6.QtGui import QCursor
 from PySide6.QtWidgets import QWidget
 
 RESTS_AT = "restsAt"
-"""Name of a window's property with the resting place of the pointer."""
+"""Name of a window's property that stores the resting place of the pointer."""
 
 
 def note_rest(widget: QWidget) -> None:
-    """Store the resting place of the pointer, before something else is shown in the window of this widget."""
+    """Store the resting place of the pointer, before this widget's window shows new contents."""
     widget.window().setProperty(RESTS_AT, QCursor.pos())
 
 

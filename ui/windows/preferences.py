@@ -1,7 +1,7 @@
 """Preferences of a window's user: light or dark, size of text, sound, and the window's place on the screen.
 
-Each kind of window has its own preferences, in a file of the user's folder for settings. Running windows do not follow
-each other: a participant's choice changes nothing at the researcher's desk.
+Each kind of window has its own preferences, in a file of the user's folder for settings. A change in one program does
+not affect windows of other running programs: a participant's choice changes nothing at the researcher's desk.
 """
 
 from collections.abc import Callable, Mapping
@@ -33,11 +33,11 @@ TEXT_SIZES = (80, 90, 100, 110, 125, 150, 175, 200)
 """Possible sizes of text, percent of the usual size."""
 
 WindowKind = Literal["participant", "kiosk", "watch", "desk", "study", "templates", "arena"]
-"""Kind of a window, and name of the file of its settings."""
+"""Kind of a window. It is also the name of the file with its settings."""
 
 _LOOK, _TEXT, _SOUND, _GEOMETRY, _LANGUAGE = "look", "text/percent", "sound", "geometry", "language"
 _KEYS_OF = "keysOf"
-"""Property of windows with shortcuts: the identity of their preferences."""
+"""Name of a property of windows with shortcuts; it stores the id of their preferences."""
 
 
 def user_settings(name: str) -> QSettings:
@@ -53,7 +53,8 @@ def preferences_of(
     Args:
         app: the application.
         kind: kind of the window.
-        choice: light or dark for this run; "system": the stored choice, or the desktop's setting.
+        choice: light or dark for this run. If "system", the stored choice applies or, if there is none, the desktop's
+            setting.
         has_sound: True if windows of this kind play sounds.
     """
     return Preferences(app, user_settings(kind), choice, has_sound=has_sound)
@@ -65,17 +66,19 @@ class Preferences(QObject):
     Args:
         app: the application.
         settings: storage of the preferences.
-        choice: light or dark for this run; "system": the stored choice, or the desktop's setting.
+        choice: light or dark for this run. If "system", the stored choice applies or, if there is none, the desktop's
+            setting.
         has_sound: True if windows of this kind play sounds.
 
     Attributes:
-        changed: the new palette, for widgets that paint themselves.
-        sound_chosen: True if the user wants sounds, False if not.
-        language_chosen: language that the user wants.
+        changed: signal with the new palette, for widgets that paint themselves.
+        sound_chosen: signal: True if the user wants sounds, False if not.
+        language_chosen: signal with the language that the user wants.
         percent: size of text, percent of the usual size; see `look.usual_growth`.
         texts: texts of the page of settings. If None, English ones.
         languages: languages to choose from at the moment, with their names for people.
-        why_silent: function that returns why sound is not possible at the moment, as a sentence; empty if it is.
+        why_silent: function that returns the reason why sound is not possible at the moment, as a sentence; empty if it
+            is possible.
     """
 
     changed = Signal(object)
@@ -109,13 +112,13 @@ class Preferences(QObject):
 
     @property
     def look(self) -> Choice:
-        """Light, dark, or the desktop's setting."""
+        """Colors of windows: light, dark, or the desktop's setting."""
         kept = self._value(_LOOK, "system")
         chosen: Choice = "light" if kept == "light" else "dark" if kept == "dark" else "system"
         return self._given or chosen
 
     def choose_look(self, choice: Choice) -> None:
-        """Switch to light, to dark, or to the desktop's setting."""
+        """Switch to light colors, to dark colors, or to the desktop's setting."""
         self._given = None
         self._keep(_LOOK, choice)
         self._apply_look()
@@ -126,7 +129,7 @@ class Preferences(QObject):
         self._apply_text_size()
 
     def step_text_size(self, by: int) -> None:
-        """Choose the next larger size (1), the next smaller one (-1), or the usual one (0)."""
+        """Choose the next larger size (1), the next smaller size (-1), or the normal size (0)."""
         at = TEXT_SIZES.index(self.percent if by else 100) + by
         self.choose_text_size(TEXT_SIZES[min(max(at, 0), len(TEXT_SIZES) - 1)])
 
@@ -146,12 +149,12 @@ class Preferences(QObject):
         return self._value(_LANGUAGE, "")
 
     def choose_language(self, language: str) -> None:
-        """Store the language, and report it."""
+        """Store the language, and emit `language_chosen`."""
         self._keep(_LANGUAGE, language)
         self.language_chosen.emit(language)
 
     def forget(self) -> None:
-        """Let the next person start with the defaults."""
+        """Reset the preferences to the defaults for the next person."""
         self._settings.clear()
         self._settings.sync()
         self._apply_look()
@@ -160,7 +163,8 @@ class Preferences(QObject):
     # Windows
 
     def keep_place(self, window: QWidget) -> None:
-        """Restore the size and place of the last closed window of this kind, and store those of this window."""
+        """Restore the size and place of the last closed window of this kind, and store those of this window when it
+        closes."""
         kept = self._settings.value(_GEOMETRY)
         if isinstance(kept, QByteArray) and not any(each.isVisible() for each in self._placed):
             window.restoreGeometry(kept)
@@ -174,7 +178,8 @@ class Preferences(QObject):
         return False
 
     def add_keys(self, window: QWidget) -> None:
-        """Add a window's shortcuts for the size of text and the settings, also in dialogs that open over it."""
+        """Add a window's shortcuts for the size of text and for the settings; they also work in dialogs over the
+        window."""
         window.setProperty(_KEYS_OF, id(self))
         for keys, step in ((("Ctrl++", "Ctrl+="), 1), (("Ctrl+-",), -1), (("Ctrl+0",), 0)):
             shortcut = QShortcut(window)
@@ -190,7 +195,8 @@ class Preferences(QObject):
         return dialog
 
     def _add_keys_to_box(self) -> None:
-        """Add the shortcuts to a dialog that became active, since it may block the shortcuts of its window."""
+        """Add the shortcuts to a dialog that became active, because the dialog may block the shortcuts of its
+        window."""
         box = self._app.activeWindow()
         opener = None if box is None else box.parentWidget()
         if box is None or opener is None or box.property(_KEYS_OF) == id(self):
@@ -198,7 +204,7 @@ class Preferences(QObject):
         if opener.window().property(_KEYS_OF) == id(self):
             self.add_keys(box)
 
-    # Keeping and applying
+    # Storing and applying
 
     def _value(self, key: str, default: str) -> str:
         return str(self._settings.value(key, default))
@@ -232,7 +238,7 @@ class SettingsDialog(QDialog):
     def __init__(self, preferences: Preferences, parent: QWidget) -> None:
         super().__init__(parent)
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
-        look.style_as_panel(self)  # Without a window manager, as at a kiosk, it would have no edge.
+        look.style_as_panel(self)  # Without a window manager, as at a kiosk, the dialog would have no edge.
         say = (preferences.texts or shipped_texts()).text
         self.setWindowTitle(say("settings.title"))
         self.look, self.text_size, self.sound = ChoiceBox(), ChoiceBox(), QCheckBox(say("settings.sound_on"))
@@ -271,6 +277,6 @@ class SettingsDialog(QDialog):
         rows.addWidget(done)
 
     def _speak(self, preferences: Preferences) -> None:
-        """Choose the language. The page closes, since its own texts are in the old language."""
+        """Choose the language. The page closes, because its own texts are in the previous language."""
         self.accept()
         preferences.choose_language(self.language.currentData())

@@ -1,6 +1,7 @@
-"""Sounds of the participant's window: five short figures of pure tones, played by a program of the system.
+"""Sounds of the participant's window: five short sequences of pure tones, played by a program of the system.
 
-A separate program needs no library here, and without sound hardware it fails without blocking the window.
+With a separate program, the window needs no library for sound. Without sound hardware, the program fails without
+blocking the window.
 """
 
 import io
@@ -32,7 +33,7 @@ TONES: Mapping[GameSound, tuple[tuple[float, float, float], ...]] = {
 }
 """Tones of each sound: frequency in hertz, start and length in seconds.
 
-A win rises, a loss falls, a question ends upward.
+The tones of a win rise, those of a loss fall, and those of a question end upward.
 """
 KILL_TIMEOUT = 1000
 """Milliseconds that a killed program has to end."""
@@ -71,10 +72,12 @@ def system_player() -> tuple[str, ...] | None:
 
 
 class SoundPlayer(QObject):
-    """Plays sounds one at a time. Of the sounds requested meanwhile, only the most important one is played next.
+    """Player of one sound at a time.
+
+    Of the sounds requested during a sound, only the most important one is played next.
 
     Args:
-        parent: owner; its end also ends the sound.
+        parent: owner; if it is deleted, the sound ends.
         command: command that plays the file with the path appended to it. If None, no sound is played.
     """
 
@@ -94,7 +97,7 @@ class SoundPlayer(QObject):
         return self._process.state() is not QProcess.ProcessState.NotRunning
 
     def play(self, sound: GameSound) -> None:
-        """Play a sound now or next; do nothing if that is not possible."""
+        """Play a sound now, or after the present one; do nothing if sound is not possible."""
         if self._command is None or not self._folder.isValid():
             return
         if self.is_playing:

@@ -16,7 +16,7 @@ RIGHT = int(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
 
 
 class TableModel(QAbstractTableModel):
-    """Rows under titles; a subclass keeps the rows in `_shown` and returns the data of their cells.
+    """Rows below titles; a subclass stores the rows in `_shown`, and returns the data of their cells.
 
     Args:
         titles: titles of the columns.
@@ -82,7 +82,7 @@ class TextModel(TableModel):
 
 
 class GrowingModel(TextModel):
-    """Growing rows of texts; some of them may change. The selection stays."""
+    """Growing list of rows of texts; some rows may also change. The selection remains."""
 
     def show_rows(self, texts: Sequence[tuple[str, ...]]) -> bool:
         """Show these rows; return False if they are already shown."""
@@ -110,7 +110,7 @@ def row_table(
         model: model of the rows.
         mode: number of rows that can be selected.
         lines: lines of text in a row.
-        characters: width of each column; 0 if it is set elsewhere.
+        characters: width of each column, characters; 0 if it is set elsewhere.
     """
     table = QTableView(showGrid=False, wordWrap=False)
     table.setAccessibleName(name)

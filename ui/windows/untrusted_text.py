@@ -1,9 +1,9 @@
-"""Untrusted text, shown literally: names of files, rooms, treasures, topics, people; lines of programs.
+"""Untrusted text, shown literally: names of files, rooms, treasures, topics and people; lines of programs.
 
 In labels, tool tips and message boxes, Qt treats text that looks like HTML as HTML, and would open its pictures and
-links. In buttons and menus, & marks a key; in window titles, [*] stands for the sign of changes. Other characters
-reverse the direction of writing. `PlainTextStyle` forbids HTML in all labels, including those that Qt makes itself; the
-functions handle the rest.
+links. In buttons and menus, & marks a key. In window titles, [*] is replaced by the sign of unsaved changes. Some other
+characters reverse the direction of writing. `PlainTextStyle` forbids HTML in all labels, including those that Qt
+creates itself; the functions handle the other cases.
 """
 
 from PySide6.QtCore import Qt
@@ -13,12 +13,13 @@ from PySide6.QtWidgets import QApplication, QLabel, QProxyStyle, QWidget
 from thbridge.files.errors import visible
 
 LONGEST, LONGEST_TITLE = 20_000, 160
-"""Largest numbers of characters shown of a text and of a title: untrusted names may have half a million."""
+"""Greatest number of characters shown of a text, and of a title, because untrusted names can have half a million
+characters."""
 
 
 def shown(text: str, longest: int = LONGEST) -> str:
-    """Return an untrusted text as it can be shown: cut, and with escapes for control characters other than line ends
-    and tabs."""
+    """Return an untrusted text in a form that can be shown: cut, and with escapes for control characters except line
+    ends and tabs."""
     return visible(text if len(text) <= longest else f"{text[: longest - 1]}…", keep="\n\t")
 
 
@@ -28,7 +29,8 @@ def button_text(text: str) -> str:
 
 
 def title_text(text: str) -> str:
-    """Return an untrusted text for the title of a window, where a single [*] would be the sign of changes."""
+    """Return an untrusted text for the title of a window, where a single [*] would be replaced by the sign of unsaved
+    changes."""
     return visible(shown(text, LONGEST_TITLE)).replace("[*]", "[*][*]")
 
 
@@ -46,7 +48,8 @@ class PlainLabel(QLabel):
 
 
 class PlainTextStyle(QProxyStyle):
-    """Qt's style "Fusion", but all labels show their text literally, including those of tool tips and message boxes."""
+    """Qt's style "Fusion", in which all labels show their text literally, including those of tool tips and message
+    boxes."""
 
     def __init__(self) -> None:
         super().__init__("Fusion")

@@ -430,7 +430,7 @@ class ParticipantWindow(QWidget):
         regions = self.regions
         if before is not None and before not in regions and regions:
             if regions[0] is self.top:
-                self.column.cards.focus_selected()  # Do not focus the tools, because the next Enter would press one of them.
+                self.column.cards.focus_selected()  # The next Enter would press a tool if the tools had the focus.
             elif regions[0] is self.dialogue:
                 # Do not focus its first button, which puts it aside, because Enter is meant for the first answer.
                 self.dialogue.setFocus(Qt.FocusReason.OtherFocusReason)

@@ -69,14 +69,14 @@ LISTS: dict[EntryKind, tuple[str, str, tuple[str, ...]]] = {
     "input": ("Inputs", "Inputs", ("Sender", "Kind", "Content")),
     "log": ("Log", "Log of ROS nodes", ("Node", "Level", "Text")),
 }
-"""Lists in the order of their tabs: title of the tab, name of the list, columns in addition to the time."""
+"""Lists in the order of their tabs: title of the tab, name of the list, and columns in addition to the time."""
 
 _WANTED = QSize(1480, 940)
-"""Size of the window on a large screen; on a smaller screen all parts shrink."""
+"""Size of the window on a large screen; on a smaller screen, all parts are smaller."""
 
 
 class DockedWindow(QMainWindow):
-    """Parts, buttons and keys of the window; a subclass supplies data and actions.
+    """Window with its parts, buttons and keys; a subclass supplies data and actions.
 
     Args:
         title: name of the session or recording.
@@ -84,23 +84,15 @@ class DockedWindow(QMainWindow):
         live: True for a running session, False for a recording.
         canvas: the map.
 
-    Signals:
-        tool_selected: this tool was selected.
-        robot_stepped: select the next robot (1), or the one before (-1).
-        kill, revive, clear_costmaps, follow_toggled, fit: actions of the buttons of these names.
-        speed_stepped: faster (1) or slower (-1).
-        jumped: go to the next mark (1), or the one before (-1).
-        jumped_to_end: go to the beginning (-1) or the end (1).
-        bookmark_toggled: set a bookmark at the time shown, or remove it.
-        bookmark_chosen: go to this bookmark, seconds since the beginning.
-        loop_toggled: play between two bookmarks repeatedly, or stop that.
-        video_wanted: save a section of the recording as a video.
-        section_wanted: save a section of the recording as a bag.
-        map_chosen: show the map of this `map.yaml`.
-        open_wanted: a person wants to open something else.
-        settings_wanted: a person wants to open the settings.
-        source_chosen: a person wants to open this path: they dropped it here, or the session has ended.
-        closed: the window is closed.
+    Signals: tool_selected: this tool was selected. robot_stepped: select the next robot (1), or the one before (-1).
+    kill, revive, clear_costmaps, follow_toggled, fit: actions of the buttons of these names. speed_stepped: faster (1)
+    or slower (-1). jumped: go to the next mark (1), or the one before (-1). jumped_to_end: go to the beginning (-1) or
+    the end (1). bookmark_toggled: set a bookmark at the time shown, or remove it. bookmark_chosen: go to this bookmark,
+    seconds since the beginning. loop_toggled: play between two bookmarks repeatedly, or stop that. video_wanted: save a
+    section of the recording as a video. section_wanted: save a section of the recording as a bag. map_chosen: show the
+    map of this `map.yaml`. open_wanted: a person wants to open something else. settings_wanted: a person wants to open
+    the settings. source_chosen: a person wants to open this path, which they dropped here, or which is the recording of
+    the ended session. closed: the window is closed.
     """
 
     tool_selected = Signal(object)
@@ -158,7 +150,7 @@ class DockedWindow(QMainWindow):
         canvas.setFocus()
         self._order_focus()
         for view in self.findChildren(QGraphicsView):
-            # Otherwise the scenes of these views would receive dropped files, and the window would not.
+            # Without this, the scenes of these views would receive dropped files, and the window would not.
             view.setAcceptDrops(False)
             view.viewport().setAcceptDrops(False)
 
@@ -171,7 +163,7 @@ class DockedWindow(QMainWindow):
 
     @property
     def tool_actions(self) -> tuple[QAction, ...]:
-        """Actions that send requests to the robots."""
+        """Actions of the toolbar that send requests to the robots."""
         return (
             *(action for tool, action in self._tool_actions.items() if tool is not MapTool.LOOK),
             *self._robot_actions,
@@ -187,11 +179,11 @@ class DockedWindow(QMainWindow):
         self._tool_actions[tool].trigger()
 
     def show_waiting(self, things: int) -> None:
-        """Show the number of waiting items on the wizard's tab."""
+        """Show the number of waiting turns on the wizard's tab."""
         self._docks[-1].setWindowTitle(f"Wizard ({things} waiting)" if things else "Wizard")
 
     def disable_tools(self, reason: str) -> None:
-        """Disable all actions that send requests to the robots; tool tips give this reason."""
+        """Disable all actions that send requests to the robots; tool tips show this reason."""
         for action in self.tool_actions:
             action.setEnabled(False)
             action.setToolTip(reason)
@@ -213,7 +205,7 @@ class DockedWindow(QMainWindow):
         for dock in self._docks:
             dock.setVisible(drawable or dock is plots)
         self.topics.show()
-        # Qt moves the tabs of hidden docks far outside the window, where Tab would still reach them.
+        # Qt moves the tabs of hidden docks far outside the window, where the Tab key would still reach them.
         for tabs in self.findChildren(QTabBar):
             tabs.setFocusPolicy(Qt.FocusPolicy.TabFocus if drawable else Qt.FocusPolicy.NoFocus)
         if drawable:
@@ -222,11 +214,11 @@ class DockedWindow(QMainWindow):
             self.resizeDocks([plots], [self.width() // 2], Qt.Orientation.Horizontal)
 
     def dock(self, title: str) -> QDockWidget:
-        """Return the dock of this title."""
+        """Return the dock with this title."""
         return next(dock for dock in self._docks if dock.objectName() == title)
 
     def raise_dock(self, title: str) -> None:
-        """Bring the dock of this title in front of the others of its group."""
+        """Bring the dock with this title to the front of its group."""
         dock = self.dock(title)
         dock.show()
         dock.raise_()
@@ -245,18 +237,18 @@ class DockedWindow(QMainWindow):
         figures = self._docks[2:]
         bottom = [*(self._dock(LISTS[kind][0], log, BOTTOM) for kind, log in self.logs.items())]
         if live:
-            # A session has no dock for the topics. Without a parent, they would outlive the window.
+            # A session has no dock for the topics. Without a parent, the parts of this dock would outlive the window.
             self.topics.setParent(self)
             self.topics.hide()
         else:
             bottom.append(self._dock("Topics", self.topics, BOTTOM))
         bottom.append(self._dock("Wizard", self.wizard, BOTTOM))
-        self.wizard.hide()  # until its tab is in front: it is tall, and the window must not grow for it
+        self.wizard.hide()  # It is hidden until its tab is in front, because the window must not grow for it.
         for group in (bottom, figures):
             for before, after in pairwise(group):
                 self.tabifyDockWidget(before, after)
             group[0].raise_()
-            # Otherwise Qt leaves a second row of tabs behind when the next group is made.
+            # Without this, Qt leaves a second row of tabs behind when the next group is created.
             if (layout := self.layout()) is not None:
                 layout.activate()
         for tabs in self.findChildren(QTabBar):
@@ -294,7 +286,8 @@ class DockedWindow(QMainWindow):
             title: title and object name of the dock.
             part: content of the dock.
             area: side of the window. If None, the caller makes the dock a tab of another one.
-            keeps_room: True to keep the size of the part while another tab is in front; False to let these tabs shrink.
+            keeps_room: True to keep the size of the part while another tab is in front; False to let the group of tabs
+                shrink.
         """
         dock = QDockWidget(title, self)
         dock.setObjectName(title)
@@ -305,7 +298,7 @@ class DockedWindow(QMainWindow):
             rows.setContentsMargins(0, 0, 0, 0)
             rows.addWidget(part)
         dock.setWidget(content)
-        # Qt moves the parts behind another tab far outside the window, where Tab would still reach them.
+        # Qt moves parts behind another tab far outside the window, where the Tab key would still reach them.
         dock.visibilityChanged.connect(part.setVisible)
         if area is not None:
             self.addDockWidget(area, dock)
@@ -393,7 +386,10 @@ class DockedWindow(QMainWindow):
             self.show_status(save_picture(part, path) or f"Saved: {path}")
 
     def ask_target(self, title: str, suggested: str, kinds: str) -> Path | None:
-        """Ask for the file to write; return None if the person cancels. Names without suffix get the suggested one."""
+        """Ask for the file to write; return None if the person cancels.
+
+        A name without a suffix gets the suggested suffix.
+        """
         chosen, _ = QFileDialog.getSaveFileName(self, title, suggested, kinds)
         path = Path(chosen)
         return None if not chosen else path if path.suffix else path.with_suffix(Path(suggested).suffix)
@@ -478,11 +474,11 @@ class DockedWindow(QMainWindow):
     # Keys
 
     def show_keys(self) -> None:
-        """Open the sheet of keys."""
+        """Open the sheet of keyboard shortcuts."""
         KeySheet(self, GROUPS).open()
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Let Tab move from robot to robot while the map has the focus; F6 leaves the map."""
+        """Let Tab move from robot to robot while the map has the focus; F6 moves the focus away from the map."""
         if watched is self.canvas and isinstance(event, QKeyEvent) and event.type() == QEvent.Type.KeyPress:
             if event.key() == Qt.Key.Key_Tab and not event.modifiers():
                 self.robot_stepped.emit(1)
@@ -493,7 +489,7 @@ class DockedWindow(QMainWindow):
         return super().eventFilter(watched, event)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Let Enter activate the focused button or combo box, since Space pauses here."""
+        """Let Enter activate the focused button or combo box, because Space means pause in this window."""
         focus = self.focusWidget()
         if event.key() not in {Qt.Key.Key_Return, Qt.Key.Key_Enter}:
             super().keyPressEvent(event)
@@ -527,7 +523,7 @@ def _in_sight(dock: QDockWidget) -> bool:
 
 
 def _first_focus(part: QWidget) -> QWidget:
-    """Return the first widget of a part, in the order of Tab, that takes the focus."""
+    """Return the first widget of a part that accepts the focus, in the order of Tab."""
     widget = part.nextInFocusChain()
     while widget is not None and widget is not part:
         wanted = widget.isVisible() and widget.isEnabled() and widget.focusPolicy() & Qt.FocusPolicy.TabFocus

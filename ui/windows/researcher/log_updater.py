@@ -12,11 +12,11 @@ from ui.windows.researcher.feeds.feed import Feed
 MAX_NEW_ROWS = 2000
 """Largest number of rows added to a list at once."""
 MARK_TOLERANCE = 0.01
-"""Seconds around a mark within which the time shown counts as being at the mark."""
+"""Seconds around a mark within which the time shown counts as that of the mark."""
 
 
 class LogUpdater:
-    """Copies new log entries to the lists, in portions small enough not to block the window.
+    """Updater that copies new log entries to the lists, in portions that are small enough not to block the window.
 
     Args:
         feed: source of the log.
@@ -31,7 +31,7 @@ class LogUpdater:
         self._marked = (0, 0.0)
 
     def clear(self) -> None:
-        """Empty the lists for another log."""
+        """Empty the lists, because another log follows."""
         self._taken = {}
         for log in self._window.logs.values():
             log.clear()
@@ -66,7 +66,7 @@ class LogUpdater:
         return LogRow(time, cells, entry.robot)
 
     def _room(self, entry: Entry) -> str:
-        """Return the room of an entry in words; empty for the corridor and for no room."""
+        """Return the room of an entry in words; empty if it is the corridor or there is no room."""
         return self._feed.data.log.room_names.titled(entry.room) if entry.room else ""
 
     def _timeline_marks(self) -> Iterator[TimelineMark]:
@@ -88,7 +88,10 @@ class LogUpdater:
                 yield TimelineBar(made.start - start, made.end - start, text, index_in(robot) or 0)
 
     def neighbouring_mark(self, direction: int, bookmarks: Sequence[float]) -> float:
-        """Return the time of the next (1) or previous (-1) mark or bookmark; without one, the end or beginning."""
+        """Return the time of the next (1) or previous (-1) mark or bookmark.
+
+        If there is none, return the end or the beginning.
+        """
         times = sorted([*bookmarks, *(mark.time for mark in self._marks if not mark.is_utterance)])
         here = self._feed.transport.time
         if direction > 0:

@@ -1,4 +1,4 @@
-"""Memory of the researcher's windows: recordings and sessions opened before, and bookmarks."""
+"""Memory of the researcher's windows: previously opened recordings and sessions, and bookmarks."""
 
 import json
 from collections.abc import Sequence
@@ -26,7 +26,7 @@ class WatchMemory:
         return [source for source in kept if isinstance(source, str)] if isinstance(kept, list) else []
 
     def add(self, source: str) -> None:
-        """Make a path or an address the latest one."""
+        """Make a path or an address the latest entry."""
         others = [each for each in self.recent() if each != source]
         self._write(_RECENT_KEY, [source, *others][:RECENT])
         bookmarks = self._bookmarks()
@@ -38,7 +38,10 @@ class WatchMemory:
         return [float(time) for time in kept if isinstance(time, int | float)] if isinstance(kept, list) else []
 
     def keep_bookmarks(self, source: str, times: Sequence[float]) -> None:
-        """Store the bookmarks of a recording; they are removed together with the recording."""
+        """Store the bookmarks of a recording.
+
+        They are removed when the recording is no longer among the recent ones.
+        """
         self._write(_BOOKMARKS_KEY, {**self._bookmarks(), source: list(times)})
 
     def _bookmarks(self) -> dict[str, object]:

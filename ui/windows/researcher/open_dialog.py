@@ -1,4 +1,4 @@
-"""Dialog *Open*: a recording, a folder with one, or the address of a running session."""
+"""Dialog *Open* for a recording, a folder with a recording, or the address of a running session."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -22,11 +22,12 @@ RECORDINGS = "Recordings (*.bag *.mcap *.db3 *.active);;All files (*)"
 
 
 class OpenDialog(QDialog):
-    """Dialog that asks what to watch and opens it; if that fails, it stays open and shows the reason.
+    """Dialog that asks for a source and opens it. If that fails, the dialog stays open and shows the reason.
 
     Args:
-        recent: paths and addresses opened before, the latest first.
-        open_source: function that opens a path or an address with a key file; returns why it cannot, or an empty text.
+        recent: previously opened paths and addresses, the latest first.
+        open_source: function that opens a path or an address with a key file; it returns the reason if that fails,
+            otherwise an empty text.
         parent: the window, if there is one.
 
     Attributes:

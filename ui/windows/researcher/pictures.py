@@ -1,4 +1,4 @@
-"""Pictures of the map and of the plots: copied, or saved as PNG or SVG; sections of a recording as MP4 or GIF."""
+"""Pictures of the map and of the plots, copied or saved as PNG or SVG; sections of a recording as MP4 or GIF."""
 
 import shutil
 from collections.abc import Callable
@@ -12,14 +12,17 @@ from PySide6.QtSvg import QSvgGenerator
 from PySide6.QtWidgets import QWidget
 
 FRAMES_PER_SECOND = 25
-"""Frames in a second of video, and of recorded time."""
+"""Frames per second of video, which is also the number per second of recorded time."""
 MOST_WAITING = 32 * 2**20
-"""Bytes of frames in the queue to ffmpeg beyond which no new frame is drawn."""
+"""Bytes of frames in the queue to ffmpeg above which no new frame is drawn."""
 NO_FFMPEG = "Videos need the program ffmpeg. Install it (Debian: apt install ffmpeg), then save again."
 
 
 def image_of(part: QWidget) -> QImage:
-    """Return a picture of a part of the window as shown; for plots, include the parts that are scrolled out of view."""
+    """Return a picture of a part of the window as shown.
+
+    A picture of plots also includes the parts that are scrolled out of view.
+    """
     if isinstance(part, pg.GraphicsView):
         picture: QImage = pyqtgraph.exporters.ImageExporter(part.scene()).export(toBytes=True)
         return picture
@@ -27,16 +30,16 @@ def image_of(part: QWidget) -> QImage:
 
 
 def copy_picture(part: QWidget) -> None:
-    """Put a picture of a part of the window on the clipboard."""
+    """Copy a picture of a part of the window to the clipboard."""
     QGuiApplication.clipboard().setImage(image_of(part))
 
 
 def save_picture(part: QWidget, path: Path) -> str:
-    """Save a picture of a part of the window. Return why that is not possible, or an empty text.
+    """Save a picture of a part of the window. Return the reason if that is not possible, otherwise an empty text.
 
     Args:
         part: the map, or a widget with plots.
-        path: target file. The suffix decides: `.svg` for curves and lines, all others for pixels.
+        path: target file. With the suffix `.svg`, the picture consists of curves and lines; otherwise, of pixels.
     """
     if path.suffix.lower() != ".svg":
         saved = image_of(part).save(str(path))
@@ -45,7 +48,7 @@ def save_picture(part: QWidget, path: Path) -> str:
         path.touch()
     except OSError as error:
         return f"Cannot write {path} ({error.strerror}). Choose another folder."
-    # Qt renders it, since pyqtgraph's own exporter fails on curves with gaps.
+    # Qt renders the picture, because pyqtgraph's own exporter fails on curves with gaps.
     generator = QSvgGenerator()
     generator.setFileName(str(path))
     generator.setSize(part.size())
@@ -58,7 +61,7 @@ def save_picture(part: QWidget, path: Path) -> str:
 
 
 class VideoWriter(QObject):
-    """Saves a section of a recording as a video, one frame at a time, while the window keeps running.
+    """Writer that saves a section of a recording as a video, frame by frame, while the window remains usable.
 
     Args:
         path: path of the video; its suffix decides the format.
@@ -69,7 +72,7 @@ class VideoWriter(QObject):
 
     Signals:
         progressed: completed share, 0 to 1.
-        ended: why saving failed, or an empty text.
+        ended: the reason why saving failed, or an empty text.
     """
 
     progressed = Signal(float)
@@ -80,7 +83,7 @@ class VideoWriter(QObject):
     ) -> None:
         super().__init__(parent)
         self._path, self._frame = path, frame
-        # ffmpeg writes to another name: a failed video never replaces an earlier one.
+        # ffmpeg writes to another file name, so that a failed video never replaces an earlier one.
         self._part = path.with_name(f".{path.stem}.part{path.suffix}")
         count = max(2, round((span[1] - span[0]) * FRAMES_PER_SECOND))
         self._times = [span[0] + number / FRAMES_PER_SECOND for number in range(count)]
@@ -109,7 +112,7 @@ class VideoWriter(QObject):
 
     def _next(self) -> None:
         if self._process.bytesToWrite() > MOST_WAITING:
-            return  # ffmpeg is slower than the drawing: more frames would only fill the memory.
+            return  # ffmpeg is slower than the drawing; more frames would only fill the memory.
         if self._done == len(self._times):
             self._timer.stop()
             self._process.closeWriteChannel()
@@ -144,7 +147,7 @@ def ffmpeg() -> str | None:
 
 
 def _format(path: Path) -> list[str]:
-    """Return ffmpeg's options for a file; many players require frames of even width and height."""
+    """Return ffmpeg's options for a file. Many players require that width and height of frames are even."""
     if path.suffix.lower() == ".gif":
         return ["-vf", "split[a][b];[a]palettegen[p];[b][p]paletteuse", "-r", "12.5"]
     return ["-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-pix_fmt", "yuv420p"]

@@ -16,7 +16,7 @@ from ui.windows.researcher.open_dialog import OpenDialog
 from ui.windows.researcher.window import ResearcherWindow
 
 OPEN_TIMEOUT = 0.5
-"""Seconds that the dialog waits for a recording to open; the recording's window shows faults that are found later."""
+"""Seconds that the dialog waits for a recording to open. If a fault is found later, the recording's window shows it."""
 
 
 class WatchProgram(QObject):
@@ -25,11 +25,11 @@ class WatchProgram(QObject):
     Args:
         app: the application.
         preferences: preferences of the user.
-        memory: recordings and sessions opened before.
+        memory: previously opened recordings and sessions.
 
     Attributes:
         windows: open windows.
-        dialog: latest dialog *Open*; None before the first.
+        dialog: latest dialog *Open*; None before the first one.
     """
 
     def __init__(self, app: QApplication, preferences: Preferences, memory: WatchMemory) -> None:
@@ -42,7 +42,7 @@ class WatchProgram(QObject):
         """Show a recording or session in a new window."""
         self._memory.add(opened.source)
         window = ResearcherWindow(opened.feed, opened.title, colours(), time.monotonic)
-        # The lambdas connected below refer to the window, so that garbage collection would never delete it.
+        # The lambdas connected below refer to the window, so garbage collection would never delete it.
         window.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         self._preferences.changed.connect(window.set_palette)
         self._preferences.add_keys(window)
@@ -59,7 +59,7 @@ class WatchProgram(QObject):
         return window
 
     def open(self, source: str, key: Path | None = None) -> str:
-        """Open a path or an address in a window. Return why it cannot be opened, or an empty text."""
+        """Open a path or an address in a window. Return the reason if that is not possible, otherwise an empty text."""
         try:
             self.show(open_feed(source, key, OPEN_TIMEOUT))
         except BadFile as fault:
@@ -82,7 +82,7 @@ def show(opened: OpenedFeed | None, choice: Choice) -> None:
     """Show a recording or session, and all windows opened from it, until they are closed.
 
     Args:
-        opened: recording or session to show. If None, ask first.
+        opened: recording or session to show. If None, ask for one first.
         choice: light, dark, or the system's colors.
     """
     app = application()

@@ -1,4 +1,4 @@
-"""Sends requests of the researcher to robots, made with buttons and with strokes on the map."""
+"""Requests of the researcher to robots, made by buttons and by strokes on the map."""
 
 import math
 from collections.abc import Callable, Mapping
@@ -20,7 +20,8 @@ from ui.windows.researcher.map.preview import ToolPreview
 from ui.windows.researcher.map.tools import TOOLS, Gesture, MapTool
 
 GRAB_RADIUS, GRAB_PIXELS = 0.4, 24.0
-"""Distance from a robot's middle within which a press grabs it: meters or pixels, whichever is larger."""
+"""Distance from a robot's middle within which a press selects it for a stroke: meters or pixels, whichever is
+larger."""
 _CONFIRMATIONS = {
     MapTool.GOAL: "Sending {robot} there.",
     MapTool.POSE: "Setting the pose of {robot}.",
@@ -30,13 +31,13 @@ _CONFIRMATIONS = {
 
 
 class ToolController:
-    """Turns buttons, strokes and the wizard's choices into requests, and reports whether they were sent.
+    """Controller that turns buttons, strokes and the wizard's choices into requests, and reports if they were sent.
 
     Args:
         feed: receiver of the requests.
         window: window with the buttons.
         view: the map.
-        bodies: (n, 2) corners of robots in their own frames, by robot, if known.
+        bodies: by robot, the (n, 2) corners of its body in its own frame, if known.
         select: function that selects another robot.
 
     Attributes:
@@ -82,7 +83,7 @@ class ToolController:
             self._send(make(self._tools, self.scene, self.selected), sentence)
 
     def _send(self, request: FeedRequest | RequestRefused, sentence: str) -> None:
-        """Send a request, and report that it was sent or why not."""
+        """Send a request, and report that it was sent, or the reason why it was not."""
         refusal = request.sentence if isinstance(request, RequestRefused) else self._feed.ask(request)
         self._window.show_status(refusal or sentence.format(robot=self._name))
 
@@ -95,7 +96,7 @@ class ToolController:
         box.setInformativeText("Its software stops and its motors brake until it is revived. The recording shows this.")
         kill = box.addButton("Kill it", QMessageBox.ButtonRole.DestructiveRole)
         box.setDefaultButton(box.addButton("Leave it alive", QMessageBox.ButtonRole.RejectRole))
-        kill.setAutoDefault(False)  # Without this, Enter would press it after a change of colors.
+        kill.setAutoDefault(False)  # Without this, Enter would press the button after a change of colors.
         kill.clicked.connect(lambda: self._ask(Tools.kill, "Killing {robot}."))
         box.open()
 
@@ -151,7 +152,7 @@ class ToolController:
             self._window.select_tool(MapTool.LOOK)
 
     def _meant(self, done: Gesture, scene: Scene) -> FeedRequest | RequestRefused:
-        """Return the request that a stroke stands for."""
+        """Return the request for a stroke."""
         tools = self._tools
         match done.tool:
             case MapTool.GOAL | MapTool.POSE:
@@ -166,7 +167,8 @@ class ToolController:
                 return put if hit is None or isinstance(hit, RequestRefused) else hit
 
     def _heading(self) -> float:
-        """Return the selected robot's heading: the true one if it is moved by hand, otherwise the estimated one."""
+        """Return the selected robot's heading: the true one if the robot is moved by hand, otherwise the estimated
+        one."""
         robots = () if self.scene is None else self.scene.robots
         robot = next((each for each in robots if each.robot == self.selected), None)
         if robot is None:

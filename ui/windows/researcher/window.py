@@ -1,4 +1,4 @@
-"""Researcher's window: passes data from a feed to the parts, and people's actions to the feed."""
+"""Researcher's window, which passes data from a feed to its parts, and people's actions to the feed."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -38,7 +38,7 @@ from ui.windows.researcher.tool_controller import ToolController
 FRAME = 33
 """Milliseconds between two frames of the map."""
 SLOW, PLOTTED = 5, 2
-"""Frames of the map for each update of the lists, and for each update of one plot; plots take turns."""
+"""Number of frames of the map for each update of the lists, and for each update of one plot. The plots take turns."""
 MARGIN = 3.0
 """Meters that the view adds around robots if there is no map."""
 DEFAULT_FOOTPRINT: FloatArray = 0.2 * np.array(
@@ -58,7 +58,7 @@ class ResearcherWindow(DockedWindow):
 
     Attributes:
         scene: scene on the map; None before there is one.
-        sign: sentence on the map about a problem.
+        sign: label on the map for a sentence about a problem.
         bookmarks: moments that a person marked.
 
     Signals:
@@ -85,7 +85,7 @@ class ResearcherWindow(DockedWindow):
         self._overlays = Overlays(self._map.box)
         self._tool_controller = ToolController(feed, self, self._map, self._bodies, self.select)
         self._log_updater = LogUpdater(feed, self)
-        # It is a child of the viewport: screen readers find nothing in the map itself.
+        # The label is a child of the viewport, because screen readers find nothing in the map itself.
         self.sign = TroubleSign(self._map.viewport())
         self._connect()
         self._tool_controller.use_tool(self.tool)
@@ -198,7 +198,7 @@ class ResearcherWindow(DockedWindow):
         self._map.show_robots([mark for robot in scene.robots if (mark := self._mark(robot)) is not None])
 
     def _widen(self, scene: Scene) -> None:
-        """Extend the view to all robots shown so far, since there is no map."""
+        """Extend the view to all robots shown so far, because there is no map."""
         box = self._map.box
         places = [place for robot in scene.robots if (place := robot.estimate or robot.truth) is not None]
         for place in places:
@@ -208,7 +208,7 @@ class ResearcherWindow(DockedWindow):
                     box.fit()
 
     def _mark(self, robot: RobotScene) -> RobotMark | None:
-        """Return how to draw a robot; None if its pose is unknown."""
+        """Return the mark of a robot on the map; None if its pose is unknown."""
         place = robot.estimate or robot.truth
         if place is None:
             return None
@@ -253,7 +253,10 @@ class ResearcherWindow(DockedWindow):
         self.plots.show_time(self._transport.time)
 
     def _show_end(self, bag: str | None) -> None:
-        """Report that the session has ended, and offer its recording. If `bag` is None, another session has started."""
+        """Report that the session has ended, and offer its recording.
+
+        If `bag` is None, report that another session has started.
+        """
         self._ended_bag = bag
         here = bool(bag) and any(part.exists() for part in parts_of(Path(bag or "")))
         self.playback.show_recording((bag or "") if here else "")
@@ -264,7 +267,7 @@ class ResearcherWindow(DockedWindow):
     # Contents of recordings
 
     def _show_contents(self, scene: Scene) -> None:
-        """List the topics of a recording once it is open. For recordings of other programs, show them first."""
+        """List the topics of a recording when it is open. For recordings of other programs, show the list first."""
         numbers = self._feed.data.numbers
         if self._contents_shown or numbers is None:
             return
@@ -313,7 +316,7 @@ class ResearcherWindow(DockedWindow):
     # Sections of recordings
 
     def _section(self) -> tuple[float, float]:
-        """Return the section to save: between the bookmarks around the time shown, or everything."""
+        """Return the section to save: between the bookmarks around the time shown, or the whole recording."""
         return self.bookmarks.around(self._transport.time) or (0.0, self._transport.span)
 
     def _ask_section(self) -> None:
@@ -391,7 +394,7 @@ class ResearcherWindow(DockedWindow):
     # Time
 
     def use_bookmarks(self, times: Sequence[float]) -> None:
-        """Show these bookmarks, seconds since the beginning, in place of others."""
+        """Show these bookmarks, seconds since the beginning; they replace all others."""
         self.bookmarks = Bookmarks(times)
         self._show_bookmarks(None)
 
@@ -428,7 +431,7 @@ class ResearcherWindow(DockedWindow):
     # Colors and closing
 
     def set_palette(self, palette: Palette) -> None:
-        """Use these colors for the map and the plots; all other parts follow the application's palette."""
+        """Use these colors for the map and the plots; all other parts use the application's palette."""
         self._map.set_palette(palette)
         self.plots.set_palette(palette)
 
@@ -448,7 +451,10 @@ def _row_of(robot: RobotScene) -> RobotRow:
 
 
 def _plot_of(number: PlottedField) -> str:
-    """Return the title of a number's plot. Numbers of a topic in one unit share a plot, as do elements of an array."""
+    """Return the title of a number's plot.
+
+    Numbers of a topic with the same unit share a plot, and so do elements of an array.
+    """
     if number.unit:
         return f"{number.topic}, {number.unit}"
     return f"{number.topic} {number.column}"
@@ -460,7 +466,7 @@ def _figures(series: RobotSeries, panel: str, gaps: Sequence[float]) -> dict[str
     Args:
         series: series of the robot.
         panel: name of the panel.
-        gaps: times after which no messages arrived for a while; curves break off there.
+        gaps: times after which no messages arrived for a while; curves are interrupted there.
     """
     match panel:
         case "error":
@@ -478,5 +484,5 @@ def _figures(series: RobotSeries, panel: str, gaps: Sequence[float]) -> dict[str
 
 
 def _admitted(series: RobotSeries, gaps: Sequence[float]) -> FloatArray:
-    """Return the standard deviations as steps: a standing robot publishes none, and the last ones hold."""
+    """Return the standard deviations as steps: a standing robot publishes none, and the last ones remain valid."""
     return as_steps(broken(series.deviations.rows(), gaps), series.estimate.time)

@@ -13,12 +13,12 @@ from ui.windows.study.window import StudyWindow
 
 
 def study_window(path: Path) -> StudyWindow:
-    """Return the window of a file, not shown yet; it requires a QApplication.
+    """Return the window of a file; the window is not shown yet. A QApplication must exist.
 
     Raises:
         BadFile: the file cannot be read.
     """
-    # Load compiled code now: later it would block the visible window.
+    # Load compiled code now; later, this would block the visible window.
     preview_of(Study(), NoiseSection())
     return StudyWindow(path)
 

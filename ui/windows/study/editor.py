@@ -1,4 +1,4 @@
-"""Study being edited: each change becomes a step, and a thread next to the window applies the steps."""
+"""Editor of a study: each change is a step, which another thread applies to the text."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ from ui.windows.editing.background import BackgroundWorker
 _TYPING = 120
 """Pause in typing, milliseconds, after which the text is checked."""
 _SETTLING = 150
-"""Milliseconds without further changes after which a file that other programs write counts as complete."""
+"""Milliseconds without a further change after which a file that another program writes counts as complete."""
 
 TextChange = Callable[[StudyDraft], str | RequestRefused]
 _Taken = Callable[[StudyDraft, UndoHistory], UndoHistory | RequestRefused]
@@ -41,17 +41,17 @@ class _Conflict:
 
 
 class StudyEditor(QObject):
-    """File as it was read, the draft, and its history for undo.
+    """File as it was read, the draft, and the draft's history for undo.
 
     Attributes:
         path: the file.
-        drafted: the draft has changed.
-        refused: a change of a field was not possible: key of the field, and the reason.
-        found_faulty: the draft was not saved because of its faults.
-        conflicted: the draft was not saved, because the file has changed since it was read.
-        changed_outside: the file has changed since it was read.
-        failed: the file could not be written or read; the reason.
-        saved: the draft is on disk.
+        drafted: signal: the draft has changed.
+        refused: signal: a change of a field was not possible; key of the field, and the reason.
+        found_faulty: signal: the draft was not saved because of its faults.
+        conflicted: signal: the draft was not saved, because the file has changed since it was read.
+        changed_outside: signal: the file has changed since it was read.
+        failed: signal: the file could not be written or read; with the reason.
+        saved: signal: the draft was saved.
     """
 
     drafted = Signal()
@@ -63,7 +63,7 @@ class StudyEditor(QObject):
     saved = Signal()
 
     def __init__(self, path: Path) -> None:
-        """Open a file, or start a new one that does not exist yet.
+        """Open a file. If the file does not exist, start a new one.
 
         Raises:
             BadFile: it cannot be read.
@@ -95,11 +95,11 @@ class StudyEditor(QObject):
 
     @property
     def settled(self) -> bool:
-        """True if all changes are in the draft."""
+        """True if all changes have been applied to the draft."""
         return not self._steps and not self._work.busy
 
     def change(self, key: str, change: TextChange, *, at_once: bool = False) -> None:
-        """Change the text. A later change with the same key replaces this one if it has not been applied yet."""
+        """Change the text. If a change with the same key has not been applied yet, this change replaces it."""
 
         def take(draft: StudyDraft, history: UndoHistory) -> UndoHistory | RequestRefused:
             text = change(draft)
@@ -123,7 +123,7 @@ class StudyEditor(QObject):
         self.change("text", lambda _: text)
 
     def check_again(self) -> None:
-        """Check the text again after a change of a file that it names."""
+        """Check the text again, because a file that it names has changed."""
         if self.settled:
             draft, history = self.draft, self.history
             self._work.ask(lambda: _Outcome(draft_of_file(draft.path, history.text), history, ()))
@@ -137,7 +137,7 @@ class StudyEditor(QObject):
         self._queue_step(_Step("", lambda _, history: history.redone()), at_once=True)
 
     def settle(self) -> None:
-        """Make the next change of the same field a separate step."""
+        """Make the next change a separate step, even if it changes the same field."""
         self._queue_step(_Step("", lambda _, history: history.settled()), at_once=False)
 
     def load_again(self) -> None:
@@ -176,7 +176,7 @@ class StudyEditor(QObject):
     @Slot()
     def _flush(self) -> None:
         if self._work.busy:
-            return  # `_done` flushes again.
+            return  # `_done` calls this method again.
         if not self._steps:
             self._save_if_wanted()
             return
@@ -219,7 +219,7 @@ class StudyEditor(QObject):
         self._flush()
 
     def _watch(self) -> None:
-        """Watch the file again: to the watcher, a replaced file is another file."""
+        """Watch the file again, because the watcher regards a replaced file as another file."""
         wanted = [str(self.path.parent), *([str(self.path)] if self.path.exists() else [])]
         missing = [path for path in wanted if path not in {*self._watcher.files(), *self._watcher.directories()}]
         if missing:

@@ -1,4 +1,4 @@
-"""Dialog that chooses a key to add to a section: a search field above a list."""
+"""Dialog for the key to add to a section, with a search field above a list."""
 
 from collections.abc import Mapping
 
@@ -16,7 +16,7 @@ _TO_LIST = frozenset({Qt.Key.Key_Up, Qt.Key.Key_Down, Qt.Key.Key_PageUp, Qt.Key.
 
 
 class KeyChooser(QDialog):
-    """Dialog that chooses a key for a section with freely chosen keys.
+    """Dialog for the key to add to a section with freely chosen keys.
 
     Args:
         title: name of the section.
@@ -25,7 +25,7 @@ class KeyChooser(QDialog):
         own_names: True if the key may also have another name.
 
     Attributes:
-        chosen: the chosen key, or a name that the person made up; empty until a choice is made.
+        chosen: the chosen key, or another name that the person typed; empty until a choice is made.
     """
 
     def __init__(self, title: str, keys: Mapping[str, FormField], parent: QWidget | None, *, own_names: bool) -> None:
@@ -66,7 +66,7 @@ class KeyChooser(QDialog):
             super().accept()
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Move the selection in the list with the arrow keys during typing."""
+        """Move the selection in the list by the arrow keys while a person types."""
         if event.type() == QEvent.Type.KeyPress and isinstance(event, QKeyEvent) and event.key() in _TO_LIST:
             self.list.keyPressEvent(event)
             return True
@@ -88,7 +88,7 @@ class KeyChooser(QDialog):
             if name and is_similar
             else f"{len(found)} keys"
         )
-        # Only a factor may have a name that is not a key: each of its levels then sets several keys.
+        # Only a factor may have a name that is not a key. Each of its levels then sets several keys.
         self.own.setVisible(self._allows_own_names and bool(name) and all(field.key != name for field in found))
         self.own.setText(f"Use \u201c{shown(name)}\u201d as a name for levels of several keys")
         self.list.setCurrentRow(0 if found else -1)
@@ -104,5 +104,5 @@ class KeyChooser(QDialog):
 
 
 def _plain(words: str) -> str:
-    """Return a name that can stand between quotes in the file."""
+    """Return a name without the characters that cannot be between quotes in the file."""
     return words.strip().replace('"', "")

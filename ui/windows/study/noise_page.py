@@ -1,4 +1,4 @@
-"""Drawings of the effect of a study's noise."""
+"""Drawings that show the effect of a study's noise."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -21,7 +21,7 @@ _WHEELS, _FILTER = "what the wheels report", "where the filter believes the robo
 
 
 class NoiseView(QScrollArea):
-    """Drawings of the noise's effect, made again after each change."""
+    """Drawings of the noise's effect, updated after each change."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -53,7 +53,7 @@ class NoiseView(QScrollArea):
 
     @property
     def busy(self) -> bool:
-        """True during drawing."""
+        """True while a drawing is being made."""
         return self._work.busy
 
     def draw(self, draft: StudyDraft, values: Mapping[str, str]) -> None:
@@ -63,14 +63,14 @@ class NoiseView(QScrollArea):
         if group is None or not self.isVisible():
             return
         study = draft.study or Study()
-        # Copy the values and measure the widgets here: the worker's thread must not use either.
+        # Copy the values and measure the widgets in this thread, because the worker's thread must not use them.
         fields, typed = tuple(group.all_fields()), dict(values)
         palette = colours()
         jobs = [(name, picture.paint, picture.canvas(palette)) for name, picture in self._pictures.items()]
         self._work.ask(lambda: _drawn(preview_of(study, noise_from_form(fields, typed)), jobs))
 
     def redraw(self) -> None:
-        """Draw the same in another size or in other colors."""
+        """Draw the same noise in another size or in other colors."""
         if self._requested is not None:
             self.draw(*self._requested)
 
@@ -131,7 +131,7 @@ class NoiseView(QScrollArea):
 
 
 class NoisePage(QSplitter):
-    """Fields and drawings side by side, or one below the other if the width is too small."""
+    """Fields and drawings side by side; if the width is too small, one below the other."""
 
     def __init__(self, fields: QWidget, drawings: NoiseView) -> None:
         super().__init__(Qt.Orientation.Horizontal)
@@ -157,7 +157,7 @@ class NoisePage(QSplitter):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Drawn:
-    """Preview with its finished images."""
+    """Preview, and its finished images."""
 
     preview: NoisePreview
     images: Mapping[str, QImage]

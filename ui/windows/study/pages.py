@@ -1,4 +1,4 @@
-"""Pages of the study window: a section, search results, the whole text, the changes to be written."""
+"""Pages of the study window: a section, search results, the whole text, and the changes that saving would write."""
 
 from collections.abc import Callable, Iterator
 from functools import partial
@@ -28,7 +28,7 @@ from ui.windows.untrusted_text import button_text
 _FOUND = "found"
 _MOST_FOUND = 40
 _SLICE = 15
-"""Milliseconds of building before the window handles other events."""
+"""Milliseconds for which rows are built before the window handles other events."""
 
 
 class FieldsPage(QScrollArea):
@@ -36,17 +36,17 @@ class FieldsPage(QScrollArea):
 
     Attributes:
         rows: rows shown, by the keys of the fields.
-        edited: a person typed or chose a value: key of the field, and the text.
-        edit_finished: a person finished editing a field.
-        reset: a person wants to return a field to its default.
-        file_wanted: a person wants to edit the file that a field names.
-        preview_wanted: a person wants to preview a step as participants see it.
-        opened: a person wants to see a section.
-        added: a person wants another item in a section.
-        removed: a person wants to remove an item.
-        moved: a person wants to move an item one place down (1) or up (-1).
-        cleared: a person wants to return all fields of a section to their defaults.
-        built: all rows exist.
+        edited: signal: a person typed or chose a value; key of the field, and the text.
+        edit_finished: signal: a person finished editing a field.
+        reset: signal: a person wants to reset a field to its default.
+        file_wanted: signal: a person wants to edit the file that a field names.
+        preview_wanted: signal: a person wants to preview a step as participants see it.
+        opened: signal: a person wants to see a section.
+        added: signal: a person wants another item in a section.
+        removed: signal: a person wants to remove an item.
+        moved: signal: a person wants to move an item one place down (1) or up (-1).
+        cleared: signal: a person wants to reset all fields of a section to their defaults.
+        built: signal: all rows exist.
     """
 
     edited = Signal(str, str)
@@ -81,7 +81,7 @@ class FieldsPage(QScrollArea):
         self.verticalScrollBar().actionTriggered.connect(self._let_go)
 
     def show_groups(self, draft: StudyDraft, groups: tuple[FormGroup, ...], *, narrow: bool = False) -> None:
-        """Show the fields of these sections; the first section has the large heading."""
+        """Show the fields of these sections; the first section gets the large heading."""
         shape = tuple(part for group in groups for part in _shape_of(group))
         self._draft = draft
         if shape == self._shape:
@@ -94,16 +94,19 @@ class FieldsPage(QScrollArea):
         self._build_on()
 
     def go_to_added(self, key: str) -> None:
-        """Go to this row, or to the first row of this item, once the page shows it."""
+        """Go to this row, or to the first row of this item, as soon as the page shows it."""
         self._wanted = key
 
     def finish(self) -> None:
-        """Build the rest of the page at once."""
+        """Build all remaining rows of the page at once."""
         for _ in self._building:
             pass
 
     def _build_on(self) -> None:
-        """Build for some more milliseconds, since a page of many fields would block the window for too long."""
+        """Build rows for some more milliseconds.
+
+        A page with many fields is built in parts, because it would block the window.
+        """
         began = QElapsedTimer()
         began.start()
         for _ in self._building:
@@ -136,7 +139,7 @@ class FieldsPage(QScrollArea):
                 show(name)
 
     def _name(self, group: FormGroup, show: Callable[[str], object]) -> None:
-        """Let a function show a section's name now, and after each change of the name."""
+        """Let a function show a section's name, now and after each change of the name."""
         self._naming.setdefault(group.key, []).append(show)
         show(group.label)
 
@@ -147,7 +150,7 @@ class FieldsPage(QScrollArea):
             row.show_field(field, draft.faults_of(field))
 
     def _build(self, groups: tuple[FormGroup, ...], *, narrow: bool) -> Iterator[None]:
-        """Rebuild the page row by row."""
+        """Rebuild the page, row by row."""
         inside = QWidget()
         column = spaced(QVBoxLayout(inside), 2 * GAP, 2 * GAP, GAP, 2 * GAP, 2 * GAP)
         column.addStretch(1)
@@ -168,19 +171,19 @@ class FieldsPage(QScrollArea):
         self._take_focus()
 
     def _take_focus(self) -> None:
-        """Return the focus to the part that had it before the page was rebuilt."""
+        """Give the focus back to the part that had it before the page was rebuilt."""
         wanted, self._wanted = self._wanted, ""
         part: QWidget | None = None
         if isinstance(wanted, tuple):
             key, by = wanted
-            # At an end of the list only the opposite direction is possible.
+            # At an end of the list, an item can move only in the opposite direction.
             part = next((b for step in (by, -by) if (b := self._moving.get((key, step))) and b.isEnabled()), None)
         elif wanted:
             part = next(
                 (row.editor for key, row in self.rows.items() if key == wanted or key.startswith(f"{wanted}.")), None
             )
         if part is not None:
-            # A new widget accepts the focus only once it is visible.
+            # A new widget accepts the focus only after it has become visible.
             QTimer.singleShot(0, part, partial(self.focus_on, part))
 
     def focus_on(self, part: QWidget) -> None:
@@ -284,7 +287,8 @@ class FieldsPage(QScrollArea):
 def _row(column: QVBoxLayout) -> QHBoxLayout:
     """Add an empty row at the end of a column that ends in a stretch.
 
-    PySide 6.11 crashes when a window closes if one of its rows got a stretch before it was put into another layout.
+    PySide 6.11 crashes when a window closes if a stretch was added to one of its rows before the row was added to
+    another layout.
     """
     row = QHBoxLayout()
     column.insertLayout(column.count() - 1, row)
@@ -292,7 +296,7 @@ def _row(column: QVBoxLayout) -> QHBoxLayout:
 
 
 def _say(button: QPushButton, words: str, name: str) -> None:
-    """Set the accessible name of a button: its action and the name of the section."""
+    """Set the accessible name of a button: its action, and the name of the section."""
     button.setAccessibleName(words.format(name))
 
 
@@ -306,7 +310,7 @@ def _rule() -> QWidget:
 
 
 def _shape_of(group: FormGroup) -> tuple[str, ...]:
-    """Return the names that decide whether a page needs the same widgets as before."""
+    """Return the names that determine if a page needs the same widgets as before."""
     return (group.key, *(field.key for field in group.fields), *(inner.key for inner in group.groups))
 
 
@@ -314,7 +318,7 @@ class TextPage(QWidget):
     """The file as text.
 
     Attributes:
-        edited: a person typed something; the whole text.
+        edited: signal: a person typed something; with the whole text.
     """
 
     edited = Signal(str)
@@ -357,7 +361,7 @@ class TextPage(QWidget):
         self.editor.setFocus()
 
     def mark_unmodified(self) -> None:
-        """Mark the text as part of the draft."""
+        """Mark the shown text as equal to that of the draft."""
         self.editor.document().setModified(False)
 
     def _typed(self) -> None:

@@ -1,4 +1,4 @@
-"""List of the maps, template sets, files, words or programs that a field may name, each with a preview."""
+"""List of the maps, template sets, files, words or programs that a field can name, with a preview of each."""
 
 from pathlib import Path
 
@@ -28,7 +28,7 @@ class ResourceList(QWidget):
 
     Args:
         key: key of the field.
-        resources: resources that the field may name.
+        resources: resources that the field can name.
         study_folder: folder of the study, to which paths are relative.
         parent: editor of the field.
     """
@@ -65,7 +65,7 @@ class ResourceList(QWidget):
         self.resize(px(380), px(min(4, max(1, len(resources))) * (height + 12) + (60 if is_path(key) else 20)))
 
     def open_below(self, editor: QWidget) -> None:
-        """Show the list below a widget, or above it if the screen ends there, and give the list the focus."""
+        """Show the list below a widget, or above it if there is no space below; give the list the focus."""
         below, above = editor.mapToGlobal(QPoint(0, editor.height())), editor.mapToGlobal(QPoint(0, -self.height()))
         fits = below.y() + self.height() <= editor.screen().availableGeometry().bottom()
         self.move(below if fits else above)
@@ -99,7 +99,7 @@ class ResourceList(QWidget):
 
 
 def _as_written(path: Path, study_folder: Path, *, folder: bool) -> str:
-    """Return a path as a study writes it: relative if it is in the study's folder; a folder starts with "./"."""
+    """Return a path as a study writes it: relative if it is in the study's folder. A folder starts with "./"."""
     if not path.resolve().is_relative_to(study_folder.resolve()):
         return str(path)
     inside = path.resolve().relative_to(study_folder.resolve())

@@ -1,4 +1,4 @@
-"""Field of the form: its name, description, value, origin of the value, and faults."""
+"""Field of the form: its name, description, value, the source of the value, and its faults."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -18,7 +18,7 @@ _EDITOR_WIDTH = 240
 _WIDE = 340
 """Width of the editor of a list, `px`."""
 _WIDEST = 360
-"""Greatest width of an editor, logical pixels; a button fits next to it in a small window."""
+"""Greatest width of an editor, logical pixels; in a small window, a button still fits next to it."""
 _NARROW = 128
 """Width of an editor next to drawings, `px`."""
 _WORDS = 240
@@ -29,13 +29,13 @@ _STEPS = 1000
 
 
 class _Line(QLineEdit):
-    """Line edit that reports when it loses the focus, and when a person asks for the list of choices."""
+    """Line edit that reports when it loses the focus, and when a person requests the list of choices."""
 
     left = Signal()
     listed = Signal()
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Request the list on the key that opens lists elsewhere."""
+        """Request the list if the pressed key is one that opens lists elsewhere."""
         if event.key() == Qt.Key.Key_Down:
             self.listed.emit()
         else:
@@ -47,7 +47,7 @@ class _Line(QLineEdit):
 
 
 class _Combo(ChoiceBox):
-    """Combo box that the wheel changes only while it has the focus, to prevent accidents."""
+    """Combo box that the mouse wheel changes only while it has the focus, to prevent accidental changes."""
 
     def wheelEvent(self, event: QWheelEvent) -> None:
         if self.hasFocus():
@@ -57,7 +57,7 @@ class _Combo(ChoiceBox):
 
 
 class _Slider(QSlider):
-    """Slider that the wheel never moves, to prevent accidents on a page that scrolls."""
+    """Slider that the mouse wheel never changes, to prevent accidental changes on a page that scrolls."""
 
     def wheelEvent(self, event: QWheelEvent) -> None:
         event.ignore()
@@ -69,17 +69,17 @@ class FieldRow(FoldingRow):
     Args:
         field: field shown.
         study_folder: folder of the study.
-        named: function that returns the resources that the field may name at the moment.
+        named: function that returns the resources that the field can name at the moment.
         narrow: True if drawings are next to the row.
 
     Attributes:
         field: field shown.
         editor: widget to type or choose in.
         last_widget: last widget of the row in the order of Tab.
-        edited: a person typed or chose a value: key of the field, and the text.
-        edit_finished: a person finished editing the field.
-        reset: a person wants to return the field to its default.
-        file_wanted: a person wants to edit the file that the field names; key of the field.
+        edited: signal: a person typed or chose a value; key of the field, and the text.
+        edit_finished: signal: a person finished editing the field.
+        reset: signal: a person wants to reset the field to its default.
+        file_wanted: signal: a person wants to edit the file that the field names; key of the field.
     """
 
     edited = Signal(str, str)
@@ -151,7 +151,7 @@ class FieldRow(FoldingRow):
         return "" if self._line is None else self._line.text()
 
     def show_field(self, field: FormField, faults: tuple[BadFile, ...]) -> None:
-        """Show the field's current value; keep a text that is being typed."""
+        """Show the field's current value; do not replace a text that is being typed."""
         self.field = field
         text = editable_text(field)
         if self._line is not None and not (self._line.hasFocus() and self._line.isModified()):
@@ -200,7 +200,7 @@ class FieldRow(FoldingRow):
         return line
 
     def open_list(self) -> None:
-        """Open the list of resources that the field may name."""
+        """Open the list of resources that the field can name."""
         shown = ResourceList(self.field.key, self._named(), self._study_folder, self.editor)
         shown.chosen.connect(self._chosen)
         shown.open_below(self.editor)
@@ -263,7 +263,7 @@ class FieldRow(FoldingRow):
 
 
 def _arrow(colour: QColor) -> QIcon:
-    """Return the sign of a list that opens."""
+    """Return the sign of a button that opens a list."""
     side = px(16)
     pixmap = QPixmap(side, side)
     pixmap.fill(Qt.GlobalColor.transparent)
@@ -276,7 +276,7 @@ def _arrow(colour: QColor) -> QIcon:
 
 
 def _set_muted(line: QLineEdit, muted: bool) -> None:
-    """Show a default in italics; the text below says it as well."""
+    """Show a default value in italics; the text below says that it is the default."""
     wanted = font()
     wanted.setItalic(muted)
     line.setFont(wanted)
@@ -291,7 +291,7 @@ def _slides(field: FormField) -> bool:
 
 
 def _value_at(field: FormField, place: int) -> str:
-    """Return the number at a slider's place. Small numbers get more space, since most noise is small."""
+    """Return the number at a slider's position. Small numbers get more space, because most noise is small."""
     share = place / _STEPS
     if field.minimum < 0:
         return f"{field.minimum + (field.maximum - field.minimum) * share:.3g}"

@@ -1,4 +1,4 @@
-"""Sections of a study as a tree, each with the numbers of its written and of its faulty fields."""
+"""Tree of a study's sections; each shows its numbers of written fields and of faulty fields."""
 
 from PySide6.QtCore import QSignalBlocker, Qt, Signal
 from PySide6.QtWidgets import QTreeWidget, QTreeWidgetItem
@@ -9,7 +9,7 @@ from ui.windows.look import GAP, follow_text, px
 from ui.windows.untrusted_text import shown
 
 NOISE = "noise"
-"""Key of the section that is a single page with all its subsections."""
+"""Key of the section that is shown on a single page with all its subsections."""
 _KEY = Qt.ItemDataRole.UserRole
 
 
@@ -17,7 +17,7 @@ class SectionTree(QTreeWidget):
     """Tree of sections.
 
     Attributes:
-        chosen: a person wants to see the section with this key.
+        chosen: signal: a person wants to see the section with this key.
     """
 
     chosen = Signal(str)
@@ -46,7 +46,7 @@ class SectionTree(QTreeWidget):
             item.setData(0, Qt.ItemDataRole.AccessibleTextRole, ", ".join([group.label, *spoken]))
 
     def select(self, key: str) -> bool:
-        """Select a section without a signal; return False if no section has this key."""
+        """Select a section without emitting a signal; return False if no section has this key."""
         item = self._items().get(key)
         if item is None:
             return False
@@ -91,5 +91,5 @@ def _made_item(group: FormGroup) -> QTreeWidgetItem:
 
 
 def _is_in(place: str, section: str) -> bool:
-    """Return True if a field lies in a section. Other fields belong to the section of the whole study."""
+    """Return True if a field is in a section. Fields without a section are in the section of the whole study."""
     return place.startswith((f"{section}.", f"{section}[")) if section else "." not in place

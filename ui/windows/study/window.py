@@ -39,7 +39,8 @@ from ui.windows.untrusted_text import title_text
 
 
 class StudyWindow(QMainWindow):
-    """Window of a study file: sections on the left, fields in the middle, noise drawings on the right, faults below."""
+    """Window of a study file: sections on the left, fields in the middle, drawings of noise on the right, and faults
+    below."""
 
     def __init__(self, path: Path) -> None:
         """Open a study file.
@@ -110,7 +111,7 @@ class StudyWindow(QMainWindow):
 
     @Slot()
     def show_changes(self) -> None:
-        """Show the changes that saving would make."""
+        """Show the changes that saving would write."""
         self._stack.setCurrentWidget(self.changes)
         self._show()
         self.changes.view.setFocus()
@@ -246,7 +247,10 @@ class StudyWindow(QMainWindow):
             self.editor.change(f"+{key}.{name}", lambda draft: draft.add_key(draft.groups()[key], name), at_once=True)
 
     def _open_form(self, key: str) -> None:
-        """Edit the questionnaire that a step names in a separate window; create the file first if it does not exist."""
+        """Edit the questionnaire that a step names in a separate window.
+
+        If the file does not exist, create it first.
+        """
         name = editable_text(self.editor.draft.fields()[key])
         folder, shipped = self.editor.path.parent, shipped_form(name, language_of(self.editor.draft))
         path, start = folder / (name or "questionnaire.yaml"), START
@@ -297,7 +301,7 @@ class StudyWindow(QMainWindow):
 
     @Slot()
     def save(self) -> None:
-        """Write the file; ask first if it has faults, or if another program changed it."""
+        """Write the file; ask for confirmation if it has faults, or if another program has changed it."""
         self._closing = False
         self.editor.save()
 
@@ -351,7 +355,7 @@ class StudyWindow(QMainWindow):
         self.editor.load_again()
 
     def closeEvent(self, event: QCloseEvent) -> None:
-        """Ask first if changes would be lost."""
+        """Ask for confirmation if changes would be lost."""
         touched = bool(self.editor.history.past) or not self.editor.settled
         if self.editor.dirty and touched and not self._closing:
             box = QMessageBox(QMessageBox.Icon.Question, self.editor.path.name, "Save the changes?", parent=self)

@@ -1,4 +1,4 @@
-"""The template set as sheets and texts, with a preview."""
+"""Window of a template set: sheets and texts, with a preview."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Page with a sheet of a template set: one row for each treasure or property, with lists of choices for some cells."""
+"""Page with a sheet of a template set: one row for each treasure or property; some cells offer a list of choices."""
 
 from collections.abc import Callable, Collection, Mapping
 from functools import partial
@@ -46,7 +46,7 @@ class SheetPage(QWidget):
     """Table of cells to type or choose in, and buttons that add and remove rows.
 
     Signals:
-        changed: the files that a change affects, with their new texts.
+        changed: the files that a change concerns, with their new texts.
 
     Args:
         name: kind of the rows, such as `treasure`.
@@ -127,7 +127,7 @@ class SheetPage(QWidget):
         self._show_meaning()
 
     def go_to(self, fault: BadFile) -> bool:
-        """Select the cell that a fault is about; return False if no cell is."""
+        """Select the cell that a fault concerns; return False if it concerns no cell."""
         cell = None if self._shown is None else self._shown.cell_of(fault)
         if cell is None:
             return False
@@ -197,7 +197,7 @@ class SheetPage(QWidget):
 
 
 class _Choices(QStyledItemDelegate):
-    """Gives cells with choices a list to choose from."""
+    """Delegate that shows a list in cells with choices."""
 
     def __init__(self, table: QTableWidget, choices: Callable[[int], tuple[str, ...]]) -> None:
         super().__init__(table)

@@ -62,7 +62,7 @@ class TemplateWindow(QMainWindow):
     Attributes:
         sheets: page of each sheet, by its title.
         pages: editor of each file, by its path in the folder.
-        changes: changes that saving would make.
+        changes: page with the changes that saving would write.
         words: menu of the words that are allowed at the cursor.
         draft: texts at the latest check.
         preview: all sentences, as a robot would say them.
@@ -81,8 +81,7 @@ class TemplateWindow(QMainWindow):
         self.pages = {name: self._made_page(name, disk.text) for name, disk in self._on_disk.items()}
         self.sheets = {title: self._made_sheet(title) for title in sheets_of(self._shown_texts()) or ("Treasures",)}
         self.changes = ChangesPage()
-        # Names of the pages changed by each step of the person, the latest step last; and of the steps that were
-        # undone.
+        # Names of the pages changed by each step of the person, the latest step last; and the same for undone steps.
         self._done: list[tuple[str, ...]] = []
         self._undone: list[tuple[str, ...]] = []
         self._step: list[str] | None = None
@@ -90,7 +89,7 @@ class TemplateWindow(QMainWindow):
         self._new_pictures: dict[str, bytes] = {}
         # Original bytes of the replaced pictures.
         self._replaced: dict[str, bytes | None] = {}
-        # Properties and pictures of the latest texts without faults.
+        # Properties and pictures of the latest texts that had no faults.
         self._properties: tuple[TreasureProperty, ...] = ()
         self._pictures: Mapping[str, bytes] = {}
         self._pause = QTimer(self, singleShot=True, interval=_PAUSE)
@@ -143,13 +142,13 @@ class TemplateWindow(QMainWindow):
     # Texts ------------------------------------------------------------------------------------------------------------
 
     def texts(self) -> dict[str, str]:
-        """Return the texts as typed, with the line ends of their files."""
+        """Return the typed texts, with the line ends of their files."""
         return {
             name: with_line_ends_of(self._on_disk[name].text, exact_text(page)) for name, page in self.pages.items()
         }
 
     def changed(self) -> list[str]:
-        """Return the names of the files that differ from those on disk: of texts, and of inserted pictures."""
+        """Return the names of the files that differ from those on disk: texts, and inserted pictures."""
         return [*self._changed_texts(), *self._new_pictures]
 
     def _changed_texts(self) -> list[str]:
@@ -161,7 +160,10 @@ class TemplateWindow(QMainWindow):
 
     @Slot()
     def save(self) -> bool:
-        """Write all changes, each file in one step. Return False if that was declined or not possible."""
+        """Write all changes, each file in one step.
+
+        Return False if the person declined this, or if it was not possible.
+        """
         faults = template_draft(self.folder, self.texts(), self._new_pictures).faults
         count = f"{len(faults)} {'fault remains' if len(faults) == 1 else 'faults remain'}"
         if faults and not self._asked(f"{count}. thbridge refuses a set with faults.", "Save anyway"):
@@ -198,7 +200,7 @@ class TemplateWindow(QMainWindow):
             return None
 
     def closeEvent(self, event: QCloseEvent) -> None:
-        """Ask first if changes would be lost."""
+        """Ask for confirmation if changes would be lost."""
         if self.changed():
             box = QMessageBox(QMessageBox.Icon.Question, self.folder.name, "Save the changes?", parent=self)
             box.setObjectName("question")
@@ -320,7 +322,7 @@ class TemplateWindow(QMainWindow):
         self._refresh_sheets()
 
     def _stepped(self, name: str) -> None:
-        """Note that a page has one more step that can be undone."""
+        """Record that a page has one more step that can be undone."""
         if self._step is not None:
             self._step.append(name)
         else:
@@ -353,7 +355,7 @@ class TemplateWindow(QMainWindow):
             self._show_state()
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Leave the undo and redo keys to the window, since a page knows only its own steps."""
+        """Leave the undo and redo keys to the window, because a page knows only its own steps."""
         if event.type() == QEvent.Type.ShortcutOverride and isinstance(event, QKeyEvent) and _is_of_steps(event):
             event.ignore()
             return True
@@ -379,18 +381,18 @@ class TemplateWindow(QMainWindow):
             page.setFocus()
 
     def _questions(self) -> QPlainTextEdit | None:
-        """Return the open page if it holds questions."""
+        """Return the open page if it contains questions."""
         shown = self.tabs.currentWidget()
         pages = (page for name, page in self.pages.items() if Path(name).name == DIALOGUE_TEXT)
         return next((page for page in pages if page is shown), None)
 
     def _change_picture(self, item: QListWidgetItem) -> None:
-        """Replace a treasure's picture by another image file; saving the set writes it."""
+        """Replace a treasure's picture by another image file, which is written when the set is saved."""
         self._take_picture(item.data(Qt.ItemDataRole.UserRole))
 
     @Slot()
     def _add_picture(self) -> None:
-        """Add an image file to the others, for a treasure to name."""
+        """Add an image file to the pictures, so that a treasure can name it."""
         self._take_picture(None)
 
     def _take_picture(self, name: str | None) -> None:
@@ -403,7 +405,7 @@ class TemplateWindow(QMainWindow):
             self._show_problem(f"{picked}: cannot be read ({error.strerror}).")
             return
         if QPixmap().loadFromData(data):
-            # Replace blanks, since the list of treasures allows none in names.
+            # Replace blanks, because the list of treasures allows no blanks in names.
             taken = name or "_".join(Path(picked).name.split())
             self._replaced.setdefault(taken, self._picture_on_disk(taken))
             self._new_pictures[taken] = data
@@ -432,7 +434,9 @@ class TemplateWindow(QMainWindow):
         follow_text(page, lambda it: it.setFont(fixed_font()))
         page.textChanged.connect(self._typed)
         page.document().undoCommandAdded.connect(partial(self._stepped, name))
-        page.setContextMenuPolicy(Qt.ContextMenuPolicy.NoContextMenu)  # The menu would undo steps of this page only.
+        page.setContextMenuPolicy(
+            Qt.ContextMenuPolicy.NoContextMenu
+        )  # Otherwise the menu would undo only the steps of this page.
         page.installEventFilter(self)
         return page
 
@@ -505,11 +509,11 @@ def _replace_text(page: QPlainTextEdit, text: str) -> None:
 
 
 def _same(one: str, other: str) -> int:
-    """Return the number of characters that both have in common at the beginning."""
+    """Return the number of characters at the beginning that two texts have in common."""
     pairs = enumerate(zip(one, other, strict=False))
     return next((index for index, (a, b) in pairs if a != b), min(len(one), len(other)))
 
 
 def _units(text: str) -> int:
-    """Return the length as Qt counts it, in units of UTF-16."""
+    """Return the length as Qt counts it, in UTF-16 units."""
     return len(text.encode("utf-16-le", "surrogatepass")) // 2

@@ -14,14 +14,15 @@ from ui.windows.untrusted_text import shown
 MOVES = ("Time", "Speaker", "Move", "Sentence", "State")
 DETAILS = ("Content", "Source", "Status")
 PART = 110
-"""Smallest height of each part, logical pixels with text of the usual size; the dock scrolls if they do not fit."""
+"""Smallest height of each part, logical pixels at the normal size of text; if the parts do not fit, the dock
+scrolls."""
 
 
 class ArgumentsDock(QWidget):
     """Latest dialogue of the selected robot at the time shown.
 
     Signals:
-        chosen: a person wants to see the time of a move, seconds since the beginning.
+        chosen: a person wants to see the moment of a move, seconds since the beginning.
     """
 
     chosen = Signal(float)
@@ -30,7 +31,7 @@ class ArgumentsDock(QWidget):
         super().__init__()
         self._course = DialogueCourse()
         self._times: tuple[float, ...] = ()
-        # With the arrow keys people reach the end of a sentence that is wider than the field.
+        # With the arrow keys, people can reach the end of a sentence that is wider than the field.
         self.heading = QLineEdit(readOnly=True, frame=False)
         self.heading.setAccessibleName("Dialogue shown")
         self.list = ChoiceBox()
@@ -75,7 +76,7 @@ class ArgumentsDock(QWidget):
         Args:
             robot: index of the robot.
             course: its latest dialogue.
-            start_ns: ROS time from which times count.
+            start_ns: ROS time from which the displayed times are counted.
         """
         if (text := shown(heading(robot, course))) != self.heading.text():
             self.heading.setText(text)

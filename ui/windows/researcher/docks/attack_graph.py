@@ -11,14 +11,14 @@ from ui.model.watching.dialogue_rows import describe_attacks, holders
 from ui.windows.look import GAP, colours, font, px, smooth_painter
 
 HEAD, SPREAD = 9.0, 0.42
-"""Length of an arrow's head, logical pixels, and the angle between its axis and an edge, radians."""
+"""Length of an arrowhead, logical pixels, and the angle between its axis and its edges, radians."""
 STANDS = "✓"
 
 
 class AttackGraph(QWidget):
     """Arguments as numbered boxes on an ellipse, and attacks as arrows.
 
-    An argument in the grounded extension stands: it has a tick and a double edge.
+    An argument in the grounded extension has a tick and a double edge.
     """
 
     def __init__(self) -> None:
@@ -33,7 +33,7 @@ class AttackGraph(QWidget):
         self.update()
 
     def minimumSizeHint(self) -> QSize:
-        """Return the size at which a few arguments can be distinguished."""
+        """Return the size at which some arguments can be distinguished."""
         return QSize(px(120), px(90))
 
     def boxes(self) -> list[QRectF]:
@@ -51,7 +51,7 @@ class AttackGraph(QWidget):
         found = []
         for place in range(count):
             angle = 2.0 * math.pi * place / count - math.pi / 2.0
-            # Place two of them side by side, where there is more room.
+            # Two arguments are placed side by side, because there is more space.
             angle -= math.pi / 2.0 if count == 2 else 0.0
             box.moveCenter(middle + QPointF(wide * math.cos(angle), high * math.sin(angle)))
             found.append(QRectF(box))

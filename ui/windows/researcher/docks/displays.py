@@ -31,10 +31,10 @@ class MapDisplay(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class DisplaySwitch:
-    """Switch of one display.
+    """Switch for one kind of data on the map.
 
     Attributes:
-        key: shortcut that toggles it; empty if it has none.
+        key: shortcut that switches it on or off; empty if it has none.
         label: name of the display for people.
         on: True if the display is on at first.
         hint: description of the display.
@@ -76,7 +76,7 @@ SWITCHES = {
 
 
 class DisplaysPanel(QScrollArea):
-    """List of displays, as in rviz; it scrolls if there is little space.
+    """List of displays, as in rviz; it scrolls if there is not enough space.
 
     Signals:
         changed: a display was switched on or off.

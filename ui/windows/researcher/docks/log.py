@@ -1,4 +1,4 @@
-"""Lists in chronological order: lines of the protocol, dialogue, events, inputs."""
+"""Lists in chronological order: lines of the protocol, dialogue, events, and inputs."""
 
 from bisect import bisect_right
 from collections.abc import Sequence
@@ -15,7 +15,7 @@ from ui.windows.untrusted_text import PlainLabel, shown
 MAX_ROWS = 20_000
 """Largest number of rows kept; the oldest are dropped first."""
 DROPPED_AT_ONCE = MAX_ROWS // 10
-"""Number of rows dropped at once, so that a full list does not drop one row for each new row."""
+"""Number of rows dropped at once, so that a full list need not drop a row each time a row is added."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,7 +36,7 @@ class LogRow:
 class LogModel(TableModel):
     """Rows that match the filter, in chronological order.
 
-    Rows after the time shown are dimmed, since a recording includes later ones.
+    Rows after the time shown are dimmed, because a recording also has later rows.
 
     Args:
         columns: titles of the columns after the time.
@@ -57,7 +57,7 @@ class LogModel(TableModel):
 
     @property
     def size(self) -> int:
-        """Number of rows kept, including those that the filter hides."""
+        """Number of all rows, including those that the filter hides."""
         return len(self._rows)
 
     @property
@@ -66,11 +66,11 @@ class LogModel(TableModel):
         return self._past - 1
 
     def row(self, number: int) -> LogRow:
-        """Return a visible row by its index."""
+        """Return a visible row, given its index."""
         return self._shown[number]
 
     def extend(self, rows: Sequence[LogRow]) -> None:
-        """Append rows that are later than all earlier ones."""
+        """Append rows, which must be later than all earlier rows."""
         if not rows:
             return
         rows = rows[-MAX_ROWS:]
@@ -141,7 +141,7 @@ class LogView(QWidget):
         columns: titles of the columns after the time.
 
     Signals:
-        chosen: a person wants to see the time of a row, seconds since the beginning.
+        chosen: a person wants to see the moment of a row, seconds since the beginning.
     """
 
     chosen = Signal(float)
@@ -177,7 +177,7 @@ class LogView(QWidget):
         self._show_size()
 
     def extend(self, rows: Sequence[LogRow]) -> None:
-        """Append rows that are later than all earlier ones."""
+        """Append rows, which must be later than all earlier rows."""
         if rows:
             self.model.extend(rows)
             self._show_size()
@@ -189,7 +189,7 @@ class LogView(QWidget):
         self._show_size()
 
     def show_time(self, now: float) -> None:
-        """Scroll to this time, unless a person scrolled away."""
+        """Scroll to this time, unless a person has scrolled away."""
         before = self.model.last_past
         self.model.show_time(now)
         if self.model.last_past != before:
@@ -217,12 +217,12 @@ class LogView(QWidget):
     def _keep_up(self) -> None:
         if self._follows.isChecked() and self.model.last_past >= 0:
             self._scrolls = True
-            self.table.doItemsLayout()  # Lay out now: otherwise the scroll bar ignores the newest rows.
+            self.table.doItemsLayout()  # Otherwise the scroll bar would ignore the newest rows.
             self.table.scrollTo(self.model.index(self.model.last_past, 0), QTableView.ScrollHint.EnsureVisible)
             self._scrolls = False
 
     def _scrolled(self) -> None:
-        """After scrolling by hand, follow the time only if the current row is visible."""
+        """After a person has scrolled, follow the time only if the row of the time shown is visible."""
         if self._scrolls or self.model.last_past < 0:
             return
         place = self.table.visualRect(self.model.index(self.model.last_past, 0))

@@ -1,4 +1,4 @@
-"""Bar below the map: play, pause, step, speed and time."""
+"""Bar below the map with controls for play, pause, step, speed and time."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -15,10 +15,10 @@ from ui.windows.untrusted_text import PlainLabel
 SPEEDS = (0.1, 0.25, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0)
 """Speeds to choose from, simulated seconds per second."""
 UTTERANCE_ARM, EVENT_ARM = 3.0, 5.0
-"""Half the height of an utterance's mark and of an event's mark on the timeline, pixels."""
+"""Half the height of marks on the timeline, for utterances and for events, pixels."""
 
 LOOP, FLAG = 3.0, 5.0
-"""Half the height of a loop, and half the width of a bookmark on the timeline, pixels."""
+"""Half the height of a loop on the timeline, and half the width of a bookmark, pixels."""
 BAR, BAR_ROWS = 2.0, 2
 """Height of a bar at the bottom of the timeline, pixels, and number of rows of bars."""
 
@@ -58,7 +58,7 @@ class TimelineBar:
 
 
 class Timeline(QSlider):
-    """Slider over the time of a recording, in milliseconds.
+    """Slider for the time of a recording, in milliseconds.
 
     Marks of events are above the line, marks of utterances below it, and bars at the bottom.
     """
@@ -167,12 +167,12 @@ class PlaybackBar(QWidget):
         live: True for a running session, where time cannot go back.
 
     Signals:
-        play_toggled: play if paused, pause if playing.
+        play_toggled: play if it is paused, pause if it is playing.
         stepped: number of steps forward; negative for back.
         speed_chosen: simulated seconds per second.
         seek: go to this time, seconds since the beginning.
         recording_wanted: open the recording of the session that has ended.
-        refused: why a typed time is not valid.
+        refused: the reason why a typed time is not valid.
     """
 
     play_toggled = Signal()
@@ -259,7 +259,7 @@ class PlaybackBar(QWidget):
         self.seek.emit(time)
 
     def show_playing(self, playing: bool) -> None:
-        """Show whether it plays or is paused."""
+        """Show if it plays or is paused."""
         if playing != self._playing:
             self._playing = playing
             self.play.setText("❚❚  Pause" if playing else "▶  Play")

@@ -1,5 +1,5 @@
-"""Plots over time: errors of position and heading, standard deviations, energy and speed of the robots, and any numbers
-in the topics of a recording."""
+"""Plots over time: errors of position and heading, standard deviations, energy and speed of the robots, and all other
+numbers in the topics of a recording."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -17,21 +17,24 @@ from ui.windows.look import follow_text, font, label, px
 from ui.windows.untrusted_text import shown
 
 LATE = 1.0
-"""Seconds after the beginning of a session from which a window counts as having joined late."""
+"""Seconds after the beginning of a session after which a window has joined late."""
 LIVE_SECONDS = 60.0
-"""Seconds of a running session that the plots show until a person moves along the time."""
+"""Last seconds of a running session that the plots show until a person moves along the time axis."""
 _UNBOUNDED = 16_777_215.0
 """Qt's maximum height of a widget."""
 LEAST_HEIGHT = 112
-"""Smallest height of a plot, `px`; the dock scrolls if not all plots fit."""
+"""Smallest height of a plot, `px`; if not all plots fit, the dock scrolls."""
 NOTHING = "Nothing is plotted. Open a topic in the Topics pane, and tick numbers."
 MOST_POINTS = 4000
-"""Largest number of points in a curve, more than a screen has columns. Longer curves show the extremes of each run."""
+"""Greatest number of points in a curve, which is more than the columns of a screen.
+
+A longer curve shows the extreme values of each run of neighbors.
+"""
 
 
 @dataclass(frozen=True, slots=True)
 class PlotPanel:
-    """One of the plots.
+    """Plot of one figure of all robots.
 
     Attributes:
         name: name of the figure in `RobotCurves`.
@@ -51,8 +54,8 @@ class RobotCurves:
     Attributes:
         robot: index in the team.
         name: name of the robot in the legend.
-        figures: by the name of a panel (or "band": two standard deviations of position, meters): (n,) seconds since
-            the beginning, ascending, and (n,) values; NaN leaves a gap.
+        figures: curves by the name of a panel, or "band" for two standard deviations of position, meters. A curve has
+            (n,) seconds since the beginning, ascending, and (n,) values; NaN leaves a gap.
     """
 
     robot: int
@@ -62,7 +65,7 @@ class RobotCurves:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class NumberCurve:
-    """Number in a topic over time.
+    """Number in the messages of a topic, over time.
 
     Attributes:
         plot: title of the plot; curves with the same title share a plot.
@@ -86,7 +89,7 @@ PANELS = (
 )
 BAND = "band"
 TimeRange = Literal["all", "end", "free"]
-"""Time in view: everything, the moving end, or the part that a person chose."""
+"""Time in view: all of it, the moving end, or the part that a person chose."""
 
 
 class Plots(QWidget):
@@ -95,7 +98,7 @@ class Plots(QWidget):
     A band behind the error shows two standard deviations of the selected robot. Numbers of topics have their plots
     below these. A plot without a curve is hidden.
 
-    A click seeks that time; dragging and the wheel move along the time, a double click shows all of it again.
+    A click seeks a time. Dragging and the mouse wheel move along the time axis; a double click shows all of it again.
 
     Args:
         palette: the colors.
@@ -150,7 +153,7 @@ class Plots(QWidget):
         return [plot.title for plot in self._shown]
 
     def show_curves(self, robots: Sequence[RobotCurves], end: float) -> None:
-        """Draw these curves in place of earlier ones of the same robots.
+        """Draw these curves; they replace earlier curves of the same robots.
 
         Args:
             robots: curves of any robots of the team.
@@ -169,7 +172,7 @@ class Plots(QWidget):
         self._range()
 
     def show_numbers(self, curves: Sequence[NumberCurve], end: float) -> None:
-        """Draw these numbers of topics, and remove all others.
+        """Draw these numbers of topics, and remove the curves of all others.
 
         Args:
             curves: the numbers.
@@ -204,13 +207,13 @@ class Plots(QWidget):
             self._range()
 
     def show_joined(self, time: float) -> None:
-        """Mark the time at which the window joined the session; nothing is shown before it."""
+        """Mark the time at which the window joined the session; nothing before it is shown."""
         if time != self._joined:
             self._joined = time
             self._dress()
 
     def select(self, robot: int) -> None:
-        """Draw the curves of this robot stronger, and the band of its standard deviation."""
+        """Draw the curves of this robot with stronger lines, and the band of its standard deviation."""
         self._selected = robot
         for (_, number), curve in self._curves.items():
             curve.setPen(self._pen(number))
@@ -228,19 +231,19 @@ class Plots(QWidget):
         self.select(self._selected)
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        """Choose letters that fit."""
+        """Choose a size of letters that fits."""
         super().resizeEvent(event)
         if self._letters.pointSizeF() != self._fitting_letters().pointSizeF():
             self.set_palette(self._palette)
 
     def points(self, panel: str, robot: int) -> int:
-        """Return the number of points of a robot's curve in a panel."""
+        """Return the number of points in a robot's curve in a panel."""
         curve = self._curves.get((panel, robot))
         times = None if curve is None else curve.getOriginalDataset()[0]
         return 0 if times is None else len(times)
 
     def _arrange(self) -> None:
-        """Show the plots that have curves, one below another, with the time axis at the last one."""
+        """Show the plots that have curves, one below another; only the last one shows the time axis."""
         panels = {panel for panel, _ in self._curves}
         wanted = [plot for name, plot in self._panels.items() if name in panels]
         wanted += [plot for plot in self._number_plots.values() if plot not in wanted]
@@ -281,7 +284,7 @@ class Plots(QWidget):
             plot.joined.setPen(pg.mkPen(palette.muted, width=1, style=Qt.PenStyle.DashLine))
             plot.joined.setValue(self._joined)
             plot.joined.setVisible(self._joined > LATE)
-            # The first plot explains the line in words; the others only show the line.
+            # The first plot explains the line in words; the others show only the line.
             plot.joined_words.setVisible(first)
             plot.joined_words.setFormat(f"window joined\nat {self._joined:.0f} s")
             plot.joined_words.setColor(palette.muted)
@@ -289,7 +292,8 @@ class Plots(QWidget):
         self._name_curves()
 
     def _name_curves(self) -> None:
-        """Fill the legends: robots in the first plot with robots, numbers in plots that several of them share."""
+        """Fill the legends: names of robots in the first plot of robots, names of numbers in each plot that several of
+        them share."""
         robots = next((plot for plot in self._shown if plot in self._panels.values()), None)
         curves = self._of_numbers()
         if robots is not None:
@@ -308,12 +312,12 @@ class Plots(QWidget):
             legend.setColumnCount(max(1, int((self.width() - px(48)) / (letter * longest + px(48)))))
             for curve in named:
                 legend.addItem(curve, curve.name())
-        # Otherwise the legends keep the size that they had while they were empty.
+        # Without this, the legends keep the size that they had while they were empty.
         self.canvas.ci.layout.activate()
         self.canvas.ci.setGeometry(self.canvas.range)
 
     def _fitting_letters(self) -> QFont:
-        """Return small letters, or smaller ones if the widest title would not fit."""
+        """Return a small font, or a smaller one if the widest title would not fit."""
         letters = font("small")
         widest = max(QFontMetricsF(letters).horizontalAdvance(panel.title) for panel in PANELS)
         share = min(1.0, (self.width() - px(48)) / widest)
@@ -376,7 +380,7 @@ class Plots(QWidget):
             first.setXRange(0.0, self._end, padding=0.01)
 
     def _look_around(self) -> None:
-        """Stop following the end, since a person moved along the time."""
+        """Stop following the end, because a person has moved along the time axis."""
         self._span = "free"
 
     def _clicked(self, event: "pg.GraphicsScene.mouseEvents.MouseClickEvent") -> None:
@@ -408,16 +412,16 @@ class _TimePlot:
         self.item.setMouseEnabled(x=True, y=False)
         self.item.setClipToView(True)
         self.item.getViewBox().setAutoVisible(y=True)
-        # Place it above the plot, since curves fill the whole plot.
+        # The legend is above the plot, because curves fill the whole plot.
         self.legend = pg.LegendItem(size=(0, 0), verSpacing=-8)
         self.legend.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Fixed)
         for side in ("left", "bottom"):
-            # Grid lines between the numbers take longer to paint than all curves.
+            # Grid lines between the numbers take longer to paint than all curves together.
             self.item.getAxis(side).setStyle(maxTickLevel=0)
             self.item.getAxis(side).enableAutoSIPrefix(False)
         self.cursor = pg.InfiniteLine(angle=90, movable=False)
         self.joined = pg.InfiniteLine(angle=90, movable=False)
-        # Place it left of the line, where nothing is drawn.
+        # The words are left of the line, where nothing is drawn.
         self.joined_words = pg.InfLineLabel(self.joined, anchors=[(1.0, 0.5), (1.0, 0.5)])
         self.joined.hide()
         for line in (self.cursor, self.joined):
@@ -427,8 +431,8 @@ class _TimePlot:
 def thinned(times: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return a curve of at most `MOST_POINTS` points that looks the same.
 
-    Each run of neighbors keeps its smallest and its greatest value, so that no peak disappears. NaN within a run is
-    dropped.
+    The curve is divided into runs of neighbors. Each run keeps its smallest and its greatest value, so that no peak
+    disappears. NaN within a run is dropped.
     """
     run = -(-2 * len(times) // MOST_POINTS)
     if run <= 2:

@@ -1,4 +1,4 @@
-"""List of robots: error, standard deviation, energy, speed and state of each."""
+"""List of robots with error, standard deviation, energy, speed and state."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ from ui.windows.tables import RIGHT, ModelIndex, TableModel, row_table
 
 @dataclass(frozen=True, slots=True)
 class RobotRow:
-    """Row of a robot; None for unknown values.
+    """Row of a robot; unknown values are None.
 
     Attributes:
         name: name for people.
@@ -47,12 +47,14 @@ CHARACTERS = (16, 8, 6, 7, 5)
 """Widths of the columns, characters; the first column also gets the remaining width."""
 
 IMPORTANCE = (1, 3, 2, 4)
-"""Columns of figures in the order of importance. Where names need the room, the last ones are hidden; the plots show
-them as well."""
+"""Columns of figures, the most important first.
+
+If names need the space, the last columns are hidden; the plots show their values as well.
+"""
 
 
 class TeamModel(TableModel):
-    """Model of the rows; their number seldom changes, their values change many times a second."""
+    """Model of the rows. The number of rows seldom changes; the values change many times a second."""
 
     _shown: tuple[RobotRow, ...] = ()
 
@@ -85,7 +87,10 @@ class TeamModel(TableModel):
         return None
 
     def _chip(self, robot: int) -> QIcon:
-        """Return an icon in the robot's color, also for a selected row; an edge separates icon and selection."""
+        """Return an icon in the robot's color.
+
+        In a selected row, an edge separates the icon from the color of the selection.
+        """
         chip = QPixmap(px(18), px(18))
         chip.fill(QColor(colours().panel))
         painter = QPainter(chip)

@@ -1,4 +1,4 @@
-"""Topics of a recording as a tree: types, numbers of messages, and the numbers in them that can be plotted."""
+"""Tree of a recording's topics, with their types, numbers of messages, and the numbers that can be plotted."""
 
 from collections.abc import Iterable, Iterator, Sequence
 
@@ -14,7 +14,7 @@ _MARGIN = 8
 
 
 class TopicTree(QWidget):
-    """Tree of all topics. A person opens a topic to list its numbers, and ticks numbers to plot them.
+    """Tree of all topics. A person opens a topic to see its numbers, and ticks numbers to plot them.
 
     Signals:
         opened: a person opened a topic before its numbers were listed.

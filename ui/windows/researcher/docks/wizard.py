@@ -1,4 +1,4 @@
-"""Wizard-of-Oz: the researcher speaks in place of a robot, and the recording marks these sentences."""
+"""Wizard of Oz: the researcher speaks in place of a robot, and the recording marks these sentences."""
 
 from functools import partial
 from textwrap import fill
@@ -31,18 +31,18 @@ PUPPETS_PER_ROW = 5
 """Largest number of robots in a row."""
 
 WIDEST = 480
-"""Widest line of a sentence on a button, logical pixels; longer sentences are wrapped."""
+"""Greatest width of a sentence on a button, logical pixels; longer sentences are wrapped."""
 
 HEIGHT, REST = 248, 190
-"""Height of the list of waiting turns, and the height that it leaves to the rest of a low window, `px`."""
+"""Height of the list of waiting turns, and height that the list leaves to the other parts of a low window, `px`."""
 
 
 class WizardDock(QWidget):
     """Check boxes of the robots that the wizard speaks for, and the turns that wait for the wizard.
 
     Signals:
-        puppeteered: speak for this robot, or let it speak for itself.
-        spoke: in this waiting turn, make this move (index among the legal ones), in these words unless they are empty.
+        puppeteered: begin or stop speaking for this robot.
+        spoke: in this waiting turn, make the legal move with this index, in these words unless they are empty.
         advised: let this robot suggest this room.
     """
 
@@ -89,7 +89,9 @@ class WizardDock(QWidget):
         self._area.updateGeometry()
 
     def show_wizard(self, wizard: Wizard, robots: int, rooms: RoomNames = NO_NAMES) -> None:
-        """Show the puppets and the waiting turns; typed words stay while the turns do not change.
+        """Show the robots that the wizard speaks for, and the waiting turns.
+
+        Typed words remain while the turns do not change.
 
         Args:
             wizard: the puppets, and the waiting turns.
@@ -109,7 +111,7 @@ class WizardDock(QWidget):
         for pending in wizard.advice:
             self._cards.addWidget(self._advice(pending))
         waits = bool(wizard.turns or wizard.advice)
-        # Waiting turns need the room more than the note, which people have read by then.
+        # Waiting turns need the space more than the note, which people have read by then.
         self._note.setVisible(not waits or bool(self._reason))
         if not waits:
             self._cards.addWidget(PlainLabel("Nothing waits for you."))
@@ -168,10 +170,10 @@ class WizardDock(QWidget):
 
 
 class _SteadyArea(QScrollArea):
-    """Scroll area that has the same height with and without waiting turns, so that they never move the map.
+    """Scroll area with the same height with and without waiting turns, so that these never move the map.
 
     Attributes:
-        steady: False to be as high as the contents, which do not change then.
+        steady: False if the contents never change; the height is then that of the contents.
     """
 
     steady = True
@@ -181,7 +183,7 @@ class _SteadyArea(QScrollArea):
         self.setWidgetResizable(True)
 
     def minimumSizeHint(self) -> QSize:
-        """Return this height, as far as the window has room for it."""
+        """Return this height, as far as the window has space for it."""
         hint, contents, high = super().minimumSizeHint(), self.widget(), px(HEIGHT)
         if not self.steady and contents is not None:
             high = contents.heightForWidth(self.viewport().width()) + 2 * self.frameWidth()

@@ -1,4 +1,4 @@
-"""Interface of everything that the researcher's window can show; sessions and recordings share it."""
+"""Interface that sessions and recordings share, so that the researcher's window can show both."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,12 +12,12 @@ from ui.model.watching.session_log import SessionLog
 from ui.sources.numbers import TopicNumbers
 
 FeedRequest = Request | PaceRequest
-"""Request to the robots, or for another pace of the session."""
+"""Request to the robots, or to change the pace of the session."""
 
 
 @dataclass(frozen=True, slots=True)
 class FeedData:
-    """Everything known about a session or recording; its log and series grow.
+    """All known data of a session or recording; its log and series grow.
 
     Attributes:
         generation: counter that increases when all earlier data becomes invalid.
@@ -55,13 +55,13 @@ class FeedTransport(Protocol):
 
     @property
     def speed(self) -> float:
-        """Simulated seconds per second while playing; 0: as fast as the machine can."""
+        """Simulated seconds per second while playing. If 0, it is as fast as possible."""
 
     def play(self, on: bool) -> None:
         """Start or stop time."""
 
     def step(self, steps: int) -> None:
-        """Move N ticks forward, or back if negative, and stop there."""
+        """Move this number of ticks forward, or back if negative, and stop there."""
 
     def set_speed(self, speed: float) -> None:
         """Play at this speed."""
@@ -74,7 +74,7 @@ class FeedTransport(Protocol):
 
 
 class Feed(Protocol):
-    """Session or recording that can be watched. Times are seconds since the beginning."""
+    """Session or recording that can be watched. All times are seconds since the beginning."""
 
     @property
     def live(self) -> bool:
@@ -82,11 +82,11 @@ class Feed(Protocol):
 
     @property
     def refusal(self) -> str:
-        """Sentence that says why robots never accept requests; empty if they do."""
+        """Sentence that says why the robots never accept requests; empty if they do."""
 
     @property
     def data(self) -> FeedData:
-        """Everything known at this moment."""
+        """All data known at this moment."""
 
     @property
     def transport(self) -> FeedTransport:
@@ -109,10 +109,10 @@ class Feed(Protocol):
         """Return the feed's state in a few words."""
 
     def trouble(self) -> str:
-        """Return why there is nothing to see, or nothing new; empty if all is well."""
+        """Return why there is nothing to see, or nothing new; empty if there is no problem."""
 
     def take_notices(self) -> list[str]:
-        """Return sentences to show once."""
+        """Return sentences that are shown only once."""
 
     def use_map(self, grid: OccupancyGrid) -> None:
         """Show this map in place of the recorded one; no effect on a running session."""

@@ -1,4 +1,4 @@
-"""Opens the source that a person names: a recording by its path, or a running session by its address."""
+"""Opener of the source that a person names: a recording by its path, or a running session by its address."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,7 +14,7 @@ from ui.windows.researcher.feeds.session import SessionFeed, WatchConnection
 
 @dataclass(frozen=True, slots=True)
 class OpenedFeed:
-    """Feed with its names.
+    """Feed, with its name and the text that opens it.
 
     Attributes:
         feed: source of all data shown.
@@ -35,7 +35,7 @@ def open_feed(what: str, key: Path | None, wait: float) -> OpenedFeed:
     Args:
         what: path of a recording, or HOST:PORT of a session.
         key: file with the key that the session requires.
-        wait: seconds to wait for a recording to open; the window shows faults that are found later.
+        wait: seconds to wait for a recording to open; if a fault is found later, the window shows it.
 
     Raises:
         BadFile: the recording does not exist or cannot be read, or the port or the key is wrong.

@@ -1,4 +1,4 @@
-"""A recording as a feed: a thread opens it, the window reads it in pieces and plays it at any speed."""
+"""Recording as a feed: a thread opens it; the window reads it in pieces, and plays it at any speed."""
 
 import gc
 import threading
@@ -18,16 +18,16 @@ from ui.sources.bag import BagSource, open_bag
 from ui.windows.researcher.feeds.feed import FeedData, FeedRequest
 
 READ_SLICE = 0.008
-"""Seconds of reading before the window handles other events."""
+"""Seconds of reading, after which the window handles other events."""
 
 
 class BagOpener:
-    """Opens a recording in a separate thread.
+    """Thread that opens a recording.
 
     Attributes:
         share: completed part of the work, 0 to 1.
-        source: the recording, once it is open.
-        fault: the reason, if the recording cannot be opened.
+        source: the recording after it was opened; otherwise None.
+        fault: the reason why the recording cannot be opened; None if there is none.
     """
 
     def __init__(self, path: Path) -> None:
@@ -40,7 +40,7 @@ class BagOpener:
         self._thread.start()
 
     def wait(self, seconds: float) -> bool:
-        """Wait at most this long; return True if opening has ended."""
+        """Wait at most this long; return True if the attempt to open has ended."""
         self._thread.join(seconds)
         return not self._thread.is_alive()
 
@@ -56,20 +56,20 @@ class BagOpener:
 
     def _opened(self) -> BagSource | None:
         work = open_bag(self.path)
-        # Check between the steps, so that the thread ends soon after `give_up`.
+        # Check between the steps, so that the thread ends soon after a call of `give_up`.
         while not self._given_up:
             try:
                 self.share = next(work)
             except StopIteration as done:
                 source: BagSource = done.value
-                # Prepare the first frame here in the thread: in the window's thread it would block the window.
+                # Prepare the first frame in this thread; in the window's thread, this would block the window.
                 source.scene(source.start_ns, ShownLayers())
                 return source
         return None
 
 
 def _keep_for_good() -> None:
-    """Exempt the objects read so far from garbage collection, which would block the window for 0.1 s and more."""
+    """Exempt the objects read so far from garbage collection, which would block the window for 0.1 s or longer."""
     gc.freeze()
 
 
@@ -90,7 +90,7 @@ class RecordingTransport:
         self._source, self._start_ns = source, source.start_ns
 
     def advance(self, now: float) -> None:
-        """Advance the time shown while playing."""
+        """Advance the time shown, if it is playing."""
         self._now = now
         self.playback.advance(now)
 
@@ -114,7 +114,7 @@ class RecordingTransport:
         self.playback.play(self._now, on)
 
     def step(self, steps: int) -> None:
-        """Move N ticks forward or back, and stop there."""
+        """Move this number of ticks forward, or back if negative, and stop there."""
         if self._source is not None:
             self.playback.playing = False
             self.playback.seek(self._source.step(self.playback.at_ns, steps))
@@ -156,7 +156,7 @@ class RecordingFeed:
         self.transport = RecordingTransport()
 
     def advance(self, now: float) -> None:
-        """Use the recording once it is open, and play."""
+        """Use the recording when it is open, and play."""
         if self._source is None and self._opener.source is not None:
             self._begin(self._opener.source)
         if self._opener.fault is not None:
@@ -179,7 +179,7 @@ class RecordingFeed:
         end = time.perf_counter() + READ_SLICE
         try:
             while time.perf_counter() < end:
-                # A person waits for these numbers: read them first.
+                # Read these numbers first, because a person waits for them.
                 if self._source.numbers.work():
                     continue
                 if self._whole:
@@ -220,7 +220,8 @@ class RecordingFeed:
         return "" if self._source is not None else f"Opening {self._opener.path} ({self._opener.share:.0%})"
 
     def take_notices(self) -> list[str]:
-        """Return topics that cannot be read, once the recording is open, and results of saving."""
+        """Return sentences about topics that cannot be read, after the recording was opened, and about results of
+        saving."""
         notices, self._notices = self._notices, []
         return notices
 
@@ -244,7 +245,7 @@ class RecordingFeed:
             self._notices.append(str(fault))
 
     def ask(self, request: FeedRequest) -> str:
-        """Refuse: a recording accepts no requests."""
+        """Refuse, because a recording accepts no requests."""
         return self.refusal
 
     def close(self) -> None:

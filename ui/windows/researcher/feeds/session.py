@@ -26,13 +26,13 @@ SENDER = "watch"
 DELAY_WINDOW = 2.0
 """Seconds over which delays of messages are compared."""
 LAG_THRESHOLD, LAG_WINDOW = 0.5, 10.0
-"""Growth of the lag, and the time window of that growth, from which a session is reported as too slow; seconds."""
+"""Increase of the lag from which a session is reported as too slow, and the time window of this increase; seconds."""
 STALE_AFTER = 1.5
 """Seconds without a message after which a session that is not paused is reported as silent."""
 
 
 class WatchConnection:
-    """Runs a client in a separate thread until it is closed.
+    """Thread that runs a client until it is closed.
 
     Args:
         client: client that is not running yet.
@@ -47,13 +47,13 @@ class WatchConnection:
 
     def close(self) -> None:
         """Close the connection, and wait for the thread."""
-        # The loop runs in the other thread, and only its own thread may cancel its task.
+        # The event loop runs in the other thread, and only that thread may cancel its task.
         self._loop.call_soon_threadsafe(self._listening.cancel)
         self._thread.join()
 
     def _run(self) -> None:
         asyncio.set_event_loop(self._loop)
-        # The first call takes half a second. Make it here, since it would block the window.
+        # The first call takes half a second. It is made here, because it would block the window later.
         Frames(()).planar(MAP_FRAME)
         try:
             self._loop.run_until_complete(self._listening)
@@ -101,7 +101,7 @@ class SessionTransport:
         self._ask(Resume() if on else Pause())
 
     def step(self, steps: int) -> None:
-        """Ask for N ticks; a session cannot go back in time."""
+        """Ask for this number of ticks; a session cannot go back in time."""
         if steps > 0:
             self._ask(Step(steps))
 
@@ -110,10 +110,10 @@ class SessionTransport:
         self._ask(SetRate(speed))
 
     def seek(self, time: float) -> None:
-        """Do nothing: only the session's bag can be searched, afterwards."""
+        """Do nothing: a running session cannot be searched; its bag can be searched later."""
 
     def loop(self, span: tuple[float, float] | None) -> None:
-        """Do nothing: a session only moves forward."""
+        """Do nothing: a session only moves forward in time."""
 
 
 class SessionFeed:
@@ -143,14 +143,14 @@ class SessionFeed:
 
     @property
     def data(self) -> FeedData:
-        """Everything known since watching began, and the earlier log as far as the session sends it."""
+        """All data since watching began, and the earlier log as far as the session sends it."""
         source = self._source
         known_since = 0.0 if source.joined_ns is None else (source.joined_ns - source.start_ns) / 1e9
         return FeedData(source.sessions, source.start_ns, source.log, source.series, known_since)
 
     @property
     def ended_bag(self) -> str | None:
-        """Path of the session's bag, on its own machine, once the session has ended."""
+        """Path of the session's bag on the session's machine, after the session has ended."""
         status = self.transport.status
         return status.bag if status is not None and status.ended else None
 
@@ -190,7 +190,7 @@ class SessionFeed:
         self._refusals = status.refusals
 
     def _measure(self, now: float) -> None:
-        """Record the delay of the latest message, to compare it with the smallest of the last seconds."""
+        """Record the delay of the latest message, to compare it with the smallest delay of the last seconds."""
         if not self.transport.playing or self.transport.speed == 0.0:
             self._delays.clear()
         self._delays.append((now, now - self._source.end_ns / 1e9 / (self.transport.speed or 1.0)))
@@ -198,7 +198,7 @@ class SessionFeed:
             self._delays.popleft()
 
     def _find_rooms(self) -> None:
-        """Read the session's rooms in a thread, since reading a map takes longer than a frame."""
+        """Read the session's rooms in a thread, because reading a map takes longer than a frame."""
         record = self._source.session
         if record is not None and self._asked_for_rooms != self._source.sessions:
             self._asked_for_rooms = self._source.sessions
@@ -207,11 +207,11 @@ class SessionFeed:
             self._source.rooms, self._rooms = self._rooms[1], None
 
     def _read_rooms(self, record: SessionRecord, generation: int) -> None:
-        # One assignment without a lock: the window's thread sees both values or none.
+        # A single assignment needs no lock: the window's thread sees both values or none of them.
         self._rooms = generation, rooms_of(record, Path("session.bag"))
 
     def work(self) -> bool:
-        """Do nothing: there is no background work."""
+        """Do nothing, because there is no background work."""
         return False
 
     def scene(self, shown: ShownLayers) -> Scene | None:
@@ -219,7 +219,7 @@ class SessionFeed:
         return self._source.scene(shown) if self._source.messages else None
 
     def state(self, now: float) -> str:
-        """Return whether the session is live, and how far behind the window is."""
+        """Return in words that the session is live, and by how much the window is behind it."""
         if self.ended_bag is not None:
             return "session ended"
         if not self._connected:
@@ -240,7 +240,7 @@ class SessionFeed:
         return state
 
     def trouble(self) -> str:
-        """Return why there is no connection; the end of a session is not a fault."""
+        """Return the reason why there is no connection; the end of a session is not a fault."""
         if self.ended_bag is not None:
             return ""
         if self._lost is None:
@@ -260,7 +260,7 @@ class SessionFeed:
         return notices
 
     def use_map(self, grid: OccupancyGrid) -> None:
-        """Do nothing: a session has its own map."""
+        """Do nothing, because a session has its own map."""
 
     def save_section(self, path: Path, start: float, end: float) -> str:
         """Refuse: only a recording has sections."""

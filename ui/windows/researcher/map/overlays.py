@@ -20,7 +20,7 @@ ARROW = 0.5
 
 
 class _RobotItem(MapItem):
-    """Item that draws something for each robot, in the robot's color.
+    """Item that draws something for each robot in the robot's color.
 
     Args:
         box: view of the map.
@@ -40,7 +40,7 @@ class _RobotItem(MapItem):
         self._rows: Mapping[int | None, FloatArray] = {}
 
     def show_rows(self, rows: Mapping[int | None, FloatArray]) -> None:
-        """Show (n, 2) or (n, 3) rows by robot; the key None stands for the text color."""
+        """Show (n, 2) or (n, 3) rows by robot; rows with the key None get the color of text."""
         self._rows = rows
         self.update()
 
@@ -60,19 +60,19 @@ class _RobotItem(MapItem):
 
 
 class Dots(_RobotItem):
-    """Thousands of dots: particles, or the ends of a scan's beams."""
+    """Thousands of dots: particles, or the end points of a scan's beams."""
 
     def draw_rows(self, painter: QPainter, to_pixels: QTransform, rows: FloatArray) -> None:
-        """Draw squares without smooth edges; they paint several times faster than discs."""
+        """Draw squares without smooth edges, which are painted several times faster than discs."""
         painter.setRenderHint(QPainter.RenderHint.Antialiasing, False)
         painter.drawPoints(polygon(mapped(to_pixels, rows)))
 
 
 class Lines(_RobotItem):
-    """Lines through points, for example plans. A row of NaN separates two pieces."""
+    """Lines through points, for example plans. A row of NaN separates two pieces of a line."""
 
     def draw_rows(self, painter: QPainter, to_pixels: QTransform, rows: FloatArray) -> None:
-        """Draw the pieces; single lines paint several times faster than polylines."""
+        """Draw the pieces; single lines are painted several times faster than polylines."""
         pixels = mapped(to_pixels, rows)
         if self._style == Qt.PenStyle.SolidLine:
             draw_lines(painter, steps(pixels))
@@ -82,7 +82,7 @@ class Lines(_RobotItem):
 
 
 class Arrows(_RobotItem):
-    """Poses (x, y, theta), drawn as arrows that start there."""
+    """Arrows for poses (x, y, theta); each arrow starts at its pose."""
 
     def draw_rows(self, painter: QPainter, to_pixels: QTransform, rows: FloatArray) -> None:
         """Draw the arrows."""
@@ -97,7 +97,7 @@ class Arrows(_RobotItem):
 
 
 class Things(MapItem):
-    """Obstacles, standing or moving."""
+    """Obstacles, at rest or moving."""
 
     _outlines: tuple[tuple[str, FloatArray], ...] = ()
 
@@ -121,7 +121,8 @@ def _cost_colors() -> NDArray[np.uint8]:
     """Return (256, 4) red, green, blue, opacity for each cost as published in ROS, read as an unsigned byte.
 
     Source: rviz's costmap colors: blue to red from 1 to 98, cyan (99) for inscribed, magenta (100) for lethal,
-    gray-green (255) for unknown, green and yellow for values without a meaning. Differs: half transparent.
+    gray-green (255) for unknown, green and yellow for values without a meaning. Unlike in rviz, they are half
+    transparent.
     """
     colors = np.zeros((256, 4), dtype=np.uint8)
     ramp = np.arange(1, 99) * 255 // 100
@@ -139,7 +140,7 @@ COST_COLORS = _cost_colors()
 
 
 class Overlays:
-    """Items on a map that follow the scene. Few items draw fast, so each holds all robots.
+    """Items on a map that show the scene. Each item draws all robots, because a few items are painted faster than many.
 
     Args:
         box: view of the map.
@@ -156,7 +157,7 @@ class Overlays:
         self._plans = Lines(box, Z_FLAT, 3.0)
         self._true_paths = Lines(box, Z_FLAT, 1.2, style=Qt.PenStyle.DotLine)
         self._odometry = Lines(box, Z_FLAT, 1.2, style=Qt.PenStyle.DashDotLine)
-        # Draw these above the robots: a body is often larger than the spread of its particles.
+        # These are drawn above the robots, because a body is often larger than the spread of its particles.
         self._particles = Dots(box, Z_ABOVE, 2.0, 0.6)
         self._goals = Arrows(box, Z_ABOVE, 3.0)
         self._footprints = Lines(box, Z_ABOVE, 1.5)

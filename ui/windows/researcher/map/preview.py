@@ -19,7 +19,7 @@ HEAD = 14.0
 
 
 class ToolPreview(MapItem):
-    """Preview of a tool's stroke.
+    """Preview of the stroke of a tool.
 
     Attributes:
         gesture: stroke so far. If None, nothing is drawn.

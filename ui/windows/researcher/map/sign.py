@@ -1,4 +1,4 @@
-"""Sentence about a problem, across the top of the map."""
+"""Sentence about a problem, at the top of the map."""
 
 from PySide6.QtGui import QAccessible, QAccessibleAnnouncementEvent
 from PySide6.QtWidgets import QWidget
@@ -14,7 +14,7 @@ class TroubleSign(PlainLabel):
     """Label that reports a problem, or what the window waits for.
 
     Args:
-        view: map under the label.
+        view: map below the label.
     """
 
     def __init__(self, view: QWidget) -> None:

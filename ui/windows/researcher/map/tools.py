@@ -8,7 +8,7 @@ from ui.model.watching.tools import LEAST_SIZE
 
 
 class MapTool(StrEnum):
-    """Tool that decides what a press on the map starts."""
+    """Tool that determines the effect of a press on the map."""
 
     LOOK = "look"
     GOAL = "goal"
@@ -25,7 +25,7 @@ DEFAULT_SIZE = 0.5
 
 @dataclass(frozen=True, slots=True)
 class Gesture:
-    """Stroke from the press of the button to the pointer; map frame, meters."""
+    """Stroke from the press of the button to the present place of the pointer; map frame, meters."""
 
     tool: MapTool
     x: float
@@ -40,7 +40,7 @@ class Gesture:
 
     @property
     def is_click(self) -> bool:
-        """True if the pointer hardly moved."""
+        """True if the pointer was moved by less than `CLICK_DISTANCE`."""
         return self.length < CLICK_DISTANCE
 
     @property
