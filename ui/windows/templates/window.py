@@ -434,9 +434,8 @@ class TemplateWindow(QMainWindow):
         follow_text(page, lambda it: it.setFont(fixed_font()))
         page.textChanged.connect(self._typed)
         page.document().undoCommandAdded.connect(partial(self._stepped, name))
-        page.setContextMenuPolicy(
-            Qt.ContextMenuPolicy.NoContextMenu
-        )  # Otherwise the menu would undo only the steps of this page.
+        # The menu of the page would undo only the steps of this page.
+        page.setContextMenuPolicy(Qt.ContextMenuPolicy.NoContextMenu)
         page.installEventFilter(self)
         return page
 
