@@ -103,7 +103,7 @@ class HuntParticipant:
         self._ask(MeasureProperty(whole("room", room), name))
 
     def tell(self, room: int, name: str, value: str) -> None:
-        """Report a property of the treasure in a room that only people can see."""
+        """Report a property, which only people can see, of the treasure in a room."""
         self._ask(TellProperty(whole("room", room), name, value))
 
     def discuss(

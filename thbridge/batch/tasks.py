@@ -73,12 +73,12 @@ class SweepTask:
 
     @property
     def verified_seeds(self) -> tuple[int, ...]:
-        """Seeds of the games that are drawn to be played again."""
+        """Seeds of the games that are chosen at random to be played again."""
         return tuple(seed for seed in self.chunk.seeds if self._is_drawn("verified", self.one_verified_in, seed))
 
     @property
     def recorded_seeds(self) -> tuple[int, ...]:
-        """Seeds of the games that are drawn to be recorded."""
+        """Seeds of the games that are chosen at random to be recorded."""
         return tuple(seed for seed in self.chunk.seeds if self._is_drawn("recorded", self.one_bag_in, seed))
 
     @property

@@ -258,7 +258,7 @@ class ArguingEngine:
         return replace(told, conversation=dialogue.conversation)
 
     def _heard(self, dialogue: Dialogue, move: Move) -> Move:
-        """Return the move that the robot understands: a different one with the probability that it mishears."""
+        """Return the move that the robot understands. With the probability of mishearing, it is a different move."""
         rate = self._possible.manner(dialogue.topic.robot).misheard
         others = [
             each

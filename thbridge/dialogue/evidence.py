@@ -56,7 +56,7 @@ class WhereFacts:
         left: rooms that have not been visited.
         under_way: rooms to which other robots drive or have agreed to go.
         values: value for the team of each room as this robot's next room.
-        others: by room, costs of those robots of the team that the plan sends there first.
+        others: by room, costs of the other robots that the plan sends to this room first.
         failed: rooms that it was sent to and did not reach, or to which it has no path.
         team_costs: costs of the other robots to rooms, by their indices.
         team_values: by the index of another robot, value for the team of each room as that robot's next room.
@@ -367,7 +367,7 @@ def _affordable(case: _Case, facts: WhereFacts, room: Room, level: Literal) -> t
 
 
 def _best(facts: WhereFacts, case: _Case) -> Room | None:
-    """Return the room that its planner chose, or else the room with the highest value that no evidence is against."""
+    """Return the room that its planner chose, or else the room of highest value without evidence against it."""
     wanted = [room for room in facts.left if case.was_told(Literal(NextRoom(facts.robot, room)))]
     if wanted:
         return wanted[0]

@@ -1,4 +1,4 @@
-"""Explanations on request: reasons for this and not that, the robot's knowledge, and what would change its mind.
+"""Explanations on request: reasons for or against a choice, a robot's knowledge, and facts that would change its mind.
 
 An explanation consists of literals that the robot believes, or of literals that would each lead it to another decision.
 So its contents are true by construction.

@@ -204,7 +204,7 @@ class TreasureSensed(_Event, frozen=True, tag="sensed"):
 
 
 class PropertyMeasured(_Event, frozen=True, tag="measured"):
-    """A robot sensed one more property of the treasure in a room, for energy."""
+    """A robot sensed one more property of the treasure in a room, which cost energy."""
 
     room: Room
     robot: int

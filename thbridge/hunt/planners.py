@@ -38,7 +38,7 @@ class PlanTours(Protocol):
             starts: one start per robot.
             unvisited: rooms still to visit, in any order.
             visit: energy that a robot spends in each room before its next move; not part of a tour's cost.
-            sent: index of the robot that is about to be sent: its tour has at least one room, if it can pay for any.
+            sent: index of the robot that is about to be sent. Its tour has at least one room, if it can pay for any.
         """
         ...
 
@@ -88,7 +88,7 @@ def own_tours(
 ) -> tuple[Tour, ...]:
     """Return tours on which each robot plans for itself again before each move; see `PlanTours` and `_in_turns`.
 
-    If there are too many rooms for a full search, its own tour is a good one.
+    If there are too many rooms for a full search, its own tour is good, but not proven to be the best.
     """
 
     def first_of_tour(start: TourStart, left: Collection[Room]) -> Room | None:

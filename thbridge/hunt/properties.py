@@ -61,7 +61,7 @@ class TreasureProperty:
 
     @property
     def is_measured(self) -> bool:
-        """True if a robot senses it on request, for energy."""
+        """True if a robot senses it on request, which costs energy."""
         return self.told_by is Teller.ROBOT and self.cost > 0.0
 
     def shown(self, value: str) -> str:

@@ -168,8 +168,8 @@ def move(state: GameState, robot: int, room: Room, asker: Commander = Commander.
 def arrive(state: GameState, robot: int, room: Room) -> Ruling:
     """Record that a robot has reached a room.
 
-    If the game has no departure (a program of 2016 sent the robot), a departure is added. Its price is from the matrix,
-    even if the energy does not suffice. If the robot had another destination, that move fails without refund.
+    If the game has no departure (a program of 2016 sent the robot), a departure is added. Its price comes from the
+    matrix, even if the energy does not suffice. If the robot had another destination, that move fails without refund.
     """
     refused = _over(state) or _unknown(state, robot, room)
     if refused:
@@ -260,7 +260,7 @@ def sense(state: GameState, room: Room, reported: Properties | None = None) -> R
 
 
 def measure(state: GameState, room: Room, name: str) -> Ruling:
-    """Sense one more property of a found treasure, for its energy. Sensing it again gives no event."""
+    """Sense one more property of a found treasure, which costs energy. Sensing it again gives no event."""
     robot = _standing_robot(state, room)
     if isinstance(robot, RequestRefused):
         return robot

@@ -76,7 +76,7 @@ def best_team_tours(
         unvisited: rooms still to visit, at most `MOST_ROOMS_OF_A_TEAM`, or `MOST_ROOMS` for one robot; in any order.
         visit: energy that a robot spends in each room before its next move; counted against its energy, but not part of
             a tour's cost.
-        sent: index of the robot that is about to be sent: its tour has at least one room, if it can pay for any.
+        sent: index of the robot that is about to be sent. Its tour has at least one room, if it can pay for any.
 
     Returns:
         One tour per robot; a robot with an empty tour stays where it is.

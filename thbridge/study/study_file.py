@@ -478,7 +478,7 @@ def _ros_files(path: Path, tree: Node) -> list[Path]:
 
 
 def _given_twice(written: Loaded[StudyFile]) -> Iterator[BadFile]:
-    """Yield faults of numbers that are written twice, in `noise` and at their own place, with different values."""
+    """Yield faults of numbers that are written twice with different values, in `noise` and under their own key."""
     for path, home in TARGET_PATHS.items():
         key = f"noise.{path}"
         here, there = value_at(written.value.noise, path), value_at(written.value, home)

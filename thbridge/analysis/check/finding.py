@@ -144,7 +144,7 @@ class CheckedMessage:
     Attributes:
         stamp_ns: time of recording.
         reading: values; empty if the message or its definition cannot be read.
-        fault: reason why its bytes do not match its type, as a clause; None if they do, or if that is unknown.
+        fault: reason why its bytes do not match its type, as a clause; None if they match, or if this is unknown.
     """
 
     stamp_ns: int

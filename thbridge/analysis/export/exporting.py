@@ -58,7 +58,7 @@ def export(
     Args:
         recorded: messages, oldest first: publisher, stamp of recording, bytes.
         start_ns: stamp from which `t_s` counts.
-        exported: summary to fill; its names of rooms are added next to room numbers.
+        exported: summary to fill; the names of rooms in it are added next to room numbers.
         games: beginnings of the recording's games. If there are any, each table has a column with the game's number.
         tables: names of the tables to create, including tables of lists. If None, all tables are created.
     """

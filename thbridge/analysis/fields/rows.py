@@ -68,7 +68,7 @@ class GatheredRows:
             lengths: (n,) bytes of each message.
 
         Returns:
-            Problem of each message that does not match the type, by its index; nothing of it is kept.
+            Problem of each message that does not match the type, by its index; nothing of such a message is kept.
         """
         broken: dict[int, str] = {}
         octets, ends = np.frombuffer(messages, dtype=np.uint8), np.cumsum(lengths)

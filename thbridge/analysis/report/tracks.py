@@ -262,7 +262,7 @@ class _Sources:
         return [topic for topic in topics if owner_of(topic, self._robots) == self._robot]
 
     def paths(self) -> _Paths:
-        """Return its poses over time: by their stamps if truth and estimate can be compared by them."""
+        """Return its poses over time. Stamps are used as times if truth and estimate can be compared by stamps."""
         truth, odometry = self._truth(), self._odometry_taken()
         estimate, corrections = self._estimate(odometry)
         believed = odometry if corrections is not None else estimate
@@ -310,7 +310,7 @@ class _Sources:
         return self._take("odometry", (topics, (ODOM_FRAME,)), (edges, ()))
 
     def _estimate(self, odometry: _Taken) -> tuple[_Taken, _Taken | None]:
-        """Return its estimated poses, or no poses and the corrections map -> odom of its odometry, if they exist."""
+        """Return its estimated poses. If its odometry has corrections map -> odom, return no poses, but them."""
         if self._named.estimate is not None:
             return self._by_name("estimate", self._named.estimate), None
         frame = frame_name(odometry.poses.frame)

@@ -110,7 +110,8 @@ class ArguingStrategy:
 def _standing(beliefs: Beliefs, claim: Belief) -> tuple[list[Argument], list[Argument]]:
     """Return the arguments for and against a claim that are in the grounded extension.
 
-    The arguments against a rule are those against its conclusion, if all premises of the rule are supported there.
+    The arguments against a rule are those against its conclusion, provided that the grounded extension supports each
+    premise of the rule.
     """
     against_it: list[Literal] = []
     if isinstance(claim, Literal):

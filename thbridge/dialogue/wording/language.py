@@ -189,7 +189,7 @@ class Language:
         Args:
             of: name of its predicate.
             speaker: the side that speaks.
-            robot: robot that it is about; None if it is about none.
+            robot: robot that the proposition is about; None if it is about no robot.
             holds: False for its negation.
             simply: True for simpler words, if there are any.
         """

@@ -142,7 +142,7 @@ def _of_branch(design: ExperimentDesign, index: int, entry: StepEntry) -> Iterat
 
 
 def _of_levels(design: ExperimentDesign, index: int, entry: StepEntry) -> Iterator[BadFile]:
-    """Yield faults of a step at levels that do not exist, or that no participant meets in this step."""
+    """Yield faults of a step that is limited to levels that do not exist, or that no participant meets there."""
     key, factors = f"steps[{index}].only_at", _levels_of(design)
     for factor, level in entry.only_at.items():
         if factor not in factors:

@@ -91,8 +91,8 @@ def _withdraws_before(entry: LogEntry, last: int) -> bool:
         return False
     sequences = (entry.event.data or {}).get("sequences")
     if not isinstance(sequences, list) or len(sequences) < 2:
-        # A run has at least two events, its beginning and that of a step. A single one is a later note that named a
-        # person.
+        # A run has at least two events: its own beginning and that of a step. A single event of a person is a later
+        # note that named the person.
         return False
     return any(isinstance(each, int) and each <= last for each in sequences)
 

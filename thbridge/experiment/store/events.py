@@ -150,7 +150,7 @@ class StepOutcome(StrEnum):
     PASSED_OVER = "passed over"
     """A step that the person's condition or answers do not call for."""
     LOST = "lost"
-    """A step that could not resume after a crash, and was not to restart."""
+    """A step that could not resume after a crash, and must not restart."""
 
 
 class RunState(StrEnum):

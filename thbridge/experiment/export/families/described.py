@@ -114,7 +114,7 @@ def share(name: str, meaning: str, value: Callable[[Subject_contra], float | Non
 
 @dataclass(frozen=True, slots=True)
 class ExperimentTable:
-    """A table of an experiment, or a part of one.
+    """A table of an experiment, or a part of such a table.
 
     Attributes:
         name: name of its file.
