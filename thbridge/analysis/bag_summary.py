@@ -21,7 +21,7 @@ topics have no gaps, because their last message stays valid until the next."""
 REGULAR = 10
 REGULAR_SHARE = 0.5
 """A topic can have gaps only if it has at least `REGULAR` messages, and if the number of messages times the median
-period is at least a share of `REGULAR_SHARE` of their time span. This excludes topics that publish in bursts."""
+period is at least `REGULAR_SHARE` times their time span. This excludes topics that publish in bursts."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -37,8 +37,8 @@ class Manner:
         condition: determines which side has the last word.
         attitude: attitude to statements of the participant.
         persistence: number of dialogues about the same matter in which it maintains its position.
-        talkative: if True, it gives its arguments part by part, and the other side accepts or refuses each; otherwise
-            as a whole.
+        talkative: True if it gives its arguments part by part, and the other side accepts or refuses each part; False
+            if it gives them as a whole.
         gives_reasons: True if it answers questions for reasons, and gives reasons when it refuses.
         misheard: probability that it understands a legal move that differs from the participant's.
     """

@@ -3,7 +3,7 @@
 A dialogue's public record (`Dialogue`) is its topic and its moves. Everything else (turn, legal moves, sentences,
 outcome) is computed from the record. If robots argue, the beliefs of both sides are kept next to it.
 
-A new kind of dialogue adds its moves to `Move`, and an engine for them.
+A new kind of dialogue adds its moves to `Move`, and needs an engine for them.
 """
 
 from collections.abc import Mapping

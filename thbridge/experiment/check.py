@@ -16,7 +16,7 @@ def read_for_people(folder: ExperimentFolder) -> ExperimentDesign:
     Once people have taken part, the study must continue unchanged. It is then read even if `soundness` finds faults.
 
     Raises:
-        BadFile: the experiment is faulty; as BadFiles, with all faults at once.
+        BadFile: the experiment has faults. BadFiles reports all faults at once.
     """
     design = folder.read(with_files=True)
     if not is_under_way(folder):
@@ -37,7 +37,7 @@ def check_experiment(
         The experiment, and the faults that are tolerated because people have already taken part.
 
     Raises:
-        BadFile: the experiment is faulty; as BadFiles, with all faults at once.
+        BadFile: the experiment has faults. BadFiles reports all faults at once.
     """
     design = folder.read(with_files=True)
     found = _faults(design)

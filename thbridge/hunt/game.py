@@ -147,7 +147,7 @@ class GameState(msgspec.Struct, frozen=True):
         started: the rules of this game.
         treasures: treasures of the rooms, room 1 first; None if a Hider of 2016 hid them.
         robots: robots by index.
-        rooms: indexed by the room's number on the wire; read with `room`.
+        rooms: indexed by the room's number in the text protocol; read with `room`.
         score: sum of all identifications.
         ended: the end of the game, or None.
         agreed: True if the participant agreed to take part; only studies with consent use it.

@@ -1,4 +1,4 @@
-"""Rooms: their numbers on the wire and for people, the only conversion between these, and their names."""
+"""Rooms: their numbers in the text protocol and for people, the only conversion between these, and their names."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field

@@ -66,7 +66,7 @@ def most_rooms_shared_out(robots: int) -> int:
 def best_team_tours(
     costs: CostMatrix, starts: Sequence[TourStart], unvisited: Collection[Room], visit: float = 0.0, sent: int = -1
 ) -> tuple[Tour, ...]:
-    """Return a tour for each robot; together they visit most rooms, with the least energy for moves.
+    """Return a tour for each robot; together they visit the most rooms, with the least energy for moves.
 
     Among equal plans, the earlier robots get the rooms with the lower numbers; only the arguments determine the result.
 

@@ -409,7 +409,7 @@ def load_study(path: Path) -> Loaded[Study]:
     """Read a study file, with notices about valid keys that have no effect.
 
     Raises:
-        BadFile: the file cannot be read; as BadFiles, with all its faults at once.
+        BadFile: the file cannot be read, or has faults. BadFiles reports all faults at once.
     """
     return load_study_tree(path, parse(path, read_text(path)))
 

@@ -20,7 +20,7 @@ from thbridge.recording.bag.reading.scan import ConnectionRecord
 TF_CACHE = 10.0
 """Seconds that tf2 keeps transforms (tf2, buffer_core.h, DEFAULT_CACHE_TIME)."""
 LATE, LEAST_LATE = 0.25, 5
-"""Smallest large difference between stamp and recording, seconds, and least number of messages that must have it.
+"""Least difference between stamp and recording that counts as large, seconds, and least number of such messages.
 Drivers and filters need less time. A robot at 0.5 m/s drives 12 cm in 0.25 s."""
 
 

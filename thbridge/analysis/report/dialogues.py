@@ -34,7 +34,7 @@ class RecordedGame:
         topic: topic of the game.
         began: time of its first move, s.
         ended: time of its last move, s.
-        replied: time that the participant needed for her moves after the first, each counted from the previous move, s.
+        replied: time that the participant needed for moves after the first; each is timed from the previous move, s.
     """
 
     robot: int

@@ -193,7 +193,7 @@ class HuntEnv(TeamEnvironment):
         return accepted
 
     def _room_at(self, game: GameState, robot: int, base_in_map: Pose2) -> int | None:
-        """Return the number of a free, affordable room if the robot believes to be at its goal, otherwise None."""
+        """Return the number of a free, affordable room if the robot thinks that it is at its goal, otherwise None."""
         state = game.robots[robot]
         for room in game.free_rooms:
             near = base_in_map.distance(self._goals[room.wire]) <= self._reach

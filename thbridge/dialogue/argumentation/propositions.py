@@ -18,7 +18,7 @@ class Proposition:
 
     @property
     def parts(self) -> "tuple[Literal, ...]":
-        """Literals that hold together if this proposition holds; a proposition without parts is its own only part."""
+        """Literals that all hold if this proposition holds. The only part of a simple proposition is itself."""
         return (Literal(self),)
 
 

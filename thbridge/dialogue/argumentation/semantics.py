@@ -225,7 +225,7 @@ class _Search:
 
 
 _NEEDS_ONE = ((OUT, IN), (UNDECIDED, UNDECIDED), (OUT | UNDECIDED, IN | UNDECIDED))
-"""An argument with one of the first labels has an attacker with one of the second labels."""
+"""In each pair: an argument with a label of the first set has an attacker with a label of the second set."""
 
 _FINDERS: Mapping[Semantics, Callable[[ArgumentationFramework], Iterable[Extension]]] = {
     Semantics.GROUNDED: lambda framework: (grounded(framework),),

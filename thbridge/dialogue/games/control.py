@@ -101,8 +101,8 @@ class Conversation:
         Args:
             side: the side that opens it.
             proposition: the proposition that it is about.
-            parent: number of the dialogue that will wait for the new one. It must be this side's turn there, or it
-                must be `refused` with this side as its defender.
+            parent: number of the dialogue that will wait for the new one. Either it is this side's turn there, or the
+                dialogue is `refused` and this side is its defender.
         """
         case = self.case(proposition)
         yes = Literal(proposition)

@@ -266,7 +266,7 @@ def _arguments(defender: Agent, claim: Belief) -> tuple[Argument, ...]:
 
 
 def _with_parts(defender: Agent, argument: Argument) -> tuple[Belief, ...]:
-    """Return the support of an argument and of one for each part of its conclusion, in the order of the beliefs."""
+    """Return the support of an argument, and of one argument for each part of its conclusion, in order of beliefs."""
     supports = set(argument.support)
     if isinstance(argument.conclusion, Literal) and len(parts := argument.conclusion.parts) > 1:
         for part in parts:

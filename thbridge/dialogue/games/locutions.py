@@ -16,7 +16,7 @@ from thbridge.dialogue.games.agents import Agent
 from thbridge.dialogue.games.contents import Content, ContentKind, DialogueMove, Unknown
 
 Able = Callable[[Proposition], bool]
-"""True for propositions that an agent is assumed to be able to answer, such as a person about a shape on a picture."""
+"""True for propositions about which an agent is assumed to know the answer, such as a shape that a person sees."""
 
 
 @dataclass(frozen=True, slots=True)

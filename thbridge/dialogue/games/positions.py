@@ -70,7 +70,7 @@ def refuses_support(table: GameTable, position: TablePosition, reply: Reply, for
 
 
 def obstacle(table: GameTable, position: TablePosition, reply: Reply, form_of: FormOf) -> Obstacle | None:
-    """Return the reason why a reply is never legal in a position, with any beliefs of both sides, or None.
+    """Return the reason why a reply is never legal in a position, whatever both sides believe, or None.
 
     Args:
         table: the game.

@@ -30,7 +30,7 @@ class Grammar:
         next_stop: each further room of a tour, after a comma.
         robot: a robot.
         picture: a picture.
-        one_room: a number of rooms that is one.
+        one_room: a number of rooms, if it is 1.
         many_rooms: any other number of rooms.
         between: text between two items of a list.
         between_clauses: text between two clauses, which may contain commas.

@@ -44,7 +44,7 @@ class TextForms:
         between: text between two items of a list.
         last: text before the last item.
         decimal: sign before the decimals of a number.
-        plural: index of the plural form for a number n, as a C expression as in gettext's files: `n != 1`.
+        plural: C expression for the index of the plural form of a number n, as in gettext's files: `n != 1`.
         capital_nouns: True if nouns have a capital letter within sentences.
     """
 

@@ -202,7 +202,7 @@ def read_form(path: Path) -> Loaded[Form]:
     """Read a form.
 
     Raises:
-        BadFile: the file cannot be read, or has faults; as BadFiles, all faults at once.
+        BadFile: the file cannot be read, or has faults. BadFiles reports all faults at once.
     """
     return form_of_tree(path, parse(path, read_text(path)))
 
