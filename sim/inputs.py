@@ -1,4 +1,4 @@
-"""Inputs of a team from outside: requests to its robots, and changes to robots and world.
+"""Inputs to a team from outside: requests to its robots, and changes to robots and world.
 
 All are plain values, so that a recording can hold them and a run can be repeated. Recordings use the names in
 `TEAM_INPUTS` and the names of the fields. The software of a dead robot ignores requests.
@@ -31,10 +31,10 @@ class CancelGoal:
 
 @dataclass(frozen=True, slots=True)
 class DriveManually:
-    """Drive by hand (ROS: cmd_vel): replace the navigator's commands for a number of ticks. A present goal ends.
+    """Drive by hand (ROS: cmd_vel): replace the navigator's commands for a number of ticks. The robot's goal ends.
 
     Attributes:
-        command: wanted velocity. It may exceed the limits of the motors, which then do what they can.
+        command: wanted velocity. If it exceeds the limits of the motors, the robot drives at these limits.
         ticks: duration, at least 1. A further `DriveManually` before its end replaces it.
     """
 
@@ -45,7 +45,7 @@ class DriveManually:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SetPoseEstimate:
-    """Set a robot's pose estimate (ROS: initialpose). Its localizer restarts there; body and goal stay.
+    """Set a robot's pose estimate (ROS: initialpose). Its localizer restarts there; pose and goal do not change.
 
     Attributes:
         covariance: (3, 3) covariance of x, y and theta; m^2, m rad, rad^2.
@@ -113,7 +113,7 @@ class SetCharge:
 
 @dataclass(frozen=True, slots=True)
 class PlaceRobot:
-    """Put a robot somewhere and set its estimate to this pose (a restart, not a kidnapping)."""
+    """Put a robot at a pose and set its estimate to this pose (a restart, not a kidnapping)."""
 
     robot: int
     base_in_map: Pose2
@@ -121,21 +121,21 @@ class PlaceRobot:
 
 @dataclass(frozen=True, slots=True)
 class PutThing:
-    """Put a thing in the way as soon as its place is free. A thing of the same name vanishes."""
+    """Put a thing into the world as soon as its place is free. It replaces a thing of the same name."""
 
     thing: Thing
 
 
 @dataclass(frozen=True, slots=True)
 class RemoveThing:
-    """Remove the thing of this name."""
+    """Remove the thing with this name."""
 
     name: str
 
 
 @dataclass(frozen=True, slots=True)
 class KidnapRobot:
-    """Kidnap a robot: put it somewhere else as soon as no body stands there. Its software is not informed."""
+    """Kidnap a robot: move it to a pose as soon as no other body stands there. Its software is not informed."""
 
     robot: int
     base_in_map: Pose2
@@ -150,7 +150,7 @@ class KillRobot:
 
 @dataclass(frozen=True, slots=True)
 class ReviveRobot:
-    """Revive a dead robot: it continues where it stands, with the estimate that it had."""
+    """Revive a dead robot: it continues where it stands, with its last pose estimate."""
 
     robot: int
 
@@ -192,12 +192,12 @@ TEAM_INPUTS: dict[str, type[TeamInput]] = {
     "Die": KillRobot,
     "Revive": ReviveRobot,
 }
-"""Inputs by their names in recordings and at the watch port. These names never change."""
+"""Inputs by their names in recordings and in messages of watch clients. These names never change."""
 
 
 @dataclass(frozen=True, slots=True)
 class ScheduledInput:
-    """An input for a given tick that is known before the run."""
+    """An input that is known before the run, and its tick."""
 
     tick: int
     input: TeamInput

@@ -1,7 +1,7 @@
 """A team of robots in one world, and the order of events within a tick.
 
-In each tick the world moves by the commands of the previous tick. Then all sensors read this world, and each robot
-estimates, plans and chooses a command. Robots receive broadcasts of others one tick later. So the order in which robots
+In each tick, the world moves by the commands of the previous tick. Then all sensors read this world, and each robot
+estimates, plans and chooses a command. Robots receive broadcasts of others one tick later, so the order in which robots
 are stepped has no effect.
 """
 
@@ -56,12 +56,12 @@ from sim.world.sensors import Sensors, mount_of
 
 @frozen()
 class TeamSnapshot:
-    """Everything that is true, perceived, believed and done in one tick.
+    """State of a team in one tick: truth, observations, beliefs and commands.
 
     Attributes:
         tick: the present tick.
-        world: the truth. Robots never get it, and people only if the study allows it. None for real robots, because
-            their truth is unknown.
+        world: the truth. Robots never get it, and people get it only if the study allows it. None for real robots,
+            because their truth is unknown.
         robots: one entry per robot, in the team's order.
         commands: (n, 2) m/s and rad/s given to the motors in this tick, by navigators or by hand.
         dead: indices of dead robots, which perceive, broadcast and do nothing. Their entries are from their last tick
@@ -87,14 +87,14 @@ class TeamSnapshot:
 
 
 START_COVARIANCE: FloatArray = np.diag([0.05 * 0.05, 0.05 * 0.05, 0.05 * 0.05])
-"""Covariance of the start pose that a robot gets: people place it on a mark, to 5 cm and 3 degrees."""
+"""Covariance of the start pose that a robot gets. People place robots on a mark with 5 cm and 3 degrees of error."""
 
 
 class _Broadcasts:
-    """Messages that robots have broadcast in one tick.
+    """Broadcasts of robots in one tick.
 
     Args:
-        outputs: outputs of the robots that broadcast, in the team's order, by index.
+        outputs: outputs of the robots that broadcast, by index, in the team's order.
 
     Attributes:
         claims: claim of each robot, by index.
@@ -110,7 +110,7 @@ class _Broadcasts:
         return tuple(output.neighbour for output in self._outputs.values())
 
     def others(self, robot: int) -> tuple[Neighbour, ...]:
-        """Return the broadcasts of the other robots: a slice of all, because many robots ask in each tick."""
+        """Return the broadcasts of the other robots. Slices are fast, and many robots ask in each tick."""
         heard = self._all
         own = bisect_left(self._robots, robot)
         return heard[:own] + heard[own + 1 :] if robot in self.claims else heard
@@ -128,11 +128,11 @@ class Team:
         charge: initial energy of each robot.
         schedule: inputs known beforehand; they act before other inputs of the same tick.
         true_grid: the true map, if it differs from the map that robots know.
-        parts: installed parts that the parameters name. If None, they name none.
+        parts: installed parts that the parameters may name. If None, they may name no installed part.
 
     Raises:
-        ValueError: the numbers of robots and starts differ, a start is not free, or parameters name a part that is not
-            in `parts`.
+        ValueError: the number of starts differs from that of the robots, a start is not free, or parameters name a part
+            that is not in `parts`.
     """
 
     def __init__(
@@ -217,7 +217,7 @@ class Team:
 
     @property
     def parameters(self) -> tuple[RobotParameters, ...]:
-        """Present parameters of each robot's software."""
+        """Current parameters of each robot's software."""
         return tuple(self._parameters)
 
     @property
@@ -227,22 +227,22 @@ class Team:
 
     @property
     def worlds(self) -> tuple[WorldParameters, ...]:
-        """Present truth about each robot's body, motors and sensors."""
+        """Current true parameters of each robot's body, motors and sensors."""
         return tuple(self._worlds)
 
     def believed_pose(self, robot: int) -> Pose2:
-        """Return the pose in the map where a robot believes it is; before its first tick, the pose where it was put."""
+        """Return a robot's estimate of its pose in the map; before its first tick, its true start pose."""
         output = self._outputs[robot]
         return Pose2(*self._state.poses[robot].tolist()) if output is None else output.estimate.base_in_map
 
     def make_plan(self, robot: int, start: Pose2 | None, goal: Pose2, tolerance: float) -> FloatArray | PlanRefusal:
-        """Make a plan for a robot on request (ROS: move_base/make_plan), without any effect on the simulation.
+        """Make a plan for a robot on request (ROS: move_base/make_plan). The simulation does not change.
 
         Args:
             robot: index of the robot.
-            start: pose at the beginning. If None, the pose where the robot believes it is.
+            start: pose at the beginning. If None, the robot's present pose estimate.
             goal: pose at the end.
-            tolerance: meters by which the end may miss an unreachable goal, along x and along y.
+            tolerance: meters along x and along y by which the plan may miss a goal that is unreachable.
 
         Returns:
             (m, 3) poses in the map, or the reason why no plan exists.
@@ -251,7 +251,7 @@ class Team:
         return self._robots[robot].navigator.make_plan(base_in_map, start or base_in_map, goal, tolerance)
 
     def step(self, inputs: Sequence[TeamInput] = ()) -> TeamSnapshot:
-        """Step by one tick, with the inputs since the last one, in their order.
+        """Step by one tick. Inputs that came since the last tick are applied first, in their order.
 
         Raises:
             ValueError: an input changes parameters that cannot change while a robot runs.
@@ -271,10 +271,10 @@ class Team:
         return TeamSnapshot(tick, self._state, outputs, self._commands, frozenset(self._dead))
 
     def _step_robots(self, tick: int, requested: bool) -> tuple[RobotOutput, ...]:
-        """Step the robots for which something is due; the outputs of the others are propagated.
+        """Step the robots that have work in this tick; the outputs of the others are propagated.
 
-        A request may concern any robot. So may a change in the set of robots that broadcast, or ask others to clear a
-        path.
+        After a request, all robots are stepped. They are also stepped if the set of robots that broadcast, or that ask
+        others to clear a path, has changed.
         """
         heard, before, state = self._heard, self._heard_before, self._state
         all_due = requested or heard.claims != before.claims
@@ -388,10 +388,10 @@ class Team:
                 self._robots[robot].navigator.cancel()
                 self._dead.add(robot)
                 if (output := self._outputs[robot]) is not None:
-                    # The last output stands for the dead robot from now on. So it must not end a goal again.
+                    # From now on, the last output is repeated for the dead robot. So it must not end a goal again.
                     last = replace(output.navigation, result=None, global_costmap=None, local_costmap=None, fault="")
                     self._outputs[robot] = RobotOutput(output.observations, output.estimate, last, output.neighbour)
-                # The last snapshot still holds the old array.
+                # The last snapshot still uses the old array, so it must not change.
                 self._commands = self._commands.copy()
                 self._commands[robot] = 0.0
             case ReviveRobot(robot):
@@ -399,7 +399,7 @@ class Team:
 
 
 def _check_live(robot: int, before: P, after: P) -> None:
-    """Raise ValueError if parameters of a robot differ that cannot change while it runs."""
+    """Raise ValueError if two sets of a robot's parameters differ where no change is allowed while it runs."""
     fixed = fixed_differences(before, after)
     if fixed:
         raise ValueError(f"robot {robot} cannot change these while it runs: {', '.join(fixed)}")

@@ -1,4 +1,4 @@
-"""Distances of a map's cells from its walls, shared by all robots on the map."""
+"""Distances from a map's cells to its walls, shared by all robots on the map."""
 
 from functools import lru_cache
 
@@ -9,15 +9,18 @@ from sim.common.grid import OCCUPIED, OccupancyGrid
 from sim.numerics.float_array import FloatArray
 
 MAX_CLEARANCE = 2.0
-"""Maximum clearance that is distinguished, meters. Larger clearances make no difference to a robot."""
+"""Largest clearance that is computed, meters. Larger ones make no difference to a robot."""
 
 
 BAND = 256
-"""Rows computed at a time. The temporary arrays for a whole map of a hectare would need 100 MB."""
+"""Rows computed at a time. Temporary arrays for all rows of a map of one hectare would need 100 MB."""
 
 
 def cells_away(free: NDArray[np.bool_]) -> FloatArray:
-    """Return (rows, cols) cells from each center to that of the nearest cell that is not free; the border is a wall."""
+    """Return (rows, cols) distances to the center of the nearest cell that is not free, in cells.
+
+    The border is a wall.
+    """
     padded = np.pad(free, 1)
     near_row, near_col = nearest_cells(~padded)[:, 1:-1, 1:-1]
     row, col = np.ogrid[1 : len(padded) - 1, 1 : padded.shape[1] - 1]
@@ -29,7 +32,7 @@ def cells_away(free: NDArray[np.bool_]) -> FloatArray:
 
 
 def nearest_cells(mask: NDArray[np.bool_]) -> NDArray[np.int32]:
-    """Return (2, rows, cols) row and column of the nearest cell of a mask for each cell; the mask must not be empty."""
+    """Return (2, rows, cols): for each cell, row and column of the nearest cell of a mask, which must not be empty."""
     # Imported here: reading a study does not need scipy, and its import would double the time.
     from scipy.ndimage import distance_transform_edt  # noqa: PLC0415
 
@@ -58,7 +61,7 @@ def distance_field(grid: OccupancyGrid, max_distance: float) -> NDArray[np.float
 
     Returns:
         (rows, cols) float32 in [0, max_distance]; `max_distance` everywhere if no cell is occupied. Read-only, because
-        maps never change and all robots on a map share one field.
+        maps never change and all robots on a map share this array.
     """
     field = _distances(grid, max_distance)
     field.setflags(write=False)
@@ -71,7 +74,7 @@ def near_walls(grid: OccupancyGrid, distance: float) -> NDArray[np.bool_]:
 
     Read-only, and shared by all robots on the map.
     """
-    # Kernels compare distances in double precision. Comparing the same way makes equal decisions, to the last bit.
+    # Kernels compare distances in double precision. The same precision here gives the same result in every cell.
     near: NDArray[np.bool_] = _distances(grid, 2.0 * distance) <= np.float64(distance)
     near.setflags(write=False)
     return near
@@ -79,12 +82,12 @@ def near_walls(grid: OccupancyGrid, distance: float) -> NDArray[np.bool_]:
 
 @lru_cache(maxsize=8)
 def clearance_field(grid: OccupancyGrid) -> NDArray[np.float32]:
-    """Return the approximate meters from each center to the nearest side of an occupied cell, up to MAX_CLEARANCE.
+    """Return the approximate distance from each cell's center to the nearest side of an occupied cell, meters.
 
     Returns:
-        (rows, cols) float32, half a cell less than `distance_field`, and at least 0. All robots on a map share one, so
-        it must not be written to. Its flag for writing is set nevertheless: its kernels also accept writable copies,
-        and numba would compile each kernel once more for read-only arrays.
+        (rows, cols) float32, half a cell less than `distance_field`, from 0 to MAX_CLEARANCE. All robots on a map share
+        this array, so it must not be changed. It is still marked as writable: kernels also get writable copies of it,
+        and for read-only arrays numba would compile each kernel a second time.
     """
     field: NDArray[np.float32] = np.maximum(
         _distances(grid, MAX_CLEARANCE) - np.float32(0.5 * grid.resolution), np.float32(0)

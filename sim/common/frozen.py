@@ -1,7 +1,7 @@
 """Frozen dataclasses that are created twice as fast: messages and states are made thousands of times per second.
 
-A frozen dataclass refuses assignments, even in its own `__init__`, which therefore calls `object.__setattr__` for each
-field. Here `__init__` calls the setters of the slots directly.
+A frozen dataclass refuses assignments even in its own `__init__`. Therefore `__init__` usually calls
+`object.__setattr__` for each field. Here `__init__` calls the setters of the slots directly, which is faster.
 """
 
 from collections.abc import Callable

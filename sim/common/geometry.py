@@ -10,7 +10,7 @@ from sim.numerics.elementary import wrap_angle
 from sim.numerics.float_array import FloatArray
 
 _cos_sin = lru_cache(maxsize=1024)(elementary.cos_sin)
-"""Cache size for directions of frames, because each tick needs the same ones, e.g. of odom and of the laser."""
+"""Number of directions whose cosine and sine are cached. Each tick needs the same few, e.g. of odom and the laser."""
 
 
 @frozen()

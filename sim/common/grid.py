@@ -1,6 +1,6 @@
-"""Occupancy grids: the meaning of a map's cells, and their place in the world.
+"""Occupancy grids: the meaning of a map's cells, and their position in the world.
 
-Grids are (rows, cols) with row 0 and column 0 at the map's origin, as nav_msgs/OccupancyGrid has them.
+Grids are (rows, cols) with row 0 and column 0 at the map's origin, as in nav_msgs/OccupancyGrid.
 """
 
 import math
@@ -75,14 +75,14 @@ class OccupancyGrid:
         cells = np.array(self.cells, dtype=np.int8, order="C")
         cells.setflags(write=False)
         object.__setattr__(self, "cells", cells)
-        # With whole numbers for corners, numba would compile the kernels once more.
+        # If these numbers were int, numba would compile the kernels a second time.
         origin = Pose2(float(self.origin.x), float(self.origin.y), float(self.origin.theta))
         object.__setattr__(self, "origin", origin)
-        # Computed once, because everything shared by robots on a map is looked up by this hash.
+        # Computed once, because every table that robots on a map share is looked up by this hash.
         object.__setattr__(self, "_hash", hash((self.resolution, origin, cells.shape, zlib.crc32(cells.data))))
 
     def __eq__(self, other: object) -> bool:
-        """Return True if place, size and cells are equal."""
+        """Return True if origin, resolution and cells are equal."""
         if not isinstance(other, OccupancyGrid):
             return NotImplemented
         return self is other or (
@@ -112,7 +112,10 @@ class OccupancyGrid:
         return GridFrame(self.origin.x, self.origin.y, *elementary.cos_sin(yaw), self.resolution)
 
     def cell_of(self, x: float, y: float) -> tuple[int, int]:
-        """Return (row, col) of the cell with a world point; outside the grid it may be negative or too large."""
+        """Return (row, col) of the cell that contains a world point.
+
+        Outside the grid, they may be negative or too large.
+        """
         frame = self.frame
         dx, dy = x - frame.x, y - frame.y
         col = (frame.cos * dx + frame.sin * dy) / frame.resolution
@@ -131,7 +134,7 @@ class OccupancyGrid:
         return float(x), float(y)
 
     def contains(self, row: int, col: int) -> bool:
-        """Return True if the grid has such a cell."""
+        """Return True if this row and this column are inside the grid."""
         return 0 <= row < self.rows and 0 <= col < self.cols
 
     def value_at(self, x: float, y: float) -> int:
@@ -140,7 +143,7 @@ class OccupancyGrid:
         return int(self.cells[row, col]) if self.contains(row, col) else UNKNOWN
 
     def cells_of(self, points: FloatArray) -> NDArray[np.int64]:
-        """Return (n, 2) rows and columns of (n, 2) world points; not necessarily inside the grid."""
+        """Return (n, 2) rows and columns of (n, 2) world points. They may be outside the grid."""
         in_grid = self.origin.inverse().transform(points)
         return np.floor(in_grid[:, ::-1] / self.resolution).astype(np.int64)
 
@@ -155,9 +158,9 @@ def interpret_image(
 ) -> Cells:
     """Return the cells of a map image, exactly as ROS reads it.
 
-    Dark is occupied. `occ` is `(255 - mean) / 255`, or `mean / 255` with `negate`. Above `occupied_thresh` a cell is
-    occupied, below `free_thresh` free. Between the two, `trinary` makes it unknown and `scale` gives 1 to 99 in
-    proportion. `raw` uses the mean itself, as a signed byte.
+    Dark is occupied. The occupancy of a cell is `(255 - mean) / 255`, or `mean / 255` with `negate`. Above
+    `occupied_thresh` the cell is occupied, and below `free_thresh` it is free. Between the two, mode `trinary` makes it
+    unknown, and `scale` gives it a value from 1 to 99 in proportion. `raw` uses the mean itself, as a signed byte.
 
     Args:
         pixels: (rows, cols) gray, or (rows, cols, channels) RGB or RGBA; row 0 is the top of the picture.

@@ -15,11 +15,14 @@ from sim.numerics.float_array import FloatArray
 
 TICKS_PER_SECOND = 50
 TICK = 1.0 / TICKS_PER_SECOND
-"""Seconds of one physics step; each step has an odometry message."""
+"""Seconds of one physics step. Each step sends one odometry message."""
 
 
 def next_turn(tick: int, robot: int, period: int) -> int:
-    """Return the first tick after this one in which it is a robot's turn. Each robot has one turn in `period` ticks."""
+    """Return the next tick in which it is a robot's turn, later than `tick`.
+
+    Each robot has one turn in `period` ticks.
+    """
     return tick + period - (tick - robot) % period
 
 
@@ -93,11 +96,11 @@ class Battery:
 
 
 class Claim(NamedTuple):
-    """Priority of a robot that asks others to clear its path. The smaller claim goes first.
+    """Priority of a robot that asks others to clear its path. The robot with the smaller claim goes first.
 
     Attributes:
         since: tick at which the robot accepted its goal. The robot that has waited longest goes first, so none starves.
-        robot: its index.
+        robot: index of the robot in the team.
     """
 
     since: int
@@ -109,15 +112,15 @@ class Neighbour:
     """State that a robot broadcasts to its team. The others receive it one tick later.
 
     Attributes:
-        robot: its index in the team.
+        robot: index of the robot in the team.
         base_in_map: pose where the robot believes it is.
         twist: its velocity.
         footprint: (n, 2) corners in its base frame, meters.
-        path: (m, 2) map points of its planned path, starting with its own position; empty if it stands.
+        path: (m, 2) map points of its planned path, starting at its own position; empty if it stands still.
         times: (m,) planned times at these points. They define the order in which robots pass a place
-            (`sim.robot.global_planning.itinerary`). Empty if the path is only wanted: other robots block it, and are
-            asked to clear it.
-        claim: priority of the robot, if its path is only wanted.
+            (`sim.robot.global_planning.itinerary`). Empty if other robots block the path; the robot then asks them to
+            clear it.
+        claim: priority of the robot while it asks others to clear its path; otherwise None.
     """
 
     robot: int

@@ -17,12 +17,12 @@ _HALF_DIAGONAL = math.sqrt(0.5)
 
 
 class Polygons(NamedTuple):
-    """Several polygons in flat arrays, the form for compiled kernels.
+    """Several polygons in flat arrays, for compiled kernels.
 
     Attributes:
         corners: (v, 2) corners of all polygons, meters.
         ends: (p + 1,) int64; the corners of polygon i are corners[ends[i] : ends[i + 1]].
-        circles: (p, 3) x, y and radius of a circle around each.
+        circles: (p, 3) x, y and radius of a circle around each polygon.
     """
 
     corners: FloatArray
@@ -51,13 +51,13 @@ def unpack_polygons(polygons: Polygons) -> list[FloatArray]:
 NO_POLYGONS = pack_polygons([])
 
 Clearance = NDArray[np.uint8]
-"""(rows, cols): number of king's moves from each cell to the nearest occupied one; 0 for itself, at most 255."""
+"""(rows, cols): king's moves (as in chess) from each cell to the nearest occupied one, 0 to 255."""
 
 _CLEARANCE_LIMIT = 255
 
 
 def clearance_of(grid: OccupancyGrid) -> Clearance:
-    """Return the free square around every cell: no cell at fewer king's moves than this is occupied."""
+    """Return, for every cell, the number of king's moves to the nearest occupied cell, at most 255."""
     open_cells = grid.cells != OCCUPIED
     if open_cells.all():
         return np.full(grid.cells.shape, _CLEARANCE_LIMIT, dtype=np.uint8)
@@ -67,7 +67,10 @@ def clearance_of(grid: OccupancyGrid) -> Clearance:
 
 @njit(cache=True)
 def clearance_at(clearance: Clearance, row: int, col: int) -> int:
-    """Return the clearance of a cell; if it is outside the grid, the king's moves to the grid's nearest cell."""
+    """Return the clearance of a cell.
+
+    For a cell outside the grid, return the king's moves to the grid's nearest cell.
+    """
     rows: int = clearance.shape[0]
     cols: int = clearance.shape[1]
     if 0 <= row < rows and 0 <= col < cols:
@@ -131,8 +134,8 @@ def within_margin(a: FloatArray, b: FloatArray, margin: float) -> bool:
         j = b.shape[0] - 1
         for m in range(b.shape[0]):
             cx, cy, dx, dy = b[j, 0], b[j, 1], b[m, 0], b[m, 1]
-            apart_cd = (side(ax, ay, bx, by, cx, cy) > 0.0) != (side(ax, ay, bx, by, dx, dy) > 0.0)
             # Two segments cross if the ends of each are on different sides of the other.
+            apart_cd = (side(ax, ay, bx, by, cx, cy) > 0.0) != (side(ax, ay, bx, by, dx, dy) > 0.0)
             apart_ab = (side(cx, cy, dx, dy, ax, ay) > 0.0) != (side(cx, cy, dx, dy, bx, by) > 0.0)
             if apart_cd and apart_ab:
                 return True
@@ -141,7 +144,8 @@ def within_margin(a: FloatArray, b: FloatArray, margin: float) -> bool:
                 return True
             j = m
         i = k
-    # Without crossing edges the polygons are apart, or one contains the other. Then any of its corners is inside.
+    # Without crossing edges, the polygons are apart or one contains the other. In the second case, every corner of the
+    # inner polygon is inside the outer one, so one corner is enough to check.
     return _inside(a[0, 0], a[0, 1], b) or _inside(b[0, 0], b[0, 1], a)
 
 
@@ -158,7 +162,7 @@ def placed_at(footprint: FloatArray, x: float, y: float, theta: float) -> FloatA
 
 @njit(cache=True)
 def near_wall(corners: FloatArray, clearance: Clearance, frame: GridFrame, margin: float) -> bool:
-    """Return True if a body overlaps an occupied cell, at edges or inside, or comes within `margin` meters of one."""
+    """Return True if a body overlaps an occupied cell or comes within `margin` meters of one."""
     body = np.empty_like(corners)  # in cells: columns, rows
     left, right, bottom, top = np.inf, -np.inf, np.inf, -np.inf
     for k in range(corners.shape[0]):
@@ -190,7 +194,10 @@ def near_wall(corners: FloatArray, clearance: Clearance, frame: GridFrame, margi
 
 @njit(cache=True)
 def is_clear_of_walls(x: float, y: float, distance: float, clearance: Clearance, frame: GridFrame) -> bool:
-    """Return True if certainly no occupied cell is within `distance` of a point; cheap, and False when in doubt."""
+    """Return True if certainly no occupied cell is within `distance` of a point.
+
+    The test is cheap, and may return False although no occupied cell is near.
+    """
     dx = x - frame.x
     dy = y - frame.y
     col = math.floor((frame.cos * dx + frame.sin * dy) / frame.resolution)

@@ -2,12 +2,13 @@
 
 A beam is followed from one grid line to the next (Amanatides and Woo, A fast voxel traversal algorithm for ray
 tracing, 1987), but in long strides. For each cell and each of the four diagonal directions, a table has the side of the
-largest square without an occupied cell that starts there. A beam inside such a square meets nothing before it leaves
-the square. So one step goes to the square's border: dozens of cells in open space. Every crossing is computed from the
-beam's start and never summed up, so that strides of any length give the same range to the last bit.
+largest square that starts there and has no occupied cell. A beam inside such a square meets nothing before it leaves
+the square. So one step goes to the square's border, which is dozens of cells away in open space. The distance of each
+crossing is computed from the beam's start, and steps are never summed. So strides of any length give the same range to
+the last bit.
 
-Only occupied cells (100) stop a beam. Unknown cells and everything outside the grid let it pass. Nothing is known to be
-there, and with invented walls the simulated laser would mark obstacles that no map shows. A beam that starts in an
+Only occupied cells (100) stop a beam. Unknown cells and the space outside the grid let it pass. It is not known what is
+there. If walls were assumed, the simulated laser would mark obstacles that no map shows. A beam that starts in an
 occupied cell has range 0.
 """
 
@@ -25,9 +26,10 @@ from sim.numerics.float_array import FloatArray
 from sim.numerics.kernels import njit
 
 FreeSquares = NDArray[np.uint8]
-"""(4, rows, cols): side, in cells, of the largest square without an occupied cell that has this cell as a corner and
-extends towards 0: lower columns and rows, 1: higher columns and lower rows, 2: lower columns and higher rows, 3: higher
-columns and rows. 0 if the cell itself is occupied; at most 255. All cells outside the grid are free."""
+"""(4, rows, cols): side of the largest square that has this cell as a corner and contains no occupied cell. In cells,
+at most 255; 0 if the cell itself is occupied. All cells outside the grid are free. The first index is the direction of
+the square. 0: lower columns and rows. 1: higher columns, lower rows. 2: lower columns, higher rows. 3: higher columns
+and rows."""
 
 _LARGEST_SQUARE = 255
 
@@ -49,9 +51,8 @@ def _free_squares(cells: Cells) -> FreeSquares:
                 if cells[row, col] == OCCUPIED:
                     squares[quadrant, row, col] = 0
                     continue
-                # A square of side n consists of three squares of side n - 1 (at the side, above, diagonal) and this
-                # cell.
-                # All cells outside the map are free, so they do not limit the side.
+                # A square of side n consists of this cell and three overlapping squares of side n - 1 (at the side,
+                # above, diagonal). All cells outside the map are free, so they do not limit the side.
                 smallest = _LARGEST_SQUARE - 1
                 if i > 0:
                     smallest = min(smallest, squares[quadrant, next_row, col])
@@ -78,11 +79,11 @@ def free_squares_of(grid: OccupancyGrid) -> FreeSquares:
 def _line_after(
     start: int, step: int, origin: float, speed: float, pace: float, distance: float, inclusive: bool, hair: float
 ) -> int:
-    """Return the row (or column) of a beam after `distance`; it was in `start` before.
+    """Return the row (or column) that a beam from row (or column) `start` reaches after `distance`.
 
-    If the beam is within a hair of a grid line, rounding could decide either way. In this case the line counts as
-    crossed if the same expression with which `_cast` computes crossings gives this result. So a beam with strides never
-    passes other cells than a beam that goes cell by cell.
+    If the beam is closer than `hair` to a grid line, rounding could put it on either side. In this case the expression
+    by which `_cast` computes crossings decides. So a beam with strides passes the same cells as a beam that goes cell
+    by cell.
     """
     reached = origin + speed * distance
     line = math.floor(reached)
@@ -108,10 +109,10 @@ def _line_after(
 def _cast(
     squares: FreeSquares, col_start: float, row_start: float, col_speed: float, row_speed: float, limit: float
 ) -> float:
-    """Return the meters along one beam to the first occupied cell; inf if none is nearer than `limit`.
+    """Return the distance along one beam to the first occupied cell, meters; inf if it is not below `limit`.
 
     Args:
-        squares: table of the grid. A table of ones on all free cells would give the same range, but slower.
+        squares: table of the grid. A table with 1 in all free cells would give the same range, but more slowly.
         col_start: start of the beam, along the columns, in cells.
         row_start: start along the rows.
         col_speed: cells per meter of beam along the columns.
@@ -122,7 +123,8 @@ def _cast(
     """
     rows = squares.shape[1]
     cols = squares.shape[2]
-    # A beam along a grid line needs a finite pace across it. Otherwise 0 * inf would occur on the line itself.
+    # A beam along a grid line needs a finite pace (meters per cell) across it. Otherwise a beam exactly on the line
+    # would compute 0 * inf.
     if col_speed == 0.0:
         col_speed = 1e-300
     if row_speed == 0.0:
@@ -131,12 +133,13 @@ def _cast(
     row_pace = 1.0 / row_speed
     col_step = 1 if col_speed > 0.0 else -1
     row_step = 1 if row_speed > 0.0 else -1
-    # The edge through which the beam enters a cell, relative to the cell's lower edge: 0, or 1 for the upper edge.
+    # Edge through which the beam enters a cell: 0 for the cell's lower edge, 1 for its upper edge.
     col_behind = 0 if col_speed > 0.0 else 1
     row_behind = 0 if row_speed > 0.0 else 1
     # Rounding moves a beam by about 1e-16 of the numbers from which it is computed.
     hair = 1e-13 * (abs(col_start) + abs(row_start) + rows + cols)
-    # The grid is convex: a beam that leaves it does not return. So no stride below ends outside of it.
+    # The grid is convex, so a beam that leaves it does not return. Therefore no stride below has to end outside the
+    # grid.
     leaves_cols = ((cols if col_step > 0 else 0) - col_start) * col_pace
     leaves_rows = ((rows if row_step > 0 else 0) - row_start) * row_pace
     limit = min(limit, leaves_cols, leaves_rows)
@@ -160,8 +163,8 @@ def _cast(
     # Invariant: the beam enters cell (row, col) at `distance`, all cells before it are free, and `free` is the side of
     # the free square that starts there: 0 in an occupied cell, which ends the beam.
     while free > 0:
-        # Far column and row of the square, and the distances at which the beam reaches them. It leaves by the nearer
-        # one.
+        # Far column and row of the square, and the distances at which the beam reaches them. The beam leaves the square
+        # at the smaller distance.
         next_col = col + col_step * free
         next_row = row + row_step * free
         col_exit = (next_col + col_behind - col_start) * col_pace
@@ -193,7 +196,7 @@ def cast_beams(
         frame: frame of the grid.
         poses: (n, 3) poses of the sensors in the map frame.
         directions: (m, 2) cosine and sine of the beams' angles in the sensor's frame.
-        max_range: meters, finite; beams that end farther away have range inf.
+        max_range: meters, finite. A beam that meets nothing within it has range inf.
         out: (n, m) meters.
     """
     # A cell at exactly max_range is still visible.
@@ -204,7 +207,8 @@ def cast_beams(
         col_start = (frame.cos * dx + frame.sin * dy) / frame.resolution
         row_start = (frame.cos * dy - frame.sin * dx) / frame.resolution
         c, s = elementary.cos_sin(poses[i, 2])
-        # The sensor's axes, in cells per meter along the grid's axes. So beams need no sine or cosine of their own.
+        # The sensor's axes, in cells per meter along the grid's axes. With them, no beam needs a sine or cosine of its
+        # own.
         ahead_cols = (frame.cos * c + frame.sin * s) / frame.resolution
         ahead_rows = (frame.cos * s - frame.sin * c) / frame.resolution
         for j in range(directions.shape[0]):
@@ -232,10 +236,10 @@ def _circle(polygon: FloatArray) -> tuple[float, float, float]:
 
 @njit(cache=True)
 def shorten_by_polygon(polygon: FloatArray, directions: FloatArray, max_range: float, ranges: FloatArray) -> None:
-    """Shorten the ranges of a sensor that a polygon cuts off.
+    """Shorten the ranges of those beams that meet a polygon.
 
     Args:
-        polygon: (v, 2) corners in the sensor's frame, in either direction, convex or not.
+        polygon: (v, 2) corners in the sensor's frame, clockwise or counterclockwise, convex or not.
         directions: (m, 2) cosine and sine of the beams' angles in the sensor's frame.
         max_range: meters; farther edges are not seen.
         ranges: (m,) meters, changed in place. A sensor inside the polygon sees its outline from inside.
@@ -284,7 +288,7 @@ def shorten_fan_by_polygon(polygon: FloatArray, fan: BeamFan, max_range: float, 
     beams = fan.directions.shape[0]
     centre_x, centre_y, radius = _circle(polygon)
     away = elementary.hypot(centre_x, centre_y)
-    # From nearby, even beams that point away from the polygon's center may meet it.
+    # If the sensor is near, even beams that point away from the polygon's center may meet the polygon.
     if away < 2.0 * radius:
         shorten_by_polygon(polygon, fan.directions, max_range, ranges)
         return
@@ -293,7 +297,7 @@ def shorten_fan_by_polygon(polygon: FloatArray, fan: BeamFan, max_range: float, 
     end = begin + 2.0 * half / fan.angle_increment
     turn = math.tau / fan.angle_increment
     for turns in (-1, 0, 1):
-        # One additional beam on either side, so that rounding omits none.
+        # One additional beam on either side, so that rounding does not omit a beam.
         first = max(0, math.floor(begin + turns * turn) - 1)
         last = min(beams, math.ceil(end + turns * turn) + 2)
         if first < last:
@@ -323,7 +327,7 @@ class Raycaster:
         return cls(free_squares_of(grid), grid.frame)
 
     def ranges(self, poses: FloatArray, angles: FloatArray, max_range: float) -> FloatArray:
-        """Return the meters to the first occupied cell along every beam; inf if none is within `max_range`.
+        """Return the distance to the first occupied cell along every beam, meters; inf if none is within `max_range`.
 
         Args:
             poses: (n, 3) poses of the sensors in the map frame.

@@ -1,4 +1,4 @@
-"""Colors of robots on a light ground: the same in windows, reports and figures."""
+"""Colors of robots on a light background: the same in windows, reports and figures."""
 
 ROBOT_COLORS = (
     "#0070d0",
@@ -12,9 +12,9 @@ ROBOT_COLORS = (
     "#7060a0",
     "#700030",
 )
-"""One color per robot. They also differ for color-blind people, and each has enough contrast to white."""
+"""One color per robot. Color-blind people can also distinguish them, and each has enough contrast to white."""
 
 
 def robot_color(index: int) -> str:
-    """Return the color of a robot, by its index from 0. After the last color, the first comes again."""
+    """Return the color of a robot, by its index from 0. After the last color, the colors repeat."""
     return ROBOT_COLORS[index % len(ROBOT_COLORS)]

@@ -8,7 +8,7 @@ People, ROS names, MAVLink system ids, study files and bags count from 1. Conver
 from typing import NewType
 
 RobotNumber = NewType("RobotNumber", int)
-"""A robot's number as people count, from 1."""
+"""A robot's number for people, counted from 1."""
 
 
 def number_of(robot: int) -> RobotNumber:

@@ -1,4 +1,4 @@
-"""Traversability: places on a map where a robot's body fits, and the places reached from there; rooms as polygons."""
+"""Traversability: places on a map where a robot fits, and the places that it reaches from there; rooms as polygons."""
 
 import math
 from collections.abc import Sequence
@@ -15,7 +15,7 @@ from sim.numerics.float_array import FloatArray
 
 Point = tuple[float, float]
 Polygon = tuple[Point, ...]
-"""Corners in order, meters; the last is connected to the first."""
+"""Corners in order, meters; the last one is connected to the first one."""
 Mask = NDArray[np.bool_]
 Span: TypeAlias = "slice[int, int, None]"
 """Range of rows or columns."""
@@ -25,11 +25,12 @@ Box = tuple[Span, Span]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TraversabilityMap:
-    """Clearance everywhere on a map, for robots of one size.
+    """Clearance of all cells of a map, for robots of one size.
 
     Attributes:
         grid: the map. Its border counts as a wall, because nothing is known about the space outside.
-        clearance: (rows, cols) meters from each cell's center to that of the nearest cell that is not free; 0 there.
+        clearance: (rows, cols) meters from each cell's center to the center of the nearest cell that is not free. Cells
+            that are not free have 0.
         inscribed: radius of the largest circle around a robot's center inside its footprint, meters.
         circumscribed: radius of the smallest circle around its center that contains the footprint.
     """
@@ -62,9 +63,9 @@ class TraversabilityMap:
         )
 
     def box_around(self, points: FloatArray, margin: float = 0.0) -> Box:
-        """Return the rows and columns that (n, 2) points span, map frame, plus a margin in meters on all sides."""
+        """Return the rows and columns of a box around (n, 2) points, map frame, with a margin on all sides, meters."""
         places = self.grid.origin.inverse().transform(points)[:, ::-1]
-        # One additional cell: by rounding, a point on the edge of a cell may be computed to be beyond it.
+        # One additional cell, because rounding may put a point on the edge of a cell into the next cell.
         low, high = (
             np.clip(np.floor(ends / self.grid.resolution) + more, 0, self.grid.cells.shape).astype(np.int64).tolist()
             for ends, more in ((places.min(axis=0) - margin, -1), (places.max(axis=0) + margin, 2))
@@ -72,7 +73,7 @@ class TraversabilityMap:
         return slice(low[0], high[0]), slice(low[1], high[1])
 
     def held_by(self, polygon: Polygon) -> tuple[Box, Mask]:
-        """Return the cells whose centers are in a polygon (map frame): a box, and a mask of this box."""
+        """Return the cells with their centers in a polygon (map frame): a box, and a mask of this box."""
         box = self.box_around(np.array(polygon))
         return box, inside(polygon, *self.centres(box))
 
@@ -82,7 +83,7 @@ class TraversabilityMap:
         return float(self.clearance[row, col]) if self.grid.contains(row, col) else 0.0
 
     def obstructed_by(self, other: Pose2) -> tuple[Box, Mask]:
-        """Return the cells where no robot's center can be while another robot stands at `other`, for any headings.
+        """Return the cells where no robot's center may be while another one stands at `other`, for any headings.
 
         Returns:
             A box, and a mask of this box.
@@ -93,7 +94,10 @@ class TraversabilityMap:
         return box, np.sqrt(np.square(x - other.x) + np.square(y - other.y)) <= apart
 
     def reachable(self, start: Pose2) -> Mask:
-        """Return the cells that a robot's center reaches from a pose; none if no robot fits there."""
+        """Return the cells that a robot's center reaches from a pose.
+
+        The mask is empty if no robot fits at the pose.
+        """
         passable = self.clearance > self.inscribed
         areas = _areas(passable)
         row, col = self.grid.cell_of(start.x, start.y)
@@ -113,21 +117,21 @@ class CrowdedFloor:
     def __init__(self, floor: TraversabilityMap, poses: Sequence[Pose2]) -> None:
         self._floor, self._poses = floor, poses
         self._obstructed = [floor.obstructed_by(pose) for pose in poses]
-        # Number of robots that obstruct a cell: all those that are close to it.
+        # Number of robots that obstruct each cell.
         self._robots = np.zeros(floor.grid.cells.shape, dtype=np.int16)
         for box, mask in self._obstructed:
             self._robots[box] += mask
         self._areas = _areas((floor.clearance > floor.inscribed) & (self._robots == 0))
 
     def are_connected(self, cells: Sequence[tuple[int, int]]) -> bool:
-        """Return True if one more robot gets from any of these cells to all others."""
+        """Return True if an additional robot could drive from any of these cells to all the others."""
         areas = {int(self._areas[cell]) for cell in cells}
         return areas <= {0} if not cells else len(areas) == 1 and 0 not in areas
 
     def reached(self, robot: int, cells: Sequence[tuple[int, int]]) -> list[bool]:
-        """Return for each of these cells whether a robot reaches it from its place, past all others."""
+        """Return for each cell whether a robot reaches it from its present position, past all other robots."""
         floor, (box, own) = self._floor, self._obstructed[robot]
-        # A robot does not obstruct itself. So cells that it alone obstructs connect areas for it.
+        # A robot does not obstruct itself. So cells that no other robot obstructs may connect areas for it.
         freed = _areas(own & (self._robots[box] == 1) & (floor.clearance[box] > floor.inscribed))
         mine, areas = np.zeros(int(freed.max(initial=0)) + 1, dtype=np.bool_), set[int]()
         place = floor.grid.cell_of(self._poses[robot].x, self._poses[robot].y)
@@ -145,9 +149,9 @@ class CrowdedFloor:
 
 
 def _areas(passable: Mask) -> NDArray[np.int32]:
-    """Number the areas of connected cells, from 1; 0 for other cells."""
-    # From a cell a robot gets to its four neighbors, not diagonally past the corner between two walls.
-    # Imported here: reading a study does not need scipy, and its import would double the time.
+    """Label connected cells with the number of their area, from 1; 0 for cells that are not passable."""
+    # A robot drives from a cell to its four neighbors only: diagonally it could pass between two walls that meet at a
+    # corner. scipy is imported here, because reading a study does not need it, and its import would double the time.
     from scipy.ndimage import label  # noqa: PLC0415
 
     return cast(tuple[NDArray[np.int32], int], label(passable))[0]
@@ -160,7 +164,7 @@ def _at(labels: NDArray[np.int32], box: Box, cell: tuple[int, int]) -> int:
 
 
 def _beside(labels: NDArray[np.int32], others: NDArray[np.int32]) -> NDArray[np.int32]:
-    """Return (n, 2) pairs of a label and another one in a neighboring cell."""
+    """Return (n, 2) pairs: a label, and a label in `others` of a neighboring cell."""
     sides = (
         (labels[:-1], others[1:]),
         (labels[1:], others[:-1]),
@@ -172,7 +176,7 @@ def _beside(labels: NDArray[np.int32], others: NDArray[np.int32]) -> NDArray[np.
 
 
 def inside(polygon: Polygon, x: FloatArray, y: FloatArray) -> Mask:
-    """Return a mask of the points (x, y), arrays of one shape, that are in a polygon (even-odd rule)."""
+    """Return a mask of the points (x, y) that are in a polygon (even-odd rule). x and y have the same shape."""
     odd = np.zeros(x.shape, dtype=np.bool_)
     for (x0, y0), (x1, y1) in sides(polygon):
         if y0 != y1:
@@ -181,17 +185,17 @@ def inside(polygon: Polygon, x: FloatArray, y: FloatArray) -> Mask:
 
 
 def sides(polygon: Polygon) -> list[tuple[Point, Point]]:
-    """Return the polygon's sides: each corner with the next one."""
+    """Return the polygon's sides, each as a corner and the next one."""
     return list(zip(polygon, polygon[1:] + polygon[:1], strict=True))
 
 
 def area(polygon: Polygon) -> float:
-    """Return the area in square meters, for corners in either direction."""
+    """Return the area in square meters. The corners may be clockwise or counterclockwise."""
     return abs(math.fsum(x0 * y1 - x1 * y0 for (x0, y0), (x1, y1) in sides(polygon))) / 2
 
 
 def crosses_itself(polygon: Polygon) -> bool:
-    """Return True if two sides cross between their ends."""
+    """Return True if two sides of the polygon cross between their ends."""
     edges = sides(polygon)
     return any(_cross(edges[first], edges[second]) for second in range(len(edges)) for first in range(second))
 

@@ -22,17 +22,17 @@ _VERSION = re.compile(r"(?P<module>.+)-[0-9a-f]{16}")
 KEPT_DAYS = 30
 """Days after which unused compiled code is deleted."""
 KEPT_VERSIONS = 16
-"""Number of versions of a module whose compiled code is kept, the latest used; more than will run at the same time."""
+"""Number of a module's versions with stored code: those used last. More versions will hardly run at the same time."""
 
 
 @once
 def cache_folder() -> Path:
-    """Return the folder of all compiled code. It is the user's, so that it outlives checkouts and serves all of them.
+    """Return the folder of all compiled code. It belongs to the user, so all checkouts share it.
 
-    If it cannot be written, or other accounts may write there, it is a folder next to the sources, or a temporary one.
-    Its name is always `kernels`.
+    If it cannot be written, or if other accounts may write there, return a folder next to the sources or a temporary
+    one. The folder's name is always `kernels`.
     """
-    # Without a home directory the path starts with a tilde; pathlib would raise an exception.
+    # Without a home directory, the result starts with a tilde, while pathlib would raise an exception.
     home = os.path.expanduser("~/.cache")  # noqa: PTH111
     usual = Path(os.environ.get("XDG_CACHE_HOME") or home, "thbridge")
     users = Path(os.environ.get("NUMBA_CACHE_DIR") or usual, "kernels")
@@ -40,13 +40,13 @@ def cache_folder() -> Path:
 
 
 def private_folder(candidates: Iterable[Path]) -> Path:
-    """Return the first folder that can be written and into which no other account can put code.
+    """Return the first folder that this account can write and no other account can.
 
-    If there is none, return a folder for temporary files: one that all programs of this account share, or one that this
-    process deletes when it ends. A notice names each folder that other accounts can change.
+    If there is no such folder, try a temporary folder that all programs of this account share. If that fails too,
+    return a folder that this process deletes when it ends. A notice names each folder that other accounts can change.
     """
     for folder in (*candidates, Path(gettempdir(), f"thbridge-{os.getuid()}", "kernels")):
-        # Without a home directory the path of a cache starts with a tilde.
+        # Without a home directory, the path of a cache starts with a tilde and is not absolute.
         if folder.is_absolute():
             with suppress(OSError):
                 _make_private(folder)
@@ -61,7 +61,7 @@ def private_folder(candidates: Iterable[Path]) -> Path:
 
 
 def read(path: Path) -> bytes | None:
-    """Return the content of a file of compiled code; None if it does not exist, is damaged, or is not private.
+    """Return the content of a file of compiled code; None if the file does not exist, is damaged, or is not private.
 
     A damaged file, or one that other accounts could change, is deleted with a notice, so that its code is compiled
     again.
@@ -87,7 +87,7 @@ def read(path: Path) -> bytes | None:
 
 
 def write(path: Path, content: bytes) -> None:
-    """Write a file of compiled code, completely or not at all.
+    """Write a file of compiled code. After an interruption, no incomplete file remains.
 
     Raises:
         OSError: it cannot be written.
@@ -123,16 +123,16 @@ def mark_used(folder: Path) -> None:
 
 
 def _make_private(folder: Path) -> None:
-    """Make a folder and its parents, which only this account can enter, regardless of the umask."""
+    """Make a folder and its parents so that only this account can enter them, regardless of the umask."""
     if not folder.exists():
         _make_private(folder.parent)
         folder.mkdir(mode=stat.S_IRWXU, exist_ok=True)
 
 
 def _fault_of(folder: Path) -> str | None:
-    """Return why another account can change the content of a folder, through the folder itself or through a parent.
+    """Return the reason why another account could change a folder's content, directly or through a parent; else None.
 
-    As for ssh and sudo, all folders must belong to this account or to root. Others may write only where they cannot
+    As ssh and sudo require, all folders must belong to this account or to root. Others may write only where they cannot
     replace files of other accounts (the sticky bit of /tmp).
     """
     real = folder.resolve()
@@ -161,7 +161,7 @@ def _digest(path: Path, content: bytes) -> bytes:
 
 @once
 def _notify(notice: str) -> None:
-    """Log a notice once, for any number of files."""
+    """Log a notice only once, even if it applies to many files."""
     _LOGGER.warning(notice)
 
 
@@ -171,7 +171,7 @@ def _of_this_process() -> TemporaryDirectory[str]:
 
 
 def _tidy(new: Path) -> None:
-    """Delete code that was not used for a long time, and old versions of the module that has the new folder."""
+    """Delete code that was not used for a long time, and old versions of the new folder's module."""
     named = {folder: match["module"] for folder in new.parent.iterdir() if (match := _VERSION.fullmatch(folder.name))}
     used = {folder: folder.stat().st_mtime for folder in named}
     versions = sorted((folder for folder in named if named[folder] == named[new]), key=used.__getitem__)

@@ -1,18 +1,19 @@
 """Elementary functions that give the same bits on every machine: sin, cos, atan2, exp, log, hypot.
 
-The functions of libm and of numpy are accurate, but the last bit differs: which of several implementations runs depends
-on the processor's features and on versions of libraries. A robot's noise, particles and plans depend on such bits. So
-with these functions a session could be repeated only on one kind of machine.
+The functions of libm and numpy are accurate, but their last bit differs between machines. They have several
+implementations, and the processor's features and the library's version decide which one runs. A robot's noise,
+particles and plans depend on such bits. With libm or numpy, a session could be repeated only on the same kind of
+machine.
 
 The functions here use only sums, products, quotients and square roots of doubles, in the written order. IEEE 754
 defines each of them exactly. Python does not contract or reorder them, and neither does numba without `fastmath`. A
 function looks up its value at a nearby point of a table, as a sum of two doubles, and adds a short series. It also adds
 the rounding errors of the leading products and sums. So results are almost correctly rounded: the error is at most
-0.502 units in the last place, and 0.5 is the optimum.
+0.502 units in the last place. The smallest possible bound is 0.5.
 
-They are plain functions, for code that needs single numbers. Kernels compile the same functions, and
-`sim.numerics.elementary_arrays` has versions for arrays. Their parts without branches also accept arrays, because numpy
-computes the same sums and products for each element.
+The functions are plain Python, for code that needs single numbers. Kernels compile the same functions, and
+`sim.numerics.elementary_arrays` has versions for arrays. Helper functions without branches also accept arrays, because
+numpy computes the same sums and products for each element.
 
 Sources: Muller, Elementary Functions, 3rd ed. (2016), chapters 6 (tables: Tang, Gal) and 11 (range reduction: Cody and
 Waite, Payne and Hanek); Dekker, A floating-point technique for extending the available precision (1971), for the errors
@@ -41,7 +42,7 @@ from sim.numerics.elementary_tables import (
 from sim.numerics.float_array import FloatArray
 
 Real = TypeVar("Real", float, FloatArray)
-"""A number, or an array; calculations are then elementwise."""
+"""A number or an array. Calculations with arrays are elementwise."""
 
 _STEP_1, _STEP_2, _STEP_3, _STEP_4 = TURN_STEP
 _TURN_1, _TURN_2 = FULL_TURN
@@ -56,14 +57,14 @@ FARTHEST = 2.0**20 / _STEPS_PER_RADIAN
 """Angle in radians below which Cody and Waite's reduction is exact."""
 
 _ROUNDING = 1.5 * 2.0**52
-"""Adding and subtracting this number rounds to an integer, half to even."""
+"""Number for rounding: adding and then subtracting it rounds to an integer, half to even."""
 
 _SPLITTER = 2.0**27 + 1.0
 """Dekker's factor, which splits a double into two halves of 26 bits."""
 
 
 def leading(x: Real) -> Real:
-    """Return the leading 26 bits of a number; the rest has as many bits. Products of such halves are exact."""
+    """Return the leading 26 bits of a number. The rest has at most 26 bits, so products of such halves are exact."""
     scaled = _SPLITTER * x
     return scaled - (scaled - x)
 
@@ -90,7 +91,7 @@ def two_product(a: Real, b: Real) -> tuple[Real, Real]:
 
 
 def _scaled(x: float, exponent: int) -> float:
-    """Return a number times a power of two; infinite on overflow, where ldexp raises an error."""
+    """Return a number times a power of two. On overflow the result is infinite, while ldexp raises an error."""
     return math.ldexp(x, exponent - 1) * 2.0 if exponent > 0 else math.ldexp(x, exponent)
 
 
@@ -113,9 +114,10 @@ def reduced_near(x: Real) -> tuple[Real, Real, Real]:
 
 
 def _reduced_far(x: float) -> tuple[int, float, float]:
-    """Do the same for any finite angle: the fraction of its product with 1 / (2 pi), in digits of 24 bits.
+    """Do the same as `_reduced` for any finite angle, by the fraction of its product with 1 / (2 pi).
 
-    Digits before the point are whole turns and are omitted. Sums of four products of digits are exact.
+    Numbers are split into digits of 24 bits. Digits before the point are whole turns and are omitted. Sums of four
+    products of digits are exact.
     """
     mantissa, exponent = math.frexp(abs(x))
     first = (exponent - 53) // 24
@@ -153,7 +155,7 @@ def _reduced_far(x: float) -> tuple[int, float, float]:
 def turned(cos_1: Real, cos_2: Real, sin_1: Real, sin_2: Real, rest: Real, error: Real) -> Real:
     """Return sin(a + r) from sine and cosine of a in two parts each (26 bits first) and a small r in two parts."""
     square = rest * rest
-    # bent is sin(r) - r, short is cos(r) - 1; small terms are added first to lose the fewest bits.
+    # bent is sin(r) - r, and short is cos(r) - 1. Small terms are added first, because this loses the fewest bits.
     bent = error + rest * square * (-1.0 / 6.0 + square * (1.0 / 120.0 + square * (-1.0 / 5040.0 + square / 362880.0)))
     short = square * (-0.5 + square * (1.0 / 24.0 + square * (-1.0 / 720.0 + square / 40320.0))) - rest * error
     rest_1 = leading(rest)
@@ -163,8 +165,8 @@ def turned(cos_1: Real, cos_2: Real, sin_1: Real, sin_2: Real, rest: Real, error
     )
 
 
-# Each function first converts its argument to a double. Otherwise numba would calculate with a float32 in single
-# precision, and numbers of numpy would be slow in plain code.
+# Each function first converts its argument to a double. Otherwise numba would compute in single precision for a
+# float32, and plain code would be slow with numpy's numbers.
 
 
 def sin(x: float) -> float:
@@ -187,7 +189,7 @@ def cos(x: float) -> float:
         return math.nan
     steps, rest, error = _reduced(x)
     i = steps & 127
-    # cos(x) = sin(x + pi / 2), so the roles of table columns change.
+    # cos(x) = sin(x + pi / 2), so the columns of sine and cosine change roles, and the sine's sign changes.
     return turned(-float(TURNS[i, 2]), -float(TURNS[i, 3]), float(TURNS[i, 0]), float(TURNS[i, 1]), rest, error)
 
 
@@ -235,7 +237,7 @@ def log(x: float) -> float:
         return x if x > 0.0 else math.nan
     mantissa, exponent = math.frexp(x)
     if mantissa < 0.7071067811865476:
-        # A mantissa around 1 keeps the logarithms of numbers near 1 free of cancellation with the exponent's part.
+        # With a mantissa around 1, the exponent is 0 for numbers near 1. So nothing cancels in their small logarithms.
         mantissa, exponent = 2.0 * mantissa, exponent - 1
     i = int(128.0 * mantissa + 0.5) - LOGARITHMS_FROM
     reciprocal, value_1, value_2 = float(LOGARITHMS[i, 0]), float(LOGARITHMS[i, 1]), float(LOGARITHMS[i, 2])
@@ -254,7 +256,7 @@ def log(x: float) -> float:
 
 
 def atan2(y: float, x: float) -> float:
-    """Return the angle of the vector (x, y) in [-pi, pi], radians. Signs of zeros have the same effect as in C."""
+    """Return the angle of the vector (x, y) in [-pi, pi], radians. Signed zeros have the same effect as in C."""
     x, y = float(1.0 * x), float(1.0 * y)
     if math.isnan(x) or math.isnan(y):
         return math.nan
@@ -269,7 +271,7 @@ def atan2(y: float, x: float) -> float:
         greater = 1.0
     ratio = less / greater
     if ratio < 2.0**-35:
-        # For such a small ratio the arctangent equals the quotient, far beyond the last place.
+        # For such a small ratio, the arctangent and the quotient differ by far less than the last place.
         angle, error = ratio, 0.0
         if ratio > 0.0 and (x < 0.0 or steep):
             angle = max(angle, 2.0**-200)
@@ -291,9 +293,12 @@ def atan2(y: float, x: float) -> float:
 
 
 def arctangent(less: Real, greater: Real, near: Real, value_1: Real, value_2: Real) -> tuple[Real, Real]:
-    """Return the arctangent of a quotient in two parts, from that of a nearby number of six bits, also in two parts."""
+    """Return the arctangent of less / greater in two parts.
+
+    `value_1` and `value_2` are the two parts of the arctangent of `near`, a nearby number of six bits.
+    """
     greater_1, less_1 = leading(greater), leading(less)
-    # tan(a - b) from the tangents of both. Products with the short number are exact.
+    # Compute tan(a - b) from tan(a) and tan(b) as over / under. Products with the six bits of `near` are exact.
     over, over_error = two_sum(less - near * greater_1, -near * (greater - greater_1))
     under, under_error = two_sum(greater, near * less_1)
     under, under_error = fast_two_sum(under, under_error + near * (less - less_1))
@@ -312,7 +317,7 @@ def hypot(x: float, y: float) -> float:
     greater, less = abs(x), abs(y)
     if greater < less:
         greater, less = less, greater
-    # True for nearly all arguments. False for those that are not finite.
+    # This branch is for nearly all arguments. The condition is False for those that are not finite.
     if less > 2.0**-400 and greater < 2.0**400:
         return _length(greater, less)
     if math.isinf(x) or math.isinf(y):
@@ -326,12 +331,12 @@ def hypot(x: float, y: float) -> float:
 
 
 def _length(greater: float, less: float) -> float:
-    """Return the length of a vector from its larger and its smaller component; no square overflows or underflows."""
+    """Return the length of a vector from its larger and its smaller component, if no square overflows or underflows."""
     return mended_length(math.sqrt(greater * greater + less * less), greater, less)
 
 
 def mended_length(length: Real, greater: Real, less: Real) -> Real:
-    """Return the length of such a vector, corrected from the rounded root of the sum of squares (one Newton step)."""
+    """Correct `length`, the rounded root of the sum of two squares, by one Newton step, and return it."""
     length_1, greater_1, less_1 = leading(length), leading(greater), leading(less)
     length_2, greater_2, less_2 = length - length_1, greater - greater_1, less - less_1
     # Excess of the rounded root's square over the sum of squares; exact except for its last sum.
@@ -344,7 +349,7 @@ def mended_length(length: Real, greater: Real, less: Real) -> Real:
 
 
 def wrap_angle(angle: float) -> float:
-    """Return the same direction in [-pi, pi); an angle in this range is returned unchanged. Kernels may call this."""
+    """Return the same direction in [-pi, pi). An angle in this range is returned unchanged. Kernels may call this."""
     angle = float(angle)  # converts numbers of numpy arrays to plain ones
     if -math.pi <= angle < math.pi:
         return angle

@@ -1,7 +1,7 @@
 """The functions of `sim.numerics.elementary` for arrays of any shape, including single numbers.
 
-Programs that simulate robots have the compiler, and use kernels. Programs that read recordings avoid its import, which
-takes half a second and 130 MB. They use numpy, which gives the same bits.
+Programs that simulate robots load the compiler, so they use kernels. Programs that read recordings do not load it,
+because its import takes half a second and 130 MB. They use numpy, which gives the same bits.
 """
 
 import sys
@@ -28,7 +28,7 @@ def _kernels() -> ModuleType:
 
 
 def _operations() -> ModuleType:
-    """Return the module that overwrites arrays in this program."""
+    """Return the module that overwrites arrays: kernels if the compiler is loaded, else numpy's version."""
     return _kernels() if "sim.numerics.kernels" in sys.modules else elementary_vectors
 
 
@@ -75,9 +75,9 @@ def hypot(x: ArrayLike, y: ArrayLike) -> FloatArray:
 
 
 def interp(x: ArrayLike, known: FloatArray, values: FloatArray) -> FloatArray:
-    """Interpolate linearly between (n,) increasing points; outside, use the first or last value, as numpy does.
+    """Interpolate linearly between (n,) increasing points. Outside them, use the first or last value, as numpy does.
 
-    numpy's own function is not used, because compilers may contract its product and sum on processors with such an
+    numpy's own function is not used, because on some processors the compiler may contract its product and sum into one
     instruction.
     """
     wanted = np.clip(x, known[0], known[-1])

@@ -35,13 +35,13 @@ def to_log(values: FloatArray) -> None:
 
 @njit(cache=True)
 def to_atan2(y: FloatArray, x: FloatArray) -> None:
-    """Replace the (n,) second coordinates of vectors with the vectors' angles, radians."""
+    """Replace the (n,) y coordinates of vectors with the vectors' angles, radians."""
     for i in range(y.size):
         y[i] = elementary.atan2(y[i], x[i])
 
 
 @njit(cache=True)
 def to_hypot(x: FloatArray, y: FloatArray) -> None:
-    """Replace the (n,) first coordinates of vectors with the vectors' lengths."""
+    """Replace the (n,) x coordinates of vectors with the vectors' lengths."""
     for i in range(x.size):
         x[i] = elementary.hypot(x[i], y[i])

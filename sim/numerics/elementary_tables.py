@@ -31,7 +31,7 @@ def _logarithm(numerator: int, denominator: int) -> int:
     over, under = numerator - denominator, numerator + denominator
     power = (over << BITS) // under
     total, odd = 0, 1
-    while power not in (0, -1):  # a negative number is finally rounded to -1
+    while power not in (0, -1):  # shifting a negative number right ends at -1
         total += power // odd
         power = power * over * over // (under * under)
         odd += 2
@@ -66,7 +66,7 @@ def _pi(bits: int) -> int:
 
 
 def _parts(fixed: int, *bits: int) -> tuple[float, ...]:
-    """Return a fixed-point number as doubles that add up to it: leading ones with the given bits, then the rest."""
+    """Return a fixed-point number as a sum of doubles: leading ones with the given numbers of bits, then the rest."""
     parts = []
     for width in bits:
         spare = max(fixed.bit_length() - width, 0)
@@ -93,7 +93,7 @@ def _turns() -> NDArray[np.float64]:
     rows = []
     cosine, sine = _ONE, 0
     step_cosine, step_sine = _cos_sin(PI_FIXED // 64)
-    noise = 40  # number of bits that many steps may have spoiled; removing them makes 0 and 1 exact
+    noise = 40  # trailing bits that may be wrong after many steps; without them, 0 and 1 are exact
     for _ in range(128):
         exact = [((part >> noise - 1) + 1 >> 1) << noise for part in (cosine, sine)]
         rows.append([*_parts(exact[0], 26), *_parts(exact[1], 26)])
@@ -120,7 +120,7 @@ def _arctangents() -> NDArray[np.float64]:
     rows: list[tuple[float, ...]] = [(0.0, 0.0)]
     angle = 0
     for i in range(1, 65):
-        # The difference of two arctangents is one arctangent.
+        # arctan(i / 64) - arctan((i - 1) / 64) is one arctangent.
         angle += _arctangent(64, 4096 + i * (i - 1))
         rows.append(_parts(angle, 53))
     return _table(rows)
@@ -140,7 +140,7 @@ PI_FIXED = _pi(BITS)
 LOG_2_FIXED = _logarithm(2, 1)
 
 TURNS = _turns()
-"""(128, 4) cosine and sine of i pi / 64: 26 bits and the rest of each."""
+"""(128, 4) cosine and sine of i pi / 64, each as its leading 26 bits and the rest."""
 
 TURN_STEP = _parts(PI_FIXED // 64, 33, 33, 33)
 """pi / 64 in four parts; products of the first three with numbers below 2**20 are exact."""
@@ -152,7 +152,7 @@ TURN_WORDS = _turn_words()
 """(52,) 1 / (2 pi) in digits of 24 bits after the point."""
 
 EXPONENTIALS = _exponentials()
-"""(128, 2) 2**(i / 128): 26 bits and the rest."""
+"""(128, 2) 2**(i / 128) as its leading 26 bits and the rest."""
 
 EXPONENT_STEP = _parts(LOG_2_FIXED // 128, 35, 35)
 """log(2) / 128 in three parts; products of the first two with numbers below 2**18 are exact."""
@@ -160,11 +160,11 @@ EXPONENT_STEP = _parts(LOG_2_FIXED // 128, 35, 35)
 LOGARITHMS_FROM = 90
 LOGARITHMS_TO = 183
 LOGARITHMS = _logarithms()
-"""(93, 3) for i from LOGARITHMS_FROM: a short number c near 128 / i, and -log(c) in two parts, a multiple of 2**-42
-and the rest."""
+"""(93, 3) for i from LOGARITHMS_FROM: a number c of few bits near 128 / i; then -log(c) in two parts, a multiple of
+2**-42 and the rest."""
 
 LOG_2 = _on_grid(LOG_2_FIXED, 42)
-"""log(2) in two parts, a multiple of 2**-42 and the rest."""
+"""log(2) in two parts: a multiple of 2**-42, and the rest."""
 
 ARCTANGENTS = _arctangents()
 """(65, 2) arctangent of i / 64 in two parts."""

@@ -1,8 +1,7 @@
 """Functions of `sim.numerics.elementary` for arrays in programs without the compiler: the same formulas, by numpy.
 
-numpy calculates a sum, a product, a quotient or a root of all numbers at once and rounds each as IEEE 754 requires.
-Nothing is contracted, so the bits are those of plain code. Plain code handles the numbers for which the formulas need
-rare branches.
+numpy applies one operation to all numbers at once and rounds each result as IEEE 754 requires. It does not contract
+operations, so the bits are those of plain code. Numbers that need a rare branch of a formula are passed to plain code.
 """
 
 from collections.abc import Iterator
@@ -31,13 +30,13 @@ def to_sin(values: FloatArray) -> None:
 
 
 def to_atan2(y: FloatArray, x: FloatArray) -> None:
-    """Replace the (n,) second coordinates of vectors with the vectors' angles, radians."""
+    """Replace the (n,) y coordinates of vectors with the vectors' angles, radians."""
     for block, other in zip(_blocks(y), _blocks(x), strict=True):
         block[:] = _atan2(block, other)
 
 
 def to_hypot(x: FloatArray, y: FloatArray) -> None:
-    """Replace the (n,) first coordinates of vectors with the vectors' lengths."""
+    """Replace the (n,) x coordinates of vectors with the vectors' lengths."""
     for block, other in zip(_blocks(x), _blocks(y), strict=True):
         block[:] = _hypot(block, other)
 
@@ -99,7 +98,7 @@ def _hypot(x: FloatArray, y: FloatArray) -> FloatArray:
     usual = (less > _SMALLEST) & (greater < _GREATEST)
     of_usual = np.where(usual, greater, 1.0), np.where(usual, less, 1.0)
     found = elementary.mended_length(np.sqrt(of_usual[0] * of_usual[0] + of_usual[1] * of_usual[1]), *of_usual)
-    # Common cases: robots that stand still or move along an axis.
+    # Zeros are common: robots stand still or move along an axis.
     found = np.where(less == 0.0, greater, found)
     for place in np.flatnonzero(~(usual | (less == 0.0))).tolist():
         found[place] = elementary.hypot(float(x[place]), float(y[place]))

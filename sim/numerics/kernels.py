@@ -1,4 +1,4 @@
-"""numba's compiler, with a store of compiled code where code from other sources is never found."""
+"""numba's compiler, with a store of compiled code. Code compiled from other sources is never loaded."""
 
 import fcntl
 import hashlib
@@ -34,11 +34,11 @@ __all__ = ["file_of", "folder_of", "njit", "register_formula", "wait_for_others"
 
 _OTHERS: dict[Path, Callable[[], object]] = {}
 _FORMULAS: list["_Kernel"] = []
-"""Kernel types that must live as long as the program, because types hold them only by weak references."""
+"""Kernel types that are kept until the program ends, because numba itself has only weak references to them."""
 
 
 def njit(*, cache: bool, nogil: bool = False) -> Callable[[F], F]:
-    """Compile a function once for each signature. For type checkers it keeps its type.
+    """Compile a function once for each signature. Type checkers still see the function's own type.
 
     Args:
         cache: True to store the code for all processes with the same sources.
@@ -61,7 +61,7 @@ def njit(*, cache: bool, nogil: bool = False) -> Callable[[F], F]:
 
 
 def register_formula(formula: object) -> None:
-    """Let kernels call a plain function. It stays plain for other callers, in programs without the compiler."""
+    """Let kernels call a plain function. Other callers still call the plain function, even without the compiler."""
     kernel = _Kernel(formula, targetoptions={"nopython": True, "no_cpython_wrapper": True, "no_cfunc_wrapper": True})
     infer_global(formula, types.Dispatcher(kernel))
     _FORMULAS.append(kernel)
@@ -70,7 +70,7 @@ def register_formula(formula: object) -> None:
 def folder_of(source: Path) -> Path:
     """Return the folder of the compiled code of a file's kernels. It may not exist yet.
 
-    It depends on the present content of the file and of all files that it imports, and on the compiler's versions.
+    The name depends on the content of the file and of all files that it imports, and on the compiler's versions.
     """
     compiler = (sys.version, numba.__version__, llvmlite.__version__, np.__version__, config.OPT, config.BOUNDSCHECK)
     key = hashlib.blake2b(f"{key_of(source)} {compiler}".encode(), digest_size=8).hexdigest()
@@ -79,18 +79,18 @@ def folder_of(source: Path) -> Path:
 
 
 def file_of(kernel: object, signature: tuple[types.Type, ...]) -> Path:
-    """Return the file of a kernel's code for a signature. If it exists, the code only has to be loaded."""
+    """Return the file of a kernel's code for a signature. If the file exists, the code need not be compiled."""
     # A kernel is a dispatcher of numba.
     return kernel._cache.file(signature, kernel.targetctx)  # type: ignore[attr-defined,no-any-return]
 
 
 def wait_for_others(compiled: Mapping[Path, Callable[[], object]]) -> None:
-    """Wait for code that other processes are about to compile, given by its files, instead of compiling it as well."""
+    """Let kernels wait for code that other processes are about to compile, given by its files."""
     _OTHERS.update(compiled)
 
 
 class _Kernel(CPUDispatcher):  # type: ignore[misc]  # numba has no types
-    """A compiled function. A machine compiles each of its signatures only once."""
+    """A compiled function. Each of its signatures is compiled only once on a machine."""
 
     def __init__(self, function: object, targetoptions: dict[str, bool]) -> None:
         super().__init__(function, targetoptions=targetoptions)
@@ -99,12 +99,13 @@ class _Kernel(CPUDispatcher):  # type: ignore[misc]  # numba has no types
 
     def compile(self, signature: tuple[types.Type, ...]) -> object:
         """Compile or load the code for a signature. If another process is compiling it, wait and load the result."""
-        # The compiler's lock comes first: its holder may wait for a claim, and no other thread of ours has one then.
+        # The compiler's lock comes first. Its holder may wait for a claim, and no other thread of this process can hold
+        # a claim at that time.
         with global_compiler_lock, nullcontext() if signature in self.overloads else self._cache.claimed(signature):
             return super().compile(signature)
 
     def get_call_template(self, arguments: Iterable[types.Type], named: dict[str, types.Type]) -> object:
-        """Find the code for a call by another kernel. Code for any number also serves literals in the caller's text."""
+        """Find the code for a call by another kernel. A literal number uses the same code as any number of its type."""
         named = {name: types.unliteral(kind) for name, kind in named.items()}
         return super().get_call_template(tuple(map(types.unliteral, arguments)), named)
 
@@ -112,23 +113,24 @@ class _Kernel(CPUDispatcher):  # type: ignore[misc]  # numba has no types
 class _CompiledCode:
     """The compiled code of one function. It replaces numba's own cache, with the methods that numba calls.
 
-    numba's cache only checks the file with the function. After a change in another file with functions that it calls,
-    it would run the old code. And its index of signatures breaks if two processes write it at the same time. Here each
+    numba's cache only checks the file that contains the function. If a called function in another file changed, numba
+    would run the old code. Also, its index of signatures breaks if two processes write it at the same time. Here each
     signature has its own file.
     """
 
     def __init__(self, function: object) -> None:
-        # A kernel has the code of its function.
+        # `function` may be a kernel, which has the `__code__` of its function.
         self._name = f"{function.__qualname__}-{function.__code__.co_firstlineno}"  # type: ignore[attr-defined]
         self._folder = folder_of(Path(inspect.getfile(function)))  # type: ignore[arg-type]
         self.cache_path = str(self._folder)
 
     def load_overload(self, signature: object, target: "BaseContext") -> CompileResult | None:
-        """Return the stored code for a signature and this processor, or None."""
+        """Return the stored code for a signature and this processor. If there is none, return None."""
         content = read(self.file(signature, target))
         if content is None:
             return None
-        # Everything that compiled code needs. numba's own cache also loads everything needed to compile, which is slow.
+        # This initializes everything that compiled code needs. numba's own cache also loads everything for compiling,
+        # which is slow.
         rtsys.initialize(target)
         compiled_for, parts = pickle.loads(content)
         if compiled_for != signature:

@@ -28,7 +28,10 @@ def product(a: FloatArray, b: FloatArray) -> FloatArray:
 
 @njit(cache=True)
 def solution(matrix: FloatArray, right: FloatArray) -> FloatArray:
-    """Return the (n, m) solution for an (n, n) matrix and (n, m) right sides; nan if the matrix is singular."""
+    """Return the (n, m) solution of linear equations: (n, n) matrix, (n, m) right sides.
+
+    It is nan if the matrix is singular.
+    """
     a, x = matrix.copy(), right.copy()
     n = a.shape[0]
     for k in range(n):
@@ -65,8 +68,8 @@ def damped_solution(matrix: FloatArray, right: FloatArray, damping: float) -> Fl
     Args:
         matrix: normal equations.
         right: right sides.
-        damping: proportion of the diagonal's mean that is added to the diagonal. A little is always added, so that the
-            solution does not move in directions without any constraint.
+        damping: proportion of the diagonal's mean that is added to the diagonal. A tiny amount is always added, so that
+            the solution is 0 in directions without any constraint.
 
     Source: Nocedal, Wright, Numerical Optimization, 2nd ed. (2006), section 10.3 (Levenberg and Marquardt).
     """
@@ -87,9 +90,10 @@ def inverse(matrix: FloatArray) -> FloatArray:
 
 @njit(cache=True)
 def root(covariance: FloatArray) -> FloatArray:
-    """Return the (n, n) lower triangular factor whose product with its transpose is the covariance; it may be singular.
+    """Return the (n, n) lower triangular factor of a covariance, which may be singular.
 
-    If a direction has no variance, e.g. a heading known exactly, its column is zero.
+    The product of the factor and its transpose is the covariance. If a direction has no variance, e.g. if the heading
+    is exactly known, its column is zero.
     """
     n = covariance.shape[0]
     out = np.zeros((n, n))
@@ -110,6 +114,6 @@ def root(covariance: FloatArray) -> FloatArray:
 
 
 def covariance_of(rows: FloatArray) -> FloatArray:
-    """Return the (m, m) covariance of (n, m) equally likely rows about their mean."""
+    """Return the (m, m) covariance of (n, m) rows about their mean. All rows have the same weight."""
     off = rows - rows.mean(axis=0)
     return product(np.ascontiguousarray(off.T), off) / len(rows)

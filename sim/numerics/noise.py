@@ -1,8 +1,8 @@
 """Keyed noise: every random number is a pure function of (key, tick, index).
 
-A counter-based generator has no state to share, store or restore. So robot 3 cannot affect the numbers of robots 1 and
-2, and a run can be continued from any recorded tick. Callers name a stream once (`key(seed, "robot1", "laser")`) and
-draw from it by tick.
+A counter-based generator has no state that would have to be shared or stored. So robot 3 cannot affect the numbers of
+robots 1 and 2, and a run can be continued from any recorded tick. Callers name a stream once (`key(seed, "robot1",
+"laser")`), and then draw numbers for a tick.
 
 The functions here are plain, for callers that need few numbers. Kernels that draw many numbers call the same functions
 (`sim.numerics.noise_arrays`).
@@ -14,7 +14,8 @@ import hashlib
 
 import numpy as np
 
-# The constants of Philox4x32 as 64-bit words: in numba, products of unsigned and signed integers would be floats.
+# The constants of Philox4x32 are unsigned 64-bit words, because in numba a product of unsigned and signed integers is a
+# float.
 _MULTIPLIER_0 = np.uint64(0xD2511F53)
 _MULTIPLIER_1 = np.uint64(0xCD9E8D57)
 _WEYL_0 = np.uint64(0x9E3779B9)
@@ -41,7 +42,10 @@ def key(seed: int, *names: str) -> np.uint64:
 def philox(
     c0: np.uint64, c1: np.uint64, c2: np.uint64, c3: np.uint64, k0: np.uint64, k1: np.uint64
 ) -> tuple[np.uint64, np.uint64, np.uint64, np.uint64]:
-    """Return four random words from four counter words and two key words (Philox4x32-10), each 32 bits in a uint64."""
+    """Return four random words for four counter words and two key words (Philox4x32-10).
+
+    Each has 32 bits in a uint64.
+    """
     for _ in range(10):
         product_0 = _MULTIPLIER_0 * c0
         product_1 = _MULTIPLIER_1 * c2
@@ -82,6 +86,6 @@ def uniform(key: np.uint64, tick: int, index: int) -> float:
 
 
 def first_uniforms(key: np.uint64, tick: int, count: int) -> list[float]:
-    """Return the uniforms 0 to `count` - 1 of this stream and tick, the same as those of `uniform`."""
+    """Return numbers 0 to `count` - 1 of this stream and tick, the same as from `uniform`."""
     pairs = [uniform_pair(key, tick, block) for block in range((count + 1) // 2)]
     return [number for pair in pairs for number in pair][:count]

@@ -18,8 +18,8 @@ for formula in (noise.philox, noise.fraction, noise.uniform_pair):
 def uniforms(key: np.uint64, tick: int, out: FloatArray) -> None:
     """Fill `out`, (n,), with independent uniforms in [0, 1).
 
-    Number i depends only on (key, tick, i), not even on n. Uniforms and normals of the same key and tick use the same
-    bits. So use a stream for only one of them.
+    Number i depends only on (key, tick, i), and not on n. Uniforms and normals of the same key and tick are made from
+    the same bits, so use a stream for only one of them.
     """
     for i in range(0, out.size, 2):
         first, second = uniform_pair(key, tick, i // 2)

@@ -1,6 +1,6 @@
-"""Recorded signatures of kernels that hunts usually need. They allow compilation before the first calls.
+"""Recorded signatures of kernels that hunts usually need. With them, kernels can be compiled before their first call.
 
-Signatures that are missing here, or have changed, are compiled at their first call.
+Signatures that are not recorded, or have changed, are compiled at their first call.
 """
 
 import importlib
@@ -24,10 +24,10 @@ def recorded_calls() -> list[str]:
 
 
 def missing(*, before_moves: bool) -> list[str]:
-    """Return the recorded calls without stored code, or with damaged code.
+    """Return the recorded calls that have no stored code, or only damaged code.
 
     Args:
-        before_moves: True for only those of the first tick, when no robot has a goal yet.
+        before_moves: True for only the calls in the first tick, when no robot has a goal yet.
     """
     asked = (call for call in recorded_calls() if not (before_moves and json.loads(call)["moves"]))
     return [call for call in asked if read(kept_at(call)) is None]
@@ -45,7 +45,7 @@ def kept_at(call: str) -> Path:
 
 
 def as_line(kernel: object, arguments: tuple[types.Type, ...], *, moves: bool) -> str:
-    """Return the line for a kernel and its argument types; `moves`: only robots with goals call it."""
+    """Return the line for a kernel and its argument types. `moves` is True if only robots with goals call it."""
     name = f"{kernel.__module__}:{kernel.__name__}"  # type: ignore[attr-defined]
     return json.dumps({"kernel": name, "arguments": list(map(_encoded, arguments)), "moves": moves})
 

@@ -1,4 +1,4 @@
-"""Keys of source files. Compiled code is found by them, so it always belongs to the present sources."""
+"""Keys of source files. Compiled code is stored by these keys, so it always fits the present sources."""
 
 import hashlib
 import re
@@ -12,15 +12,16 @@ _IMPORT = re.compile(
 
 
 def key_of(file: Path) -> str:
-    """Return the key of a file: 16 hex digits of its text and of all files of the project that it reaches by imports.
+    """Return the key of a file: 16 hex digits. It depends on the file and on all files of the project that it imports.
 
-    Changes in other files do not change it. Neither does moving all of them to another folder.
+    These include indirect imports. Changes in other files do not change the key. Moving the whole project to another
+    folder does not change it either.
     """
     return hashlib.blake2b("".join(sorted(map(_digest, reached(file)))).encode(), digest_size=8).hexdigest()
 
 
 def reached(file: Path) -> set[Path]:
-    """Return the file and all files of the project that it reaches by imports, including their packages."""
+    """Return the file and all project files that it imports, directly or indirectly, including their packages."""
     found, ahead = {file}, [file]
     while ahead:
         new = _imported(ahead.pop()) - found
@@ -37,7 +38,7 @@ def _digest(file: Path) -> str:
 
 @cache
 def _imported(file: Path) -> frozenset[Path]:
-    """Return the files that a file imports. A search in its text is 25 times as fast as parsing."""
+    """Return the files that a file imports. Searching the text is 25 times as fast as parsing it."""
     files: set[Path] = set()
     for module, names in _IMPORT.findall(file.read_text(encoding="utf-8")):
         folder = ROOT

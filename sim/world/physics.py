@@ -1,7 +1,7 @@
 """Physics of differential-drive robots: they move, touch walls and one another, and measure their wheels' rotation.
 
 A tick is one call of one compiled kernel for all robots. Robots move one after the other in the team's order, each
-against the present bodies of the others. So no two robots ever overlap, and none waits for another.
+against the present bodies of the others. So no two robots ever overlap, and no robot has to wait for another one.
 """
 
 import math
@@ -51,11 +51,12 @@ class WorldState:
         tick: number of physics steps since the session began.
         poses: (n, 3) x, y, theta of every base in the map frame, theta in [-pi, pi).
         twists: (n, 2) true velocities of the last tick, base frame: m/s forward, rad/s counterclockwise.
-        odom_poses: (n, 3) poses of the bases by their wheels, in each robot's own frame odom (its start).
+        odom_poses: (n, 3) poses of the bases as measured by their wheels, each in the robot's own frame odom (its
+            start).
         odom_twists: (n, 2) velocities that the wheels measured in the last tick.
         charge: (n,) remaining energy, in the game's units.
-        contact: (n,) bool, True for a robot stopped by a wall, another robot or a thing, and not yet away from it.
-        collisions: (n,) int64, number of contacts that began.
+        contact: (n,) bool, True for a robot that a wall, another robot or a thing stopped, until it is away from it.
+        collisions: (n,) int64, number of contacts so far.
         noise: true noise of the sensors.
         things: things that are present, and things that wait to appear.
         bodies: bodies of the present things, map frame.
@@ -86,12 +87,12 @@ class WorldState:
 
 @dataclass(frozen=True, slots=True)
 class Misplaced:
-    """Refusal of a pose where a robot was to be put.
+    """Reason why a robot cannot be put at a pose.
 
     Attributes:
-        robot: its index in the team.
+        robot: index of the robot in the team.
         reason: "wall", "robot", "thing" (its body would overlap one), or "outside" (the map).
-        sentence: the same for people, with robots and coordinates.
+        sentence: the reason as a sentence for people, with robots and coordinates.
     """
 
     robot: int
@@ -100,12 +101,12 @@ class Misplaced:
 
 
 class _Body(NamedTuple):
-    """Size and limits of a robot, for the kernel.
+    """Size and speed limits of a robot, for the kernel.
 
     Attributes:
         radius: radius of the circle around the base that contains all corners, meters.
-        reach: the farthest that any corner moves in one tick, meters.
-        max_vel_x: see WorldParameters, also for the others.
+        reach: greatest distance that any corner moves in one tick, meters.
+        max_vel_x: see WorldParameters, also for the other fields.
     """
 
     radius: float
@@ -131,15 +132,15 @@ def _touches(
     """Return whether a robot's body overlaps, or comes within `margin` meters of, walls, other robots, and things.
 
     Args:
-        robot: its index.
+        robot: index of the robot.
         poses: (n, 3) poses of all robots, including its own, map frame.
         footprint: (v, 2) corners, the same for all.
-        radius: radius of the circle around the base that contains them.
+        radius: radius of the circle around the base that contains all corners.
         clearance: clearance of the grid.
         frame: frame of the grid.
         bodies: bodies of the things, map frame.
         margin: meters; with 0, only overlaps count.
-        touched: (n,) set to True for every robot that is touched.
+        touched: (n,) output: set to True for every other robot that is touched.
     """
     x, y, theta = poses[robot]
     wall = False
@@ -173,9 +174,9 @@ def _towards(value: float, target: float, limit: float, change: float) -> float:
 
 @njit(cache=True)
 def _chord(linear: float, angular: float, time: float) -> tuple[float, float]:
-    """Return the signed length of an arc's chord, and half the angle turned: the chord's angle to the first heading."""
+    """Return the signed length of an arc's chord, and the chord's angle to the first heading (half of the turn)."""
     half = 0.5 * angular * time
-    # Below this angle, sin(half) / half is 1 to the last bit, and the division by 0 is avoided.
+    # Below this angle, sin(half) / half is 1 to the last bit. The limit also avoids a division by 0.
     shrink = elementary.sin(half) / half if abs(half) > 1e-9 else 1.0
     return linear * time * shrink, half
 
@@ -206,17 +207,18 @@ def _step(
     contact = np.zeros(n, dtype=np.bool_)
     collisions = collisions_before.copy()
     draws = np.empty(3)
-    # One after the other: a robot meets the new poses of those before it and the old ones of those after it.
+    # Robots move one after the other. A robot meets the new poses of robots before it and the old poses of robots after
+    # it.
     for i in range(n):
         linear = _towards(twists_before[i, 0], commands[i, 0], body.max_vel_x, body.acc_lim_x * TICK)
         angular = _towards(twists_before[i, 1], commands[i, 1], body.max_vel_theta, body.acc_lim_theta * TICK)
         twists[i, 0] = linear
         twists[i, 1] = angular
-        # A robot at rest causes no contact, and its odometry stays as it is.
+        # A robot at rest causes no contact, and its odometry does not change.
         if linear == 0.0 and angular == 0.0:
             continue
         x, y, theta = poses[i, 0], poses[i, 1], poses[i, 2]
-        # Check the body often enough that no corner jumps over a cell between two checks.
+        # Check the body so often that no corner jumps over a cell between two checks.
         travel = (abs(linear) + abs(angular) * body.radius) * TICK
         looks = max(1, math.ceil(travel / frame.resolution))
         blocked = False
@@ -237,7 +239,8 @@ def _step(
             contact[i] = True
             continue
         chord, half = _chord(linear, angular, TICK)
-        # Noise is keyed by the tick. So a robot that stands still draws none, without changing later numbers.
+        # Noise is keyed by the tick. So a robot that stands still need not draw numbers, and later numbers stay the
+        # same.
         normals(keys[i], tick, draws)
         w = wheels[i]
         first_turn, measured_chord, second_turn = measured_increment(
@@ -251,8 +254,8 @@ def _step(
         odom_twists[i, 1] = (first_turn + second_turn) / TICK
     ignored = np.empty(n, dtype=np.bool_)
     for i in range(n):
-        # A robot is refused up to one tick's travel before an obstacle. It stays in contact until it is farther away
-        # than that: creeping nearer and being refused again is not another collision.
+        # A robot may be stopped up to one tick's travel before an obstacle. It remains in contact until it is farther
+        # away than that, so creeping nearer and being stopped again does not count as another collision.
         if contact_before[i] and not contact[i]:
             wall, other, thing = _touches(
                 i, poses, footprint, body.radius, clearance, frame, bodies, body.reach, ignored
@@ -270,19 +273,22 @@ def _odometry_keys(seed: int, robots: int) -> NDArray[np.uint64]:
 
 
 def with_charge(state: WorldState, robot: int, charge: float) -> WorldState:
-    """Return the same world with another remaining energy of one robot (index in the team)."""
+    """Return the same world, but with this remaining energy of one robot (index in the team)."""
     charges = state.charge.copy()
     charges[robot] = charge
     return replace(state, charge=charges)
 
 
 def with_noise(state: WorldState, robots: Sequence[WorldParameters]) -> WorldState:
-    """Return the same world with the sensor noise in the parameters of each robot."""
+    """Return the same world, but with the sensor noise from each robot's parameters."""
     return replace(state, noise=SensorNoise.of(robots))
 
 
 def with_thing(state: WorldState, thing: Thing) -> WorldState:
-    """Return the world with one more thing, which appears once its place is free; it replaces one of the same name."""
+    """Return the world with one more thing.
+
+    It appears once its place is free, and replaces a thing of the same name.
+    """
     kept = without_thing(state, thing.name)
     return replace(kept, things=(*kept.things, ThingState(thing)))
 
@@ -325,7 +331,10 @@ class World:
         )
 
     def start(self, poses: Sequence[Pose2]) -> WorldState | Misplaced:
-        """Return tick 0 with all robots at rest at these poses (map frame), zero odometry; or the impossible pose."""
+        """Return tick 0 with all robots at rest at these poses (map frame) and zero odometry.
+
+        If a pose is impossible, return it.
+        """
         n = len(poses)
         placed = np.empty((n, 3))
         for robot, pose in enumerate(poses):
@@ -364,9 +373,9 @@ class World:
         """Return the world one tick later: the things move, then the robots.
 
         Each robot's velocity moves towards its command within the motors' limits of speed and acceleration. The robot
-        moves along an exact arc. If its body would touch a wall or another body anywhere along the arc, it stays where
-        it was and loses its velocity; if it touches a robot, both are in contact. Odometry has the noise of
-        Probabilistic Robotics, table 5.6, keyed by (seed, robot, tick).
+        moves along an exact arc. If its body would touch a wall or another body anywhere along the arc, the robot stays
+        where it was and loses its velocity. If it would touch another robot, both are in contact. Odometry has the
+        noise of Probabilistic Robotics, table 5.6, keyed by (seed, robot, tick).
 
         Args:
             state: the present world.
@@ -411,7 +420,7 @@ class World:
         return things, state.bodies if still else polygons_of(things)
 
     def _obstacle(self, robot: int, poses: FloatArray, bodies: Polygons) -> Misplaced | None:
-        """Return why this robot's pose in (n, 3) `poses` is impossible among the bodies of things, or None."""
+        """Return why this robot's pose in `poses`, (n, 3), is impossible; None if it is possible."""
         x, y = float(poses[robot, 0]), float(poses[robot, 1])
         where = f"{robot_name(robot)} cannot be at ({x:.2f}, {y:.2f})"
         if not self._grid.contains(*self._grid.cell_of(x, y)):

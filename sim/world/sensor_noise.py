@@ -1,7 +1,7 @@
 """True noise of every robot's sensors, which may change while robots run.
 
-The values are factors of keyed noise (`sim.numerics.noise`). So a change for one robot changes no random number of
-another one.
+Random numbers of keyed noise (`sim.numerics.noise`) are multiplied by these values. So a change for one robot does not
+change the random numbers of another robot.
 """
 
 import math
@@ -34,12 +34,12 @@ def wheel_noise_of(noise: OdometryNoise) -> WheelNoise:
 
 @njit(cache=True)
 def measured_increment(wheels: WheelNoise, chord: float, half: float, draws: FloatArray) -> tuple[float, float, float]:
-    """Return the arc of one tick as the wheels measure it: first turn, length of the chord, second turn.
+    """Return the arc of one tick as measured by the wheels: first turn, length of the chord, second turn.
 
     Args:
         wheels: noise of the wheels.
         chord: signed length of the true chord, meters.
-        half: angle from the heading before to the chord, which is half of the true turn, radians.
+        half: angle from the heading before the tick to the chord, which is half of the true turn, radians.
         draws: (3,) standard normals.
 
     Source: Probabilistic Robotics, table 5.6, applied to the true increment.
@@ -57,7 +57,7 @@ class SensorNoise:
     """True noise of the sensors of n robots; its arrays are read-only.
 
     Attributes:
-        wheels: (n, 6) each row the values of a `WheelNoise`.
+        wheels: (n, 6) values of a `WheelNoise` in each row.
         laser: (n, 3) standard deviation and bias of ranges, meters; proportion of lost beams.
         gyro: (n,) standard deviation of the measured angular velocity, rad/s.
     """

@@ -36,7 +36,7 @@ def _sweep(
 ) -> FloatArray:
     """Return the (m,) true ranges of one robot's laser to walls, other robots and things; inf beyond range_max.
 
-    `radius`, meters, is that of a circle around the base that contains the (v, 2) corners of the footprint.
+    `radius`, meters, is the radius of a circle around the base that contains the (v, 2) corners of the footprint.
     """
     theta = poses[robot, 2]
     laser = np.empty((1, 3))
@@ -113,7 +113,7 @@ def _scan(
     """Return (m,) ranges as one robot's laser reports them, in one call with plain arguments.
 
     Args:
-        robot: see `_sweep`; for parts of `BeamFan` and `Polygons` see there.
+        robot: see `_sweep`. Arguments that are fields of `BeamFan` or `Polygons` are described in these classes.
         tick: see `_measured`.
         keys: (robots, 3) see `_keys`.
         noise: (robots, 3) range_noise, range_bias and dropout.
@@ -134,12 +134,12 @@ def _inner(
     robot: int, tick: int, odom_poses: FloatArray, odom_twists: FloatArray, twists: FloatArray, charge: FloatArray,
     keys: NDArray[np.uint64], gyro: FloatArray,
 ) -> tuple[float, float, float, float, float, float, float]:  # fmt: skip
-    """Return everything that is sensed except the scan: pose and twist of odometry, angular velocity, and charge.
+    """Return all measurements except the scan: pose and twist of odometry, angular velocity, and charge.
 
     Args:
-        robot: its index.
+        robot: index of the robot.
         tick: the present tick.
-        odom_poses: (robots, 3); for this and the others, see `WorldState`.
+        odom_poses: (robots, 3); see `WorldState` for this and the next three arguments.
         keys: (robots, 3) see `_keys`.
         gyro: (robots,) noise of the angular velocity, rad/s.
     """
@@ -162,7 +162,7 @@ def _keys(seed: int, robots: int) -> NDArray[np.uint64]:
 
 
 def mount_of(parameters: LaserParameters) -> LaserMount:
-    """Return the laser as its scans describe it: beams spread evenly and symmetrically around straight ahead."""
+    """Return the laser's mount and beams, which are spread evenly and symmetrically around straight ahead."""
     return LaserMount(
         laser_in_base=Pose2(parameters.x, 0.0, 0.0),
         angle_min=-0.5 * parameters.field_of_view,
@@ -174,12 +174,12 @@ def mount_of(parameters: LaserParameters) -> LaserMount:
 
 
 class Sensors:
-    """The sensors of every robot in one map. All of them measure the same WorldState, with the noise in it.
+    """The sensors of all robots in one map. They measure the same WorldState, which also contains their noise.
 
-    Wheels and gyroscope report in every tick. The laser reports `rate` times per second. Neighboring robots have
-    different ticks, so that the work is spread over time. The laser sees walls, other robots and things, but not its
-    own robot. A range is the true range plus a bias and normal noise. Below range_min it is range_min, beyond range_max
-    it is +inf, and a lost beam is NaN.
+    Wheels and gyroscope report in every tick. The laser reports `rate` times per second. Robots with successive indices
+    scan in different ticks, so that the work is spread over time. The laser sees walls, other robots and things, but
+    not its own robot. A range is the true range plus a bias and normal noise. Below range_min it is range_min, beyond
+    range_max it is +inf, and a lost beam is NaN.
     """
 
     def __init__(self, grid: OccupancyGrid, parameters: WorldParameters, seed: int, capacity: float) -> None:
@@ -225,7 +225,7 @@ class Sensors:
         )
 
     def _scan(self, state: WorldState, robot: int, keys: NDArray[np.uint64]) -> Scan:
-        """Make one scan, with all beams at the same instant."""
+        """Make one scan. All beams measure at the same instant."""
         laser, fan = self._laser, self._fan
         ranges = _scan(
             robot,

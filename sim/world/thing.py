@@ -18,9 +18,9 @@ class Thing:
         name: its name for people; unique within a world.
         footprint: corners in its own frame, meters, in order.
         base_in_map: pose at which it appears.
-        path: map points that it walks to from there, one after the other, facing ahead; empty if it stays.
+        path: map points to which it walks from there, one after the other, facing ahead; empty if it stands still.
         speed: walking speed, m/s.
-        back_and_forth: True if it turns back at the end of the path; False if it stays there.
+        back_and_forth: True if it turns back at the end of the path; False if it stops there.
     """
 
     name: str
@@ -48,7 +48,7 @@ class Thing:
 
     @cached_property
     def _points(self) -> FloatArray:
-        """(m, 2) points of its path, the start first."""
+        """(m, 2) points of its path, beginning with the start."""
         return np.array([(self.base_in_map.x, self.base_in_map.y), *self.path])
 
     @cached_property

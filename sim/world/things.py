@@ -19,7 +19,7 @@ from sim.world.thing import Thing
 ROBOT_MARGIN = 0.3
 """Distance that things keep from a robot, meters."""
 BRAKING_TIME = 1.0
-"""Additional distance in seconds of the robot's driving, so that it can see the thing and brake."""
+"""Additional distance, in seconds of the robot's driving, so that the robot can see the thing and brake."""
 TURN_BACK_TICKS = 5 * TICKS_PER_SECOND
 """Ticks for which a walking thing waits for a robot before it turns back."""
 
@@ -31,9 +31,9 @@ class ThingState:
     Attributes:
         thing: the thing itself.
         appeared: True if it is present; False while it waits until its place is free.
-        walked: its present place along the path, meters.
+        walked: distance from the start of its path to its present position along the path, meters.
         forward: True if it walks along its path, False if it walks back.
-        held_up: ticks for which a robot has held it up.
+        held_up: ticks for which a robot has blocked it.
     """
 
     thing: Thing
@@ -43,7 +43,7 @@ class ThingState:
     held_up: int = 0
 
     def pose(self) -> Pose2:
-        """Return its pose in the map."""
+        """Return the thing's pose in the map."""
         return self.thing.pose_after(self.walked)
 
 
@@ -67,7 +67,7 @@ def _would_run_into(
         distance = elementary.hypot(poses[j, 0] - here[0], poses[j, 1] - here[1])
         if distance > reach + radius + margin:
             continue
-        # A thing may move away from a robot, however near it is.
+        # A thing may always move away from a robot, even from a very near one.
         if distance >= elementary.hypot(poses[j, 0] - before[0], poses[j, 1] - before[1]):
             continue
         if within_margin(body, placed_at(footprint, poses[j, 0], poses[j, 1], poses[j, 2]), margin):
@@ -83,7 +83,7 @@ class RobotBodies:
         poses: (n, 3) map frame.
         twists: (n, 2) m/s and rad/s.
         footprint: (v, 2) corners of each robot.
-        radius: radius of the circle around the base that contains them.
+        radius: radius of the circle around the base that contains all corners.
     """
 
     poses: FloatArray
@@ -92,7 +92,7 @@ class RobotBodies:
     radius: float
 
     def would_meet(self, thing: Thing, here: Pose2, before: tuple[float, float]) -> bool:
-        """Return True if a thing that comes from `before` would run into one of the robots here."""
+        """Return True if a thing that moves from point `before` to pose `here` would run into a robot."""
         met: bool = _would_run_into(
             thing.corners, (here.x, here.y, here.theta), before, self.poses, self.twists, self.footprint, self.radius
         )
@@ -100,11 +100,11 @@ class RobotBodies:
 
 
 FROM_NOWHERE = (math.inf, math.inf)
-"""Previous point of an appearing thing: from infinitely far away, it approaches every robot."""
+"""Previous point of a thing that appears. It is infinitely far away, so the thing approaches every robot."""
 
 
 def step_things(presences: Sequence[ThingState], robots: RobotBodies) -> tuple[ThingState, ...]:
-    """Step all things by one tick. Things that neither appear nor walk stay the same objects."""
+    """Step all things by one tick. For things that neither appear nor walk, the same objects are returned."""
     return tuple(_step_thing(presence, robots) for presence in presences)
 
 

@@ -1,14 +1,14 @@
-"""Adaptive Monte Carlo localization: ROS's amcl as a function of values.
+"""Adaptive Monte Carlo localization: ROS's amcl as a pure function of its inputs.
 
-After enough motion, and with a scan, the cloud of particles that represents the pose is moved, weighed and resampled
-(`hypothesis`). If the map explains the scans badly from there, a second cloud, the rival, searches for the robot all
-over the map. The reported pose stays the tracked one until the rival has explained scans better for long. So a single
-bad scan, a person in the way or a closed door causes no jump. The robot is lost if the pose has explained several scans
-so badly that it cannot be right, or if the rival is better. It is found if particles and map agree for some scans in a
-row, and scans have disproved the best other pose of the map.
+A cloud of particles represents the pose. At the first scan after enough motion, the cloud is moved, weighed and
+resampled (`hypothesis`). If the scans fit the map badly from this pose, a second cloud, the rival, searches for the
+robot on the whole map. The reported pose remains the tracked one until the rival has explained scans better for some
+time. So a single bad scan, a person near the robot or a closed door does not make the pose jump. The robot is lost if
+several scans fit the pose so badly that it cannot be right, or if the rival is better. It is found if particles and map
+agree for some successive scans, and if scans have disproved the best other pose on the map.
 
 Source: Thrun, Burgard, Fox, Probabilistic Robotics (2005), table 8.3, sized by KLD sampling (Fox 2003); amcl_node.cpp
-and pf.c of ros-planning/navigation for times and order. Docstrings name the differences to amcl.
+and pf.c of ros-planning/navigation for the times and the order of the steps. Docstrings name the differences from amcl.
 """
 
 import math
@@ -32,47 +32,47 @@ from sim.robot.localization.wrong_pose import ParticleEvidence, probability
 from sim.robot.localization.wrong_pose_coefficients import PARTICLES
 
 SETTLED_SCANS = 5
-"""Number of scans with a narrow cloud after which a robot is found, while nearly all particles agree on one pose that
-the map explains."""
+"""Number of scans with a narrow cloud after which a robot is found. They count while nearly all particles agree on one
+pose that fits the map."""
 
 SEARCH_SHARE = 0.2
-"""Share of the particles that are drawn from all over the map at each resampling during a search."""
+"""Share of the particles that are drawn from the whole map at each resampling during a search."""
 
 RETRY_TICKS = 25
 """Ticks after which a lost robot, or one with badly explained scans, weighs the next scan even if it stands still."""
 
 MARGINS = (0.03, 0.1)
-"""Additional share of a scan that a rival must explain to be better: than a pose found by a search not long ago, and
-than a pose that was set or has been tracked for long."""
+"""Additional share of a scan that a rival must explain to be better than the pose. First value: for a pose found by a
+search not long ago. Second value: for a pose that was set or has been tracked for long."""
 MOST_OF_ONE_SCAN = 0.25
 """Maximum effect of one scan for or against a rival, so that no single scan decides."""
 CHALLENGED = 0.15
-"""Lead of a rival above which the tracked pose is not reliable."""
+"""Lead of a rival from which on the tracked pose is not reliable."""
 WON = 1.0
-"""Lead at which a rival replaces the tracked pose: after four scans at least."""
+"""Lead at which a rival replaces the tracked pose. A rival needs at least four scans to reach it."""
 DOUBT = 0.5
 """Lead of the best other pose at the end of a search, or after a rival has replaced the pose. The robot is lost until
-scans have reduced it to 0: two scans that explain the other pose much worse, or seventeen that explain it as well
-because the two places look alike."""
+scans have reduced this lead to 0. This takes two scans that fit the other pose much worse, or seventeen scans that fit
+both poses equally, because the two places look alike."""
 PROVEN_SCANS = 100
-"""Scans for which a pose found by a search must be tracked to be as reliable as a set one. Before this, the place may
-only look like the right one, and the robot is lost as soon as the pose explains less than usual."""
+"""Number of scans for which a pose found by a search must be tracked to be as reliable as a set pose. Before, it may be
+the pose at another place that looks the same. So the robot is lost as soon as scans fit worse than usual."""
 
 
 @frozen(eq=False)
 class ParticleBelief:
-    """Everything that the filter remembers between two ticks.
+    """State of the filter between two ticks.
 
     Attributes:
         tick: tick of the last update.
         base_in_odom: odometry pose at that time.
         place: hypothesis with the tracked pose.
-        rival: another hypothesis, while there is a reason to search.
-        lead: by how much the rival has explained recent scans better, see `WON`.
-        anywhere: True while the pose itself is searched all over the map.
+        rival: second hypothesis; None if there is no reason to search.
+        lead: sum over recent scans of the share that the rival explained better than the pose, see `WON`.
+        anywhere: True while the pose itself is searched on the whole map.
         proven: True if the pose was set, or has been tracked for long.
         lost: True if the robot is lost, see `Estimate`.
-        requested: True if the next scan is weighed in any case.
+        requested: True if the next scan is weighed even if the robot has not moved.
         p_wrong: probability that the pose is wrong, see `Estimate`; None before the first scan.
     """
 
@@ -89,7 +89,7 @@ class ParticleBelief:
 
     @property
     def unsure(self) -> bool:
-        """True if more scans are needed than the robot's motion brings."""
+        """True if scans are also needed while the robot does not move."""
         return self.lost or self.rival is not None or self.place.agreement.doubtful
 
     @property
@@ -107,7 +107,7 @@ AmclState = PosePrior | UniformPrior | ParticleBelief
 
 
 def saved(parameters: AmclParameters, estimate: Estimate) -> AmclParameters:
-    """Return parameters that start a new filter at this estimate, as amcl stores them on the parameter server."""
+    """Return parameters with which a new filter starts at this estimate. amcl stores them on the parameter server."""
     pose, variances = estimate.base_in_map, np.diag(estimate.covariance)
     return replace(
         parameters,
@@ -126,7 +126,7 @@ class Amcl:
     Before the first `start` it assumes the pose in its parameters, as amcl does: by default the map's origin.
 
     Attributes:
-        state: everything on which the next estimate depends, except the arguments of `update`.
+        state: state of the filter. The next estimate depends only on it and on the arguments of `update`.
     """
 
     def __init__(
@@ -137,7 +137,7 @@ class Amcl:
         Args:
             parameters: parameters of amcl.
             grid: the static map.
-            mount: the laser of the scans for `update`.
+            mount: the laser that makes the scans for `update`.
             seed: random seed of the session.
             robot: name of the robot, e.g. "robot1", so that each robot has its own noise.
         """
@@ -167,7 +167,7 @@ class Amcl:
         self.state = UniformPrior()
 
     def widen(self, distance: float, turn: float) -> None:
-        """Increase the uncertainty: move the particles of the pose and of its rival at random by this much."""
+        """Increase the uncertainty: move the particles of pose and rival randomly, with these standard deviations."""
         spread = (distance, distance, turn)
         variances = np.diag([each * each for each in spread])
         match self.state:
@@ -185,7 +185,7 @@ class Amcl:
             self.state = replace(self.state, requested=True)
 
     def configure(self, parameters: RobotParameters) -> None:
-        """Continue with these parameters. If the cloud gets smaller, it does so at the next resampling.
+        """Continue with these parameters. If they require a smaller cloud, it shrinks at the next resampling.
 
         Difference: amcl draws new particles around the pose that it last reported.
         """
@@ -194,7 +194,7 @@ class Amcl:
 
     @property
     def awaits_scan(self) -> bool:
-        """True once it has started, because only scans change it."""
+        """True after the filter has started, because then only scans change its state."""
         return isinstance(self.state, ParticleBelief)
 
     def update(self, odometry: Odometry, imu: Imu, scan: Scan | None) -> Estimate:
@@ -251,9 +251,9 @@ class Amcl:
         return ParticleBelief(odometry.tick, odometry.base_in_odom, place, anywhere=True, proven=False, lost=True)
 
     def _weigh(self, belief: ParticleBelief, odometry: Odometry, scan: Scan) -> ParticleBelief:
-        """Do one round of the filter: move, weigh, compare, and resample if due."""
+        """Update the filter by a scan: move, weigh, compare with the rival, and resample if due."""
         view = self._clouds.view(scan, odometry.tick)
-        # The first scan may come some ticks after the start; the motion until then counts.
+        # The first scan may come some ticks after the start. The motion until then is included.
         left, reached = belief.base_in_odom, odometry.base_in_odom
         if belief.anywhere and not belief.place.updates and len(view.points):
             place = self._clouds.looked_for(view, self._noise)
@@ -272,7 +272,10 @@ class Amcl:
         return replace(now, p_wrong=probability(PARTICLES, evidence_of(now)))
 
     def _seeks_rival(self, belief: ParticleBelief, place: Hypothesis) -> bool:
-        """Return True if a search has a result (which may only look like the right place), or scans are suspicious."""
+        """Return True if a search has a result, or if scans are suspicious.
+
+        A result may only look like the right place.
+        """
         if belief.anywhere:
             return place.settled >= SETTLED_SCANS
         return belief.lead > 0.0 or (self._parameters.recovers and place.agreement.suspicious)
@@ -286,15 +289,15 @@ def evidence_of(now: ParticleBelief) -> ParticleEvidence:
 
 
 def _found(now: ParticleBelief) -> ParticleBelief:
-    """End a global search that has a result. From then on, the result is compared with its rival."""
+    """End a global search once there is a rival. From then on, the pose is compared with the rival."""
     return now if now.rival is None else replace(now, anywhere=False, lead=DOUBT)
 
 
 def _compared(now: ParticleBelief) -> ParticleBelief:
-    """Compare the pose with its rival: decide whether the robot is lost, and which of the two is used from now on."""
+    """Compare the pose with its rival. Decide whether the robot is lost, and which of the two poses is tracked."""
     place, rival, lead = now.place, now.rival, now.lead
     if rival is not None and rival.updates > 1:
-        # The scan that the rival was found by is no evidence for it.
+        # A rival's first scan is no evidence for it, because the rival was chosen to fit this scan.
         better = rival.agreement.last - place.agreement.last - MARGINS[now.proven]
         better = max(-MOST_OF_ONE_SCAN, min(better, MOST_OF_ONE_SCAN))
         apart = elsewhere(rival.mean.array()[np.newaxis], place.mean.x, place.mean.y, place.mean.theta)[0]

@@ -1,4 +1,4 @@
-"""The beam model: how well a scan fits the map along its beams, and the share of a scan that a pose explains."""
+"""The beam model: likelihood of a scan along its beams, and share of a scan that the map explains from a pose."""
 
 import math
 from dataclasses import dataclass
@@ -16,13 +16,16 @@ from sim.parameters import AmclParameters
 from sim.robot.localization.likelihood_field import Beams
 
 _TOLERANCE = 0.3
-"""Maximum difference between an explained reading and the map's wall, meters: errors of pose and map."""
+"""Maximum difference between an explained reading and the map's wall, meters. It allows for errors of pose and map."""
 
 _CUT_SHORT = 0.1
-"""Weight of a reading that something unmapped may have cut short, compared with 1 for one that went through a wall."""
+"""Weight of a reading that an unmapped thing may have cut short. A reading that went through a wall has weight 1."""
 
 _TURNS = (-0.02, 0.0, 0.02)
-"""Tolerated errors of the heading, radians. A beam that grazes a wall then has one of several ranges; all count."""
+"""Tolerated errors of the heading, radians.
+
+They change the range of a beam that grazes a wall; every such range counts.
+"""
 
 
 @njit(cache=True)
@@ -37,10 +40,11 @@ def _sums(
     sigma_hit: float,
     lambda_short: float,
 ) -> FloatArray:
-    """Return (n,) sums over m readings of their log probability, for (n, m) expected ranges."""
+    """Return (n,) sums of the log probabilities of m readings, for (n, m) expected ranges."""
     out = np.zeros(expected.shape[0])
     for j in range(ranges.size):
-        # Beams outside, poses inside: terms that depend only on the reading are computed once per beam.
+        # Beams are in the outer loop and poses in the inner loop. So terms that depend only on the reading are computed
+        # once per beam.
         measured = ranges[j]
         if math.isnan(measured):
             continue
@@ -72,13 +76,13 @@ def _agreement(
     squares: FreeSquares, frame: GridFrame, directions: FloatArray, range_max: float,
     laser_x: float, laser_y: float, x: float, y: float, theta: float, ranges: FloatArray,
 ) -> tuple[float, float]:  # fmt: skip
-    """See `BeamModel.agreement`; NaN if no beam met anything.
+    """Return share and cut_short of `MapAgreement`; NaN if no beam met anything. See `BeamModel.agreement`.
 
     Args:
-        squares: see `Raycaster`, also for frame.
-        directions: see `Beams`, also for range_max.
-        laser_x: x of the laser in the base frame; also laser_y.
-        x: x of the base in the map; also y and theta.
+        squares: see `Raycaster`, also for `frame`.
+        directions: see `Beams`, also for `range_max`.
+        laser_x: x of the laser in the base frame; y is `laser_y`.
+        x: pose of the base in the map, with `y` and `theta`.
         ranges: (m,) readings, meters.
     """
     poses = np.empty((len(_TURNS), 3))
@@ -110,11 +114,11 @@ def _agreement(
 
 @dataclass(frozen=True, slots=True, eq=False)
 class BeamModel:
-    """Likelihood of each beam's reading, by the range to the wall that it should meet on the map.
+    """Likelihood of readings, by the distance along each beam to the map's first wall.
 
     Attributes:
         raycaster: raycaster on the map.
-        beams: the beams that are weighed.
+        beams: the beams that are used.
         parameters: the mixture: laser_z_*, laser_sigma_hit, laser_lambda_short.
     """
 
@@ -145,8 +149,8 @@ class BeamModel:
         """Return (n,) log likelihoods of (m,) ranges (see `Beams.ranges`) from (n, 3) base poses in the map.
 
         Source: Probabilistic Robotics, table 6.1, with amcl's factors (the density of good readings is not normalized)
-            and exact ranges. Differences: amcl adds cubes instead of logarithms. Here a beam that saw nothing counts as
-            the maximum range, not as impossible, and readings that are too short are ignored.
+            and exact ranges. Differences: amcl adds cubes instead of logarithms. Here the reading of a beam that saw
+            nothing is the maximum range and not impossible, and readings that are too short are ignored.
         """
         p = self.parameters
         return _sums(
@@ -164,9 +168,8 @@ class BeamModel:
     def agreement(self, base_in_map: Pose2, ranges: FloatArray) -> MapAgreement | None:
         """Compare (m,) ranges with the map from one pose; None if no beam met anything.
 
-        A reading is explained if it ends where the map has a wall. A reading that was cut short counts only a tenth as
-        much against the pose as one that went through a wall: other robots shorten readings, but nothing lengthens
-        them.
+        A reading is explained if it ends where the map has a wall. A reading that was cut short has only a tenth of the
+        weight of a reading that went through a wall: other robots shorten readings, but nothing lengthens them.
         """
         beams, place = self.beams, base_in_map
         laser, raycaster = beams.mount.laser_in_base, self.raycaster

@@ -6,12 +6,12 @@ from sim.numerics.float_array import FloatArray
 from sim.numerics.kernels import njit
 
 REACH = 1.0
-"""Distance from walls beyond which the field is flat and points do not pull, meters."""
+"""Distance from walls, meters. Beyond it the field is flat, so points there do not pull a pose."""
 
 
 @njit(cache=True)
 def interpolate(field: FloatArray, along: float, across: float) -> tuple[float, float, float]:
-    """Return the value, and the slope per cell (columns, rows), between the four centers around a point in cells.
+    """Return the value at a point (in cells) and its slopes per column and row, from the four cell centers around it.
 
     Beyond the outermost centers the field is flat, with slope 0.
     """

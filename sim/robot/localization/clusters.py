@@ -1,9 +1,9 @@
-"""Particles in bins, bins in clusters, and a cloud of particles as one pose.
+"""Bins of particles, clusters of bins, and the summary of a cloud of particles as one pose.
 
-The bins are those of amcl: 0.5 m by 0.5 m by 10 degrees. They measure the spread of the cloud (KLD sampling) and
-separate hypotheses: bins that touch, even if only at a corner, are one cluster.
+The bins have the size of amcl's: 0.5 m by 0.5 m by 10 degrees. Their number measures the spread of the cloud (KLD
+sampling). They also separate hypotheses: bins that touch, even if only at a corner, belong to one cluster.
 
-Source: pf_kdtree.c. Difference: the bins of -180 and +180 degrees touch; in amcl a cloud that faces west splits.
+Source: pf_kdtree.c. Difference: the bins at -180 and +180 degrees touch, while amcl splits a cloud that faces west.
 """
 
 import math
@@ -31,9 +31,9 @@ class ParticleBins(NamedTuple):
     """The occupied bins of a cloud.
 
     Attributes:
-        of_particle: (n,) bin of each particle, numbered from 0 in the order of first particles.
+        of_particle: (n,) bin of each particle. Bins are numbered from 0 in the order of their first particles.
         corners: (k, 3) position of each bin on the lattice: along x, along y, around.
-        slots: hash table from packed lattice positions to bins, -1 if empty.
+        slots: hash table from packed lattice positions to bins; -1 in empty slots.
     """
 
     of_particle: NDArray[np.int64]
@@ -42,11 +42,11 @@ class ParticleBins(NamedTuple):
 
 
 class CloudSummary(NamedTuple):
-    """A cloud as one pose.
+    """Summary of a cloud as one pose.
 
     Attributes:
         mean: weighted mean of the heaviest cluster, in the map.
-        covariance: (3, 3) spread of the whole cloud about this mean: m^2, m rad, rad^2.
+        covariance: (3, 3) covariance of the whole cloud about this mean: m^2, m rad, rad^2.
         weight: share of the weight in the heaviest cluster.
         variances: (3,) variances of the heaviest cluster alone, about its mean: m^2, m^2, rad^2.
     """
@@ -59,9 +59,9 @@ class CloudSummary(NamedTuple):
 
 @njit(cache=True)
 def _slot(slots: NDArray[np.int64], corners: NDArray[np.int64], col: int, row: int, sector: int) -> int:
-    """Return the slot of the bin with this lattice position in the table, or the empty slot for it.
+    """Return the table's slot of the bin with this lattice position; if there is no such bin, the empty slot for it.
 
-    Open addressing with linear probing. The table is at least half empty, so the search ends.
+    The method is open addressing with linear probing. The table is at least half empty, so the search ends.
     """
     mask = slots.size - 1
     packed = ((col + _HALF) * (2 * _HALF) + row + _HALF) * SECTORS + sector
@@ -78,7 +78,8 @@ def _slot(slots: NDArray[np.int64], corners: NDArray[np.int64], col: int, row: i
 def _bin(particles: FloatArray) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
     n = particles.shape[0]
     capacity = 16
-    # A power of two, so that a mask replaces the remainder; at least half empty, so that probes are short.
+    # The capacity is a power of two, so that a mask replaces the remainder. The table is at least half empty, so that
+    # searches are short.
     while capacity < 2 * n:
         capacity *= 2
     slots = np.full(capacity, _EMPTY, dtype=np.int64)
@@ -152,7 +153,7 @@ def _summarise(
         total += weights[i]
     heaviest = np.argmax(mass)
     x, y, c, s = 0.0, 0.0, 0.0, 0.0
-    # The mean heading is that of the summed unit vectors, because angles themselves have no mean across -pi.
+    # The mean heading is the direction of the sum of unit vectors, because angles cannot be averaged across -pi.
     for i in range(weights.size):
         if labels[of_particle[i]] == heaviest:
             x += weights[i] * particles[i, 0]
@@ -194,8 +195,8 @@ def summarise(particles: FloatArray, weights: FloatArray, bins: ParticleBins) ->
         weights: (n,) not all 0.
         bins: the bins of these particles.
 
-    Source: pf_cluster_stats. Difference: the spread is about the reported pose (amcl: about the mean of all clusters),
-        and includes the correlations of heading and position, which amcl leaves at 0.
+    Source: pf_cluster_stats. Differences: the covariance is about the reported pose (amcl: about the mean of all
+        clusters). It includes the correlations of heading and position, which are 0 in amcl.
     """
     x, y, theta, covariance, weight, variances = _summarise(particles, weights, bins.of_particle, cluster_bins(bins))
     return CloudSummary(Pose2(x, y, theta), covariance, weight, variances)

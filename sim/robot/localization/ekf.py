@@ -1,9 +1,10 @@
 """A Kalman filter over (x, y, theta): wheels and gyroscope, corrected by scans matched to the map.
 
-`sim.robot.localization.pose_filters` has the Gaussian, its prediction and its update. This module provides their input.
+`sim.robot.localization.pose_filters` contains the Gaussian, its prediction and its update. This module computes their
+input.
 
-Source: Thrun, Burgard, Fox, Probabilistic Robotics (2005), table 7.2, with odometry for control (section 5.4) and a
-matched pose for measurement.
+Source: Thrun, Burgard, Fox, Probabilistic Robotics (2005), table 7.2, with odometry as control input (section 5.4) and
+a matched pose as measurement.
 """
 
 import math
@@ -33,46 +34,46 @@ GATE = 16.27
 """Maximum squared Mahalanobis distance of an accepted match: chi-square with 3 degrees of freedom, 0.999."""
 
 _LEAST_INFORMATION = np.diag((1.0, 1.0, 4.0))
-"""Information that keeps a match's covariance finite if a corridor leaves a direction open: 1 m, 0.5 rad."""
+"""Information that keeps a match's covariance finite if a corridor does not determine a direction: 1 m, 0.5 rad."""
 
 _LEAST_SHARE = 0.4
-"""Share of a scan's points that must be on the map's walls. A scan from elsewhere hardly ever reaches it."""
+"""Share of a scan's points that must be on the map's walls. At a wrong pose, a scan hardly ever reaches this share."""
 
 _LEARNING = 0.2
 """Rate at which unexpectedly large or small innovations change the assumed noise of the motion."""
 
 _MIN_NOISE_SCALE, _MAX_NOISE_SCALE = 0.2, 100.0
-"""Minimum and maximum factor between the motion's noise and the parameters. The minimum is that of wheels whose errors
-in each of the ticks between two predictions are independent."""
+"""Minimum and maximum factor by which the motion's variances differ from the parameters. The minimum applies if the
+wheels' errors in the ticks between two predictions are independent."""
 
 _MEMORY = 0.95
-"""Weight of older scans in the estimate of misplaced walls, for each scan since."""
+"""Factor by which each new scan reduces the weight of older ones in the estimate of misplaced walls."""
 
 _DOUBTING = 1.5
-"""Factor of the covariance after a match that fits, but is too far off to be accepted: either may be wrong."""
+"""Factor of the covariance after a match that fits, but is too far away to be accepted: pose or match may be wrong."""
 
 _LOST_AFTER = 20
-"""Number of consecutive rejected scans until the robot is lost: two seconds of a common laser."""
+"""Number of consecutive rejected scans until the robot is lost: about two seconds of scans."""
 
 _LEVER = 3.0
-"""Distance of a typical wall, which converts uncertainty of heading to uncertainty of position, meters."""
+"""Distance of a typical wall, meters. It converts the uncertainty of the heading to an uncertainty of position."""
 
 _NO_COVARIANCE = read_only(np.zeros((3, 3)))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TrackingState:
-    """State of tracking in addition to the Gaussian, as of the last prediction.
+    """State of tracking at the last prediction, in addition to the Gaussian.
 
     Attributes:
         tick: tick of the prediction.
         base_in_odom: odometry pose at that time.
-        shared: (3, 3) covariance of the error that is common to all matches nearby, which no number of them averages
-            out; read-only.
+        shared: (3, 3) covariance of the error that all matches nearby have in common. It does not decrease with more
+            matches. Read-only.
         matched: odometry pose at the last accepted scan; None before the first.
-        motion_noise_scales: factors by which the variances of distances and of turns are larger than the parameters
-            say.
-        walls_off: sums over scans of `ScanMatch.walls_off`; older scans count less.
+        motion_noise_scales: factors by which the variances of distances and of turns are larger than according to the
+            parameters.
+        walls_off: weighted sums over scans of `ScanMatch.walls_off`. Older scans have less weight.
         refused: number of rejected scans since the last accepted one.
         poor: number of consecutive scans that fit badly, accepted or not.
         unmatched: share of the points of the last scan that are not on walls.
@@ -97,7 +98,7 @@ class TrackingState:
 
 
 def _anywhere(grid: OccupancyGrid) -> FloatArray:
-    """Return the (3, 3) covariance of a pose anywhere on the map: uniform over its extent and all headings."""
+    """Return the (3, 3) covariance of a pose anywhere on the map: uniform over the map's extent and all headings."""
     rows, cols = grid.cells.shape
     spread = (rows * rows + cols * cols) * (grid.resolution * grid.resolution) / 12.0
     return np.diag((spread, spread, math.pi * math.pi / 3.0))
@@ -109,12 +110,12 @@ def _covariance(match: ScanMatch) -> FloatArray:
 
 
 def _surprise(innovation: FloatArray, expected: FloatArray) -> float:
-    """Return the squared Mahalanobis distance of an innovation, or of some of its elements, by their covariance."""
+    """Return the squared Mahalanobis distance of (some elements of) an innovation with this expected covariance."""
     return float((innovation * solution(expected, innovation[:, np.newaxis])[:, 0]).sum())
 
 
 def _learnt(scales: tuple[float, float], innovation: FloatArray, expected: FloatArray) -> tuple[float, float]:
-    """Return the factors of the variances of distances and turns after another innovation and its (3, 3) covariance."""
+    """Return updated factors of the variances of distances and turns after an innovation with a (3, 3) covariance."""
     drive = _surprise(innovation[:2], np.ascontiguousarray(expected[:2, :2])) / 2.0
     turn = innovation[2] * innovation[2] / expected[2, 2]
     # The minimum limits the effect of one outlier; the exponential keeps factors positive.
@@ -127,21 +128,21 @@ def _learnt(scales: tuple[float, float], innovation: FloatArray, expected: Float
 
 
 class KalmanLocalizer:
-    """A localizer with a single Gaussian, fast and smooth. See `Localizer`.
+    """A fast localizer that represents the pose by a single Gaussian and reports smooth estimates. See `Localizer`.
 
-    If scans do not fit for some seconds, it is lost and searches for the one pose where they fit, first nearby, then on
-    the whole map. It also searches if they fit badly for long, because another pose may fit better. It is found only
-    when a scan from another place agrees. On a map that looks the same from two places it stays lost, because a single
-    Gaussian cannot represent two hypotheses as particles do.
+    If scans do not fit for some seconds, the robot is lost. The localizer then searches for the only pose where they
+    fit, first nearby, then on the whole map. It also searches if scans fit badly for long, because another pose may fit
+    better. The robot is found only when a scan from another place confirms the pose. On a map that looks the same from
+    two places, the robot stays lost, because a single Gaussian cannot represent two hypotheses, unlike particles.
 
-    Before the first `start` it assumes the map's origin.
+    Before the first `start`, it assumes that the robot is at the map's origin.
 
     Attributes:
-        looked: its evidence after the last scan that it examined; None before the first.
+        looked: evidence after the last scan that was examined; None before the first.
     """
 
     def __init__(self, software: RobotParameters, grid: OccupancyGrid, mount: LaserMount) -> None:
-        """Create a filter for one robot, with its static map and the laser of the scans for `update`."""
+        """Create a filter for one robot, with its static map and the laser that makes the scans for `update`."""
         self._mount = mount
         self.configure(software)
         self._matcher = ScanMatcher.of(grid, mount.laser_in_base)
@@ -154,7 +155,7 @@ class KalmanLocalizer:
         self._particles = np.empty((0, 3))
 
     def start(self, base_in_map: Pose2, covariance: FloatArray) -> None:
-        """Restart around this pose at the next tick; the first scan after it is used immediately."""
+        """Restart around this pose at the next tick. The first scan after the restart is used immediately."""
         self._filter.reset(base_in_map, covariance)
         self._state: TrackingState | None = None
         self._odom_in_map = base_in_map  # until the first odometry
@@ -233,7 +234,7 @@ class KalmanLocalizer:
         )
 
     def _due(self, state: TrackingState) -> bool:
-        """Return True if the robot moved enough since the last match, by amcl's rule."""
+        """Return True if the robot has moved enough since the last match, by amcl's rule."""
         if state.matched is None:
             return True
         here, there, limit = state.base_in_odom, state.matched, self._parameters.update_min_d
@@ -252,14 +253,15 @@ class KalmanLocalizer:
         wheels_variance = parameters.odom_alpha1 * turn + parameters.odom_alpha2 * drive
         gyro_noise = parameters.gyro_noise * TICK
         gyro_variance = (odometry.tick - state.tick) * (gyro_noise * gyro_noise)
-        # Wheels that stand still are certain. Then the gyroscope, which only adds noise, does not count.
+        # Wheels that stand still have no error. In this case the gyroscope is ignored, because it would only add noise.
         listening = parameters.imu_used and wheels_variance > 0.0
         trust = wheels_variance / (wheels_variance + gyro_variance) if listening else 0.0
         correction = trust * wrap_angle(self._turned - moved.theta)
         turn_variance = (1.0 - trust) * wheels_variance
         drive_variance = parameters.odom_alpha3 * drive + parameters.odom_alpha4 * turn
 
-        # The chord of an arc deviates by half of the turn, and so does a correction of the turn.
+        # The chord of an arc deviates from the first heading by half of the turn. So half of the correction of the turn
+        # is applied before the chord, and half after it.
         step = Pose2(0.0, 0.0, correction / 2.0).compose(Pose2(moved.x, moved.y, moved.theta + correction / 2.0))
         for_drive, for_turn = state.motion_noise_scales
         self._filter.predict(MeasuredMotion(step, for_drive * drive_variance, for_turn * turn_variance))
@@ -268,13 +270,13 @@ class KalmanLocalizer:
     def _correct(self, state: TrackingState, scan: Scan) -> tuple[TrackingState, bool]:
         """Use the pose at which the scan matches the map, if it is plausible. Also return whether it was accepted.
 
-        Innovations that are larger than expected raise `motion_noise_scales`, the factors of the motion's variances;
-        smaller ones lower them. A match too far away is rejected. But each such match that fits increases the
-        covariance, so that after several similar ones the next one is accepted.
+        Innovations that are larger than expected increase `motion_noise_scales`, the factors of the motion's variances;
+        smaller innovations decrease them. A match that is too far away is rejected. But each such match that fits
+        increases the covariance, so that after several similar matches the next one is accepted.
 
         Source: Mehra, On the identification of variances and adaptive Kalman filtering (1970), for learning the
-            motion's noise from innovations; here as a running mean of its logarithm, so that the variance cannot become
-            negative.
+            motion's noise from innovations. Here the running mean is of its logarithm, so that the variance cannot
+            become negative.
         """
         points = self._beams.end_points(scan)
         doubt = self._filter.covariance + state.shared
@@ -312,7 +314,7 @@ class KalmanLocalizer:
         )
 
     def _search(self, state: TrackingState, scan: Scan) -> TrackingState:
-        """Restart where the scan fits, if that is the only such pose; stay lost until the next match agrees."""
+        """Restart at the pose where the scan fits, if there is only one. Stay lost until the next match agrees."""
         near = None if self._forgotten else self._filter.mean
         found = self._matcher.search(self._beams.end_points(scan), near)
         state = replace(state, poor=0)

@@ -1,4 +1,4 @@
-"""Localizer: the common interface of all localizers, and their estimate."""
+"""Common interface of all localizers, and their estimate."""
 
 from dataclasses import dataclass
 from typing import Protocol
@@ -21,17 +21,19 @@ class Estimate:
     """A localizer's estimate of the robot's pose.
 
     Attributes:
-        tick: its time.
+        tick: time of the estimate.
         base_in_map: pose of the robot: the last correction, propagated by odometry.
         odom_in_map: the correction itself, which tf publishes as map -> odom.
-        covariance: (3, 3) of x, y, theta in the map frame; m^2, m rad, rad^2.
+        covariance: (3, 3) covariance of x, y, theta in the map frame; m^2, m rad, rad^2.
         particles: (n, 3) poses in the map; (0, 3) if the localizer has none.
         updated: True if a scan (or another correction) was used in this tick.
         lost: True if the localizer considers the pose unreliable.
-        agreement: share of the last weighed scan that the map explains from this pose, 0 to 1. None if the localizer
-            does not compute it, or before the first scan.
-        p_wrong: probability that the pose is wrong (`wrong_pose`) by the last weighed scan, 0 to 1; or None.
-        fault: failure of an installed localizer in this tick, which is then lost; empty without one.
+        agreement: share of the last used scan that the map explains from this pose, 0 to 1. None before the first scan,
+            or if the localizer does not compute it.
+        p_wrong: probability that the pose is wrong (`wrong_pose`), 0 to 1, as of the last used scan. None before the
+            first scan, or if the localizer does not compute it.
+        fault: failure of an installed localizer in this tick; empty without a failure. After a failure the robot is
+            lost.
     """
 
     tick: int
@@ -48,11 +50,11 @@ class Estimate:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PosePrior:
-    """State of a localizer whose pose was set, before its next tick.
+    """State of a localizer after its pose was set and before its next tick.
 
     Attributes:
         base_in_map: the pose.
-        covariance: (3, 3) of x, y, theta; m^2, m rad, rad^2.
+        covariance: (3, 3) covariance of x, y, theta; m^2, m rad, rad^2.
     """
 
     base_in_map: Pose2
@@ -114,7 +116,7 @@ class Localizer(Protocol):
 
     @property
     def awaits_scan(self) -> bool:
-        """True if ticks without a scan do not change it: odometry then propagates the last correction."""
+        """True if ticks without a scan do not change its state. Odometry then propagates the last correction."""
 
     def update(self, odometry: Odometry, imu: Imu, scan: Scan | None) -> Estimate:
-        """Process one tick, with a scan if the laser was due."""
+        """Process one tick. `scan` is None if the laser did not scan in this tick."""

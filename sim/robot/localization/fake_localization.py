@@ -1,4 +1,4 @@
-"""The localizer that knows the truth: ROS's fake_localization."""
+"""Localizer that knows the true pose: ROS's fake_localization."""
 
 from collections.abc import Callable
 
@@ -13,16 +13,17 @@ from sim.robot.localization.estimate import Estimate, read_only
 
 
 class FakeLocalization:
-    """Reports the robot's true pose with certainty, for studies that are not about localization.
+    """Localizer that reports the robot's true pose, for studies that are not about localization.
 
-    This is the only part of a robot's software that may see the truth; the composition of the programs passes it in.
+    This is the only part of a robot's software that may see the truth. The code that builds the team passes the truth
+    to it.
     """
 
     def __init__(self, parameters: FakeLocalizationParameters, base_in_world: Callable[[], Pose2]) -> None:
-        """Store `base_in_world`, which must return the true pose of the tick that is being estimated.
+        """Store `base_in_world`. This function must return the true pose in the tick that is being estimated.
 
-        Source: fake_localization.cpp for how its deltas shift the map frame: a rotation by -delta_yaw, then a
-            translation by (-delta_x, -delta_y).
+        Source: fake_localization.cpp. Its deltas move the map frame: a rotation by -delta_yaw, then a translation by
+            (-delta_x, -delta_y).
         """
         self._base_in_world = base_in_world
         self._world_in_map = Pose2(-parameters.delta_x, -parameters.delta_y, wrap_angle(-parameters.delta_yaw))
@@ -32,7 +33,7 @@ class FakeLocalization:
     def start(self, base_in_map: Pose2, covariance: FloatArray) -> None:
         """Do nothing, because the true pose needs no start.
 
-        Difference: fake_localization shifts its map frame so that the received pose becomes the truth.
+        Difference: fake_localization moves its map frame so that the received pose becomes the true one.
         """
 
     def globalize(self) -> None:
@@ -53,7 +54,7 @@ class FakeLocalization:
         return False
 
     def update(self, odometry: Odometry, imu: Imu, scan: Scan | None) -> Estimate:
-        """Return the present true pose, and the `odom_in_map` that makes the odometry agree with it."""
+        """Return the present true pose, and the correction `odom_in_map` with which odometry gives this pose."""
         base_in_map = self._world_in_map.compose(self._base_in_world())
         odom_in_map = base_in_map.compose(odometry.base_in_odom.inverse())
         return Estimate(

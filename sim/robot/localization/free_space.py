@@ -1,4 +1,4 @@
-"""Free space of a map. Poses for a robot that may be anywhere are drawn from it."""
+"""Free space of a map, from which random poses are drawn for a robot that may be anywhere."""
 
 import math
 from dataclasses import dataclass
@@ -14,14 +14,14 @@ from sim.numerics.kernels import njit
 from sim.numerics.noise_arrays import NoiseStream
 
 ELSEWHERE = (1.0, 0.5)
-"""Minimum difference between poses at different places, in meters or radians."""
+"""Minimum difference between poses that count as different places, in meters or radians."""
 
 
 @lru_cache(maxsize=8)
 def _free_cells(grid: OccupancyGrid) -> NDArray[np.uint32]:
-    """Return (n,) free cells, numbered row by row; read-only, because all robots on a map share them.
+    """Return the (n,) numbers of free cells, counted row by row. Read-only, because all robots on a map share them.
 
-    They are computed on first use, because most robots never search the whole map.
+    They are computed at the first use, because most robots never search the whole map.
     """
     candidates = (grid.cells == FREE, grid.cells != OCCUPIED)
     free = next((cells for cells in candidates if cells.any()), np.ones_like(grid.cells, dtype=np.bool_))
@@ -32,7 +32,7 @@ def _free_cells(grid: OccupancyGrid) -> NDArray[np.uint32]:
 
 @njit(cache=True)
 def _poses(free: NDArray[np.uint32], cols: int, frame: GridFrame, drawn: FloatArray) -> FloatArray:
-    """Convert (2 n,) uniforms to (n, 3) poses: the first half selects cells, the second half headings."""
+    """Convert (2 n,) uniforms to (n, 3) poses. The first half selects cells, the second half headings."""
     n = drawn.size // 2
     out = np.empty((n, 3))
     for i in range(n):
@@ -46,7 +46,7 @@ def _poses(free: NDArray[np.uint32], cols: int, frame: GridFrame, drawn: FloatAr
 
 @njit(cache=True)
 def elsewhere(poses: FloatArray, x: float, y: float, theta: float) -> NDArray[np.bool_]:
-    """Return (n,) True for those of (n, 3) poses that are at another place, see `ELSEWHERE`."""
+    """Return an (n,) mask of those of (n, 3) poses that are at another place than (x, y, theta), see `ELSEWHERE`."""
     out = np.empty(poses.shape[0], dtype=np.bool_)
     for i in range(poses.shape[0]):
         dx, dy = poses[i, 0] - x, poses[i, 1] - y

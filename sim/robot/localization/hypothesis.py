@@ -1,9 +1,9 @@
 """A hypothesis about the robot's pose: a cloud of particles that is moved, weighed by scans and resampled.
 
-Every particle moves by the odometry with its own random error (`motion`). Its weight is multiplied by how well the scan
-fits the map from there (`likelihood_field`, `beam`). The mean of the heaviest cluster (`clusters`) represents the
-cloud. From time to time a new generation is drawn in proportion to the weights, with as many particles as the cloud's
-spread requires (`resampling`). `scan_agreement` observes how well the map explains the scans from this mean.
+Every particle moves by the odometry with its own random error (`motion`). Its weight is multiplied by the scan's
+likelihood at its new pose (`likelihood_field`, `beam`). The mean of the heaviest cluster (`clusters`) represents the
+cloud. From time to time, a new generation is drawn in proportion to the weights. The cloud's spread determines the
+number of its particles (`resampling`). `scan_agreement` monitors how well the map explains the scans from this mean.
 
 Source: Thrun, Burgard, Fox, Probabilistic Robotics (2005), table 8.3, sized by KLD sampling (Fox 2003).
 """
@@ -32,21 +32,27 @@ from sim.robot.localization.scan_agreement import ScanAgreement
 CANDIDATES_PER_PARTICLE = 20
 """Candidate poses for each newly drawn particle."""
 MIN_CANDIDATES = 50_000
-"""Minimum number of candidates, so that one is close enough to the truth on a map of some hundred square meters."""
+"""Minimum number of candidates.
+
+With it, one candidate is close enough to the truth on a map of some hundred square meters.
+"""
 MAX_CANDIDATES = 400_000
 """Maximum number of candidates."""
 ROUGH_BEAMS = 15
-"""Maximum number of beams for a first comparison of candidates; most fit so badly that these beams show it."""
+"""Maximum number of beams for a first comparison of candidates. Most candidates fit so badly that few beams show it."""
 ROUGH_SHARE = 0.1
 """Share of the candidates, the best by these beams, that all beams weigh: ten times `FITTING_SHARE`."""
 
 MOST_BESIDES = 2000
-"""Maximum number of particles in a search away from a given pose; only the best one matters."""
+"""Maximum number of particles in a search away from a given pose.
+
+It can be small because only the best particle matters.
+"""
 CANDIDATES_BESIDES = 10_000
-"""Maximum number of candidates in such a search after the first time."""
+"""Maximum number of candidates in such a search, except at its first scan."""
 
 FITTING_SHARE = 0.01
-"""Share of the candidates that must stay effective when newcomers are drawn by how well a scan fits."""
+"""Share of the candidates that must stay effective when newcomers are drawn in proportion to a scan's likelihood."""
 NEWCOMER_JITTER = (0.05, 0.05, 0.05)
 """Standard deviations of newcomers at one place; meters, meters, radians."""
 
@@ -56,50 +62,53 @@ NEARBY_SHARE = 0.2
 """Share of a generation that is drawn around its own pose when scans fit it badly."""
 
 MOST_NEAR = 500
-"""Maximum number of particles in a search around a pose and the previous one."""
+"""Maximum number of particles in a search around the present pose and the previous one."""
 CLEARLY_BETTER = 0.1
-"""Share of a scan that these must explain more. Among other robots, slightly better poses are found at random."""
+"""Additional share of a scan that the result of this search must explain.
+
+Among other robots, slightly better poses are found by accident.
+"""
 
 CONVERGED_DISTANCE = 0.5
-"""Distance from the mean, along either axis, of all particles if beams are skipped, meters (pf.c)."""
+"""Beams are skipped only if all particles are within this distance of the mean along either axis, meters (pf.c)."""
 
 EFFECTIVE_SHARE = 0.1
-"""Share of equal particles that every scan must leave effective, see `tempered`."""
+"""Share of equally weighted particles that must stay effective after every scan, see `tempered`."""
 
 JITTER = (0.01, 0.01, 0.01)
-"""Standard deviations of copies of a particle; meters, meters, radians. The odometry of a robot that turns on the
-spot does not spread their places: without this, all particles would become one.
+"""Standard deviations of copies of a particle; meters, meters, radians. While a robot turns in place, the odometry
+noise does not spread the positions of particles. Without these deviations, all particles would become copies of one.
 
 Source: Musso, Oudjane and Le Gland, Improving regularised particle filters (2001).
 """
 
 SURE_SHARE = 0.8
-"""Share of the weight that the heaviest cluster must have for a certain pose."""
+"""Share of the weight that the heaviest cluster must have so that the pose counts as certain."""
 
 PULL = 1.2
-"""Standard deviation of the pull of unmapped things if all beams end on them, as a share of `laser_sigma_hit`: walls of
-the map within this distance still attract the points in front of them, for all particles alike."""
+"""Standard deviation of the pull of unmapped things if all beams end on them, as a share of `laser_sigma_hit`. Walls of
+the map near these things attract the points, in the same direction for all particles."""
 _PULLED = np.diag((1.0, 1.0, 1.0 / 9.0))
-"""Factors of this pull for x, y and heading. A heading is pulled like a position by walls three meters away."""
+"""Factors of the squared pull for x, y and heading. For the heading, walls are assumed to be three meters away."""
 
 INITIAL_AGREEMENT = ScanAgreement()
-"""Agreement of a new hypothesis."""
+"""Agreement of a new hypothesis before its first scan."""
 
 
 @frozen(eq=False)
 class Hypothesis:
-    """A cloud of particles that is tracked on its own, and the agreement of scans and map from its pose.
+    """A cloud of particles that is tracked independently, and the agreement of scans and map at its pose.
 
     Attributes:
         particles: (n, 3) poses in the map at the last update; read-only.
-        weights: (n,) their weights, with a sum of 1; read-only.
+        weights: (n,) weights of the particles, with a sum of 1; read-only.
         mean: pose of the hypothesis at the last update.
         covariance: (3, 3) covariance of this pose; read-only.
-        updates: number of scans weighed since it began.
+        updates: number of scans weighed since the hypothesis was created.
         agreement: share of the scans that the map explains.
-        settled: number of scans with a narrow cloud, counted while nearly all particles agree on one pose that the
-            map explains.
-        noise_scales: factors by which odometry is noisier than the parameters say.
+        settled: number of scans with a narrow cloud. They count while nearly all particles agree on one pose that fits
+            the map.
+        noise_scales: factors by which the odometry noise is larger than according to the parameters.
         share: share of the weight in the heaviest cluster at the last update.
     """
 
@@ -123,12 +132,12 @@ def widened(place: Hypothesis, spread: tuple[float, float, float], draws: FloatA
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ScanView:
-    """The part of a scan that is weighed.
+    """The part of a scan that is used.
 
     Attributes:
-        tick: its time.
-        points: (m, 2) end points of its beams, base frame, see `Beams.end_points`.
-        ranges: (k,) ranges of its beams, see `Beams.ranges`.
+        tick: time of the scan.
+        points: (m, 2) end points of the beams, base frame, see `Beams.end_points`.
+        ranges: (k,) ranges of the beams, see `Beams.ranges`.
     """
 
     tick: int
@@ -186,11 +195,11 @@ class CloudFilter:
         )
         self._motion = MotionModel(parameters.odom_model_type, alphas)
         self._free_space = FreeSpace(grid)
-        # A wall may be anywhere in its cell. All particles share this error, so their spread cannot show it.
+        # A wall may be anywhere in its cell. All particles share this error, so their spread does not include it.
         self._unknowable = np.diag((1.0, 1.0, 0.0)) * (grid.resolution * grid.resolution) / 12.0
 
     def view(self, scan: Scan, tick: int) -> ScanView:
-        """Return the part of a scan that is weighed.
+        """Return the part of a scan that is used.
 
         Raises:
             ValueError: the number of beams differs from that of the filter's laser.
@@ -200,10 +209,10 @@ class CloudFilter:
         return ScanView(tick, self._beams.end_points(scan), self._beams.ranges(scan))
 
     def looked_for(self, view: ScanView, noise: CloudNoise, besides: Pose2 | None = None) -> Hypothesis:
-        """Return a hypothesis with the maximum number of particles, at poses all over the map that fit a scan.
+        """Return a hypothesis with the maximum number of particles, at poses on the whole map that fit a scan.
 
-        A uniform cloud of this size would have no particle near the truth. So the scan is compared with a sample that
-        is many times larger.
+        A uniform cloud of this size would have no particle near the truth. So the particles are drawn from a sample of
+        poses that is many times larger, in proportion to the scan's likelihood.
         """
         count = self._parameters.max_particles
         count = count if besides is None else min(count, MOST_BESIDES)
@@ -222,8 +231,8 @@ class CloudFilter:
             reached: present odometry pose.
             view: the scan.
             noise: random numbers of this cloud.
-            searching: share of the next generation that is drawn from all over the map.
-            besides: a pose; the search excludes its surroundings.
+            searching: share of the next generation that is drawn from the whole map. besides: pose; poses near it are
+            excluded from the search.
         """
         parameters = self._parameters
         draws = noise.motion.normals(view.tick, 3 * len(before.particles))
@@ -240,22 +249,23 @@ class CloudFilter:
                 return found
             scales = self._motion.learned(before.noise_scales, rate, draws, before.weights, weights)
             now = replace(now, noise_scales=scales)
-        # With selective resampling, a cloud is kept if its effective number (1 / sum of squares) is above half of its
-        # particles: resampling would only lose hypotheses (Grisetti, Stachniss, Burgard 2007).
+        # With selective resampling, a cloud is kept if its effective number (1 / sum of squared weights) is above half
+        # of its number of particles. Resampling would then only lose hypotheses (Grisetti, Stachniss, Burgard 2007).
         due = now.updates % parameters.resample_interval == 0 and not (
             parameters.selective_resampling and searching == 0.0 and 2.0 / (weights * weights).sum() > len(weights)
         )
         return self._drawn(now, view, noise, searching, besides) if due else now
 
     def _found_near(self, before: Hypothesis, now: Hypothesis, view: ScanView, noise: CloudNoise) -> Hypothesis | None:
-        """Search for the scan around the last pose and around the pose by odometry, in equal parts.
+        """Search for poses that fit the scan, half of them around the last pose and half around the pose by odometry.
 
-        The last scan was explained as well as usual and this one is not. So the odometry between them is in doubt: it
-        was reset, or its error exceeds the spread of the particles. Return None if no pose explains the scan as well as
-        usual and clearly better. Then the scan itself may be misleading, or the robot was kidnapped.
+        The last scan was explained as well as usual, and this one is not. So the odometry between them may be wrong: it
+        was reset, or its error exceeds the spread of the particles. Return None if no pose explains the scan clearly
+        better than now and as well as usual. In this case the scan itself may be misleading, or the robot was
+        kidnapped.
 
-        The factors of the odometry noise stay. If they grew with every such scan, the cloud would soon be too wide for
-        scans that are a meter apart.
+        The factors of the odometry noise do not change. If they grew with every such scan, the cloud would soon be too
+        wide for scans that are a meter apart.
         """
         count = min(self._parameters.max_particles, MOST_NEAR)
         candidates = noise.places.normals(view.tick, 3 * count * CANDIDATES_PER_PARTICLE).reshape(-1, 3) * NEARBY
@@ -280,8 +290,7 @@ class CloudFilter:
         elif found is not None:
             agreement = agreement.after(found.share, parameters.recovery_alpha_slow, parameters.recovery_alpha_fast)
         pull = PULL * parameters.laser_sigma_hit * (found.cut_short if found is not None else 0.0)
-        # A wide cloud is no reason to doubt the pose. Such a scan does not count, but it does not reset the count
-        # either.
+        # A wide cloud is no reason to doubt the pose. So its scan is not counted, but the count is not reset either.
         agreed = summary.weight >= SURE_SHARE and agreement.explained
         settled = (before.settled if before else 0) + self._narrow(summary) if agreed else 0
         return Hypothesis(
@@ -302,7 +311,7 @@ class CloudFilter:
         return bool((np.sqrt(summary.variances) <= levels).all())
 
     def _log_likelihood(self, particles: FloatArray, view: ScanView) -> FloatArray:
-        """Return the (n,) log likelihoods of a scan from each particle, by the model in the parameters."""
+        """Return (n,) log likelihoods of a scan at the particles, by the model in the parameters."""
         parameters = self._parameters
         if parameters.laser_model_type == "beam":
             return self._beam_model.log_likelihood(particles, view.ranges)
@@ -344,8 +353,8 @@ class CloudFilter:
             nearby = parameters.recovers and now.agreement.drifting and len(view.points)
             count = int(NEARBY_SHARE * len(heirs) + newcomers_offset) if nearby else 0
             newcomers = self._nearby(now.mean, count, view, noise)
-            # Copies are in the order of their originals, which have no order. So omitting the first ones omits random
-            # ones.
+            # Copies are in the order of their originals, which is random. So omitting the first copies omits a random
+            # sample.
             heirs = heirs[count:]
         particles = np.concatenate((self._jittered(now.particles[heirs], view.tick, noise), newcomers))
         weights = read_only(np.full(len(particles), 1.0 / len(particles)))
@@ -354,16 +363,17 @@ class CloudFilter:
     def _jittered(
         self, particles: FloatArray, tick: int, noise: CloudNoise, spread: tuple[float, float, float] = JITTER
     ) -> FloatArray:
-        """Return the (n, 3) particles with small random errors, so that no two are equal."""
+        """Return the (n, 3) particles with small random errors, so that no two particles are equal."""
         return particles + noise.jitter.normals(tick, 3 * len(particles)).reshape(-1, 3) * spread
 
     def _anywhere(
         self, count: int, view: ScanView, noise: CloudNoise, besides: Pose2 | None, most: int = MAX_CANDIDATES
     ) -> FloatArray:
-        """Return (count, 3) poses from all over the map, drawn in proportion to how well the scan fits there.
+        """Return (count, 3) poses from the whole map, drawn in proportion to the scan's (tempered) likelihood there.
 
         Source: Lenser and Veloso, Sensor resetting localization for poorly modelled mobile robots (2000). Difference:
-            amcl draws poses blindly; they are hardly ever close enough to the truth to survive.
+            amcl draws poses without regard to the scan. Such poses are hardly ever close enough to the truth to
+            survive.
         """
         places = min(max(MIN_CANDIDATES, count * CANDIDATES_PER_PARTICLE), most)
         candidates = self._free_space.draw(places, noise.places, view.tick)
@@ -378,10 +388,10 @@ class CloudFilter:
         return self._fitting(count, likely, FITTING_SHARE * len(rough) / len(likely), view, noise)
 
     def _nearby(self, place: Pose2, count: int, view: ScanView, noise: CloudNoise) -> FloatArray:
-        """Return (count, 3) poses around a place, drawn in proportion to how well the scan fits there.
+        """Return (count, 3) poses around a pose, drawn in proportion to the scan's (tempered) likelihood there.
 
-        If wheels are wrong by a fifth, or a map by some decimeters, a cloud moves away from the truth step by step, and
-        no copy of its particles returns.
+        If the wheels have an error of a fifth, or the map an error of some decimeters, a cloud moves away from the
+        truth step by step, and copies of its particles do not return.
         """
         if count == 0:
             return np.empty((0, 3))
@@ -391,7 +401,7 @@ class CloudFilter:
     def _fitting(
         self, count: int, candidates: FloatArray, share: float, view: ScanView, noise: CloudNoise
     ) -> FloatArray:
-        """Draw (count, 3) of the candidates, so that this share of them stays effective."""
+        """Draw (count, 3) of the candidates by tempered likelihoods, with this share of them effective."""
         fit = self._field.log_likelihood(candidates, view.points)
         offset = noise.resampling.uniforms(view.tick, 3)[2]
         chosen: FloatArray = candidates[systematic(tempered(fit, share), count, offset)]
