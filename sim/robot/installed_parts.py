@@ -1,4 +1,4 @@
-"""Installed parts of a robot's software, by the names that parameters use for them."""
+"""Installed parts of a robot's software, by the names that parameters contain."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -11,12 +11,10 @@ from sim.robot.navigator.recovery import RecoveryFactory
 
 @dataclass(frozen=True, slots=True)
 class InstalledParts:
-    """Factories of installed parts. If a part fails, it raises `PartFailed` and no other exception.
+    """Factories of installed parts, by name. If a part fails, it raises `PartFailed` and no other exception.
 
-    Attributes:
-        localizers: localizers.
-        planners: global planners.
-        recoveries: recovery behaviors.
+    Attributes: localizers: factories of localizers. planners: factories of global planners. recoveries: factories of
+        recovery behaviors.
     """
 
     localizers: Mapping[str, LocalizerFactory] = field(default_factory=dict)

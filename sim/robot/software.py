@@ -18,10 +18,10 @@ class RobotOutput:
     """Output of one robot's software in one tick.
 
     Attributes:
-        observations: its sensors' messages.
-        estimate: pose where the robot believes it is.
-        navigation: command, goal and plan. Its command acts in the next tick.
-        neighbour: state that it broadcasts. The other robots receive it in the next tick.
+        observations: messages of the robot's sensors.
+        estimate: the robot's pose estimate.
+        navigation: command, goal and plan. The command takes effect in the next tick.
+        neighbour: state that the robot broadcasts. The other robots receive it in the next tick.
     """
 
     observations: Observations
@@ -31,7 +31,7 @@ class RobotOutput:
 
     @property
     def tick(self) -> int:
-        """Tick of its observations."""
+        """Tick of the observations."""
         return self.observations.tick
 
     @property
@@ -41,9 +41,9 @@ class RobotOutput:
 
 
 class PropagatedOutput(RobotOutput):
-    """Output in a tick in which nothing was due: that of the last step, propagated by odometry.
+    """Output in a tick without a step: the output of the last step, propagated by odometry.
 
-    Its parts are made only when they are read, because most ticks are never looked at.
+    Its attributes are computed only when they are read, because most ticks are never examined.
     """
 
     _parts: tuple[RobotOutput, int, Sequence[float], Sequence[float], Callable[[], Observations]]
@@ -60,11 +60,11 @@ class PropagatedOutput(RobotOutput):
         """Propagate an output.
 
         Args:
-            left: output of the last step, without what holds only in its own tick.
+            left: output of the last step, without data that are valid only in the tick of that step.
             tick: the present tick.
-            base_in_map: x, y and heading where the robot now believes it is.
-            twist: its velocity by odometry, m/s and rad/s.
-            sense: function that makes its present observations.
+            base_in_map: x, y and heading of the robot's present pose estimate.
+            twist: velocity of the robot by odometry, m/s and rad/s.
+            sense: function that returns the robot's present observations.
         """
         output = cls.__new__(cls)
         output.__dict__.update(navigation=left.navigation, _parts=(left, tick, base_in_map, twist, sense))
@@ -82,32 +82,33 @@ class PropagatedOutput(RobotOutput):
 
     @cached_property
     def observations(self) -> Observations:
-        """Observations, made on first use."""
+        """Observations, computed at the first use."""
         return self._parts[-1]()
 
     @cached_property
     def estimate(self) -> Estimate:
-        """Estimate, made on first use."""
+        """Estimate, computed at the first use."""
         left, tick, _, _, _ = self._parts
         return replace(left.estimate, tick=tick, base_in_map=self.neighbour.base_in_map, updated=False, fault="")
 
     @cached_property
     def neighbour(self) -> Neighbour:
-        """Broadcast state, made on first use."""
+        """State that the robot broadcasts, computed at the first use."""
         left, _, (x, y, theta), (linear, angular), _ = self._parts
         last, here, twist = left.neighbour, Pose2(x, y, theta), Twist(linear, angular)
         return Neighbour(last.robot, here, twist, last.footprint, last.path, last.times, last.claim)
 
 
 class Robot:
-    """The software of one robot: a localizer connected with a navigator. It knows only its observations.
+    """The software of one robot: a localizer connected to a navigator. Its only inputs are observations and messages.
 
     Args:
-        index: its index in the team.
-        footprint: (n, 2) corners of its body in the base frame, meters.
+        index: index of the robot in the team.
+        footprint: (n, 2) corners of the robot's body in the base frame, meters.
 
     Attributes:
-        next_due: first tick in which a step does more than propagate the output, if no scan and no request comes.
+        next_due: next tick in which a step is needed even without a scan or a request. Before it, the last output is
+            propagated.
         lost: True if the robot was lost in the last step.
     """
 
@@ -122,7 +123,7 @@ class Robot:
         self._left: RobotOutput
 
     def configure(self, parameters: RobotParameters) -> None:
-        """Continue with these parameters. Belief, costmaps and goal stay."""
+        """Continue with these parameters. Pose estimate, costmaps and goal do not change."""
         self.localizer.configure(parameters)
         self.navigator.configure(parameters)
 
@@ -153,19 +154,19 @@ class Robot:
         self.next_due = self.navigator.next_due(tick, neighbours) if carries else tick + 1
         if navigation.result or navigation.global_costmap or navigation.local_costmap or navigation.fault:
             lasting = replace(navigation, result=None, global_costmap=None, local_costmap=None, fault="")
-            # The output without what holds only in its own tick.
+            # The output without data that are valid only in this tick.
             self._left = RobotOutput(observations, estimate, lasting, neighbour)
         return output
 
     def skip(
         self, tick: int, base_in_map: Sequence[float], twist: Sequence[float], sense: Callable[[], Observations]
     ) -> RobotOutput:
-        """Return the output of a tick in which nothing is due. See `PropagatedOutput.of` for the arguments."""
+        """Return the output of a tick without a step. See `PropagatedOutput.of` for the arguments."""
         self.navigator.skip(tick)
         self._skipped = True
         return PropagatedOutput.of(self._left, tick, base_in_map, twist, sense)
 
     def rejoin(self, neighbours: Sequence[Neighbour]) -> None:
-        """Process what others broadcast before the last tick, if that tick had no step."""
+        """Process the broadcasts that came before the last tick, if this robot had no step in that tick."""
         if self._skipped:
             self.navigator.rejoin(neighbours)

@@ -1,1 +1,1 @@
-"""Local planning: the safe command that follows a plan best."""
+"""Local planning: choice of the safe command that follows a plan best."""

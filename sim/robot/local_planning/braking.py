@@ -1,16 +1,16 @@
 """Safe commands: commands after which a robot can still stop in time.
 
-A robot obeys a command until the next one, and then brakes as hard as it can. The command is safe if meanwhile the
-robot never comes too close to a wall, or to a place where a neighbor can be while it brakes. Walls must stay
-WALL_MARGIN away. A robot may use half of the gap to a neighbor, minus `NEIGHBOUR_MARGIN`, because the other robot may
-just decide to use the other half. If less than the margin is left (an estimate jumped, a robot was put there), the gap
-must not shrink. So braking is safe whenever the last command was safe. Robots that obey only safe commands do not
-collide, as long as the margins cover the errors of their estimates. Turning in place moves the corners of a robot very
-little between two commands. So it may use all of a gap except TURNING_MARGIN.
+Assume that a robot obeys a command until the next one, and then brakes as hard as it can. The command is safe if during
+this time the robot never comes too close to a wall, or to a place where a neighbor can be while the neighbor brakes.
+Walls must remain WALL_MARGIN away. A robot may use half of the gap to a neighbor, minus `NEIGHBOUR_MARGIN`, because the
+other robot may use the other half at the same time. If the gap is already below the margin, because an estimate jumped
+or a robot was put there, the gap must not shrink. So braking is always safe if the last command was safe. Robots that
+obey only safe commands do not collide, as long as the margins cover the errors of their estimates. Turning in place
+moves the corners of a robot very little between two commands. So a turn may use all of a gap except TURNING_MARGIN.
 
 Source: Fox, Burgard, Thrun, The Dynamic Window Approach to Collision Avoidance (1997), for admissible velocities, from
 which a robot can stop in time; van den Berg, Lin, Manocha, Reciprocal Velocity Obstacles (ICRA 2008), for two robots
-that do half of the avoidance each.
+that share the work of avoiding each other.
 """
 
 import math
@@ -32,30 +32,31 @@ from sim.robot.costmap.footprint_cost import circumscribed_radius
 WALL_MARGIN = 0.08
 """Distance kept from walls, meters: about the largest error of localization."""
 LEAST_MARGIN = 0.03
-"""Part of this distance that always remains, meters."""
+"""Part of WALL_MARGIN that always remains, meters."""
 USUAL_PADDING = 0.01
-"""costmap_2d's default `footprint_padding`, meters. Padding beyond it counts toward the margins."""
+"""costmap_2d's default `footprint_padding`, meters. Padding in excess of it counts toward the margins."""
 SLIGHT_MARGIN = 0.01
-"""Margin that remains if the padding itself is a margin, meters."""
+"""Minimum of a margin after the subtraction of excess padding, meters."""
 NEIGHBOUR_MARGIN = 0.14
 """Distance kept from neighbors, meters: the localization errors of two robots add up."""
 TURNING_MARGIN = 0.08
 LATENCY = 0.02
 """Time from a decision to its effect, seconds."""
 OBSTACLE_RANGE = 1.5
-"""Distance within which a robot heeds obstacles that its laser has seen, meters."""
+"""Distance within which obstacles seen by the laser are taken into account, meters."""
 NEIGHBOUR_RANGE = 2.0
-"""Distance between footprints beyond which a neighbor does not matter, meters."""
+"""Distance between footprints beyond which a neighbor is ignored, meters."""
 
 
 class Surroundings(NamedTuple):
-    """Walls and neighbors that a robot may hit, in the form for compiled kernels.
+    """Walls and neighbors that a robot may hit, for compiled kernels.
 
     Attributes:
         clearance: (rows, cols) meters from each cell of the map to the nearest wall.
         frame: frame of these cells in the map.
-        bodies: (k, n, 2) outlines in the map: each neighbor where it is, and where it can be until it stands.
-        gaps: (k,) distance to each before the robot moves, meters.
+        bodies: (k, n, 2) outlines of neighbors in the map: at their present poses, and at poses until they have
+            stopped.
+        gaps: (k,) distance from the robot to each outline before the robot moves, meters.
     """
 
     clearance: NDArray[np.float32]
@@ -116,8 +117,8 @@ def stopping_poses(
     x: float, y: float, theta: float, v: float, w: float, wanted_v: float, wanted_w: float, hold: float,
     acc_lim_x: float, acc_lim_theta: float,
 ) -> FloatArray:  # fmt: skip
-    """Return (k, 3) poses of a robot that obeys a command for `hold` seconds and then brakes, until it stands."""
-    # Two ticks per step, and at most 8 s, so that very weak brakes do not make the search longer.
+    """Return (k, 3) poses of a robot that obeys a command for `hold` seconds and then brakes until it stops."""
+    # A step is two ticks. After 8 s the rollout ends, so that very weak brakes do not make the search slower.
     dt = 0.04
     poses = np.empty((200, 3))
     n = 0
@@ -128,7 +129,7 @@ def stopping_poses(
         w = _toward(w, 0.0 if braking else wanted_w, acc_lim_theta * dt)
         if braking and v == 0.0 and w == 0.0 and n > 0:
             break
-        # The chord of an arc has the heading at its middle.
+        # The chord of an arc has the direction of the heading at the arc's middle.
         c, s = elementary.cos_sin(theta + 0.5 * w * dt)
         x += v * c * dt
         y += v * s * dt
@@ -146,10 +147,8 @@ def wall_clearance(
     """Return the distance from a robot's outline to the nearest wall, meters; 0 outside the map.
 
     Args:
-        clearance: see Surroundings.
-        frame: see Surroundings.
-        outline: (m, 2) points along the outline, base frame.
-        x: x of the base in the map; also y and theta.
+        clearance: see Surroundings. frame: see Surroundings. outline: (m, 2) points along the outline, base frame. x:
+        pose of the base in the map, with `y` and `theta`.
     """
     c, s = elementary.cos_sin(theta)
     rows, cols = clearance.shape
@@ -157,7 +156,7 @@ def wall_clearance(
     for i in range(outline.shape[0]):
         px = x + c * outline[i, 0] - s * outline[i, 1]
         py = y + s * outline[i, 0] + c * outline[i, 1]
-        # Interpolate between four cell centers. Otherwise a step along a wall could seem to be a step toward it.
+        # Interpolate between four cell centers. Otherwise a step along a wall could look like a step toward the wall.
         across, along = (py - frame.y) / frame.resolution - 0.5, (px - frame.x) / frame.resolution - 0.5
         row, col = math.floor(across), math.floor(along)
         if row < 0 or col < 0 or row >= rows - 1 or col >= cols - 1:
@@ -173,13 +172,13 @@ def wall_clearance(
 def beside_obstacles(
     clearance: NDArray[np.float32], marks: Costs, frame: CostFrame, x: float, y: float
 ) -> tuple[NDArray[np.float32], CostFrame]:
-    """Return the clearance around a robot, counting obstacles that its laser has seen as walls.
+    """Return the clearance around a robot. Obstacles that its laser has seen count as walls.
 
     Args:
         clearance: (rows, cols) meters to the nearest wall.
         marks: (rows, cols) LETHAL where an obstacle was seen.
         frame: frame of these cells in the map.
-        x: x of the robot in the map; also y.
+        x: position of the robot in the map, with `y`.
 
     Returns:
         A window of the clearance, exact up to WALL_MARGIN, and its frame.
@@ -190,7 +189,7 @@ def beside_obstacles(
     high, right = min(clearance.shape[0], row + cells + 1), min(clearance.shape[1], col + cells + 1)
     near = clearance[low:high, left:right].copy()
     span = math.ceil(WALL_MARGIN / frame.resolution) + 1
-    # Beyond WALL_MARGIN the exact distance makes no difference, so each mark changes only few cells.
+    # Beyond WALL_MARGIN the exact distance makes no difference. So each mark needs to change only few cells.
     for r in range(low, high):
         for c in range(left, right):
             if marks[r, c] != LETHAL:
@@ -204,7 +203,7 @@ def beside_obstacles(
 
 @njit(cache=True)
 def _bodies(states: FloatArray, footprints: FloatArray, acc_lim_x: float, hold: float) -> FloatArray:
-    """Return (3 k, n, 2) outlines of k robots: where they are, halfway to where they can stop, and there.
+    """Return (3 k, n, 2) outlines of k robots: at the present poses, where they can stop, and halfway between.
 
     Args:
         states: (k, 5) x, y, theta, linear and angular velocity of each robot.
@@ -215,15 +214,16 @@ def _bodies(states: FloatArray, footprints: FloatArray, acc_lim_x: float, hold: 
     out = np.empty((3 * states.shape[0], footprints.shape[1], 2))
     for k in range(states.shape[0]):
         x, y, theta, v, w = states[k]
-        # Driving at speed v for this time covers the same distance as holding v and then braking: v hold + v^2 / (2 a).
+        # At constant speed v, the robot covers in this time the distance of holding v and then braking: v hold + v^2 /
+        # (2 a).
         coast = hold + abs(v) / (2.0 * acc_lim_x)
         for part in range(3):
             time = 0.5 * part * coast
             turned = theta + w * time
             c, s = elementary.cos_sin(theta + 0.5 * w * time)
             body = placed_at(footprints[k], x + v * time * c, y + v * time * s, turned)
-            # One by one: for slices of possibly different shapes, numba would compile an error message, for about a
-            # second.
+            # Copy the corners one by one. For slices of possibly different shapes, numba would compile an error
+            # message, which takes about a second.
             for i in range(body.shape[0]):
                 out[3 * k + part, i, 0], out[3 * k + part, i, 1] = body[i, 0], body[i, 1]
     return out
@@ -231,7 +231,7 @@ def _bodies(states: FloatArray, footprints: FloatArray, acc_lim_x: float, hold: 
 
 @njit(cache=True)
 def _gaps(body: FloatArray, bodies: FloatArray) -> FloatArray:
-    """Return (k,) distances from one polygon to k others, meters; for the three of one robot, the smallest of them."""
+    """Return (k,) distances from one polygon to k others, meters. The three outlines of a robot get the smallest."""
     out = np.empty(bodies.shape[0])
     for k in range(0, bodies.shape[0], 3):
         least = min(gap(body, bodies[k]), gap(body, bodies[k + 1]), gap(body, bodies[k + 2]))
@@ -255,7 +255,7 @@ def surroundings(
         frame: frame of these cells in the map.
         footprint: (n, 2) padded corners of the robot.
         pose: pose of its base in the map.
-        neighbours: the other robots; distant ones are ignored.
+        neighbours: the other robots. Distant ones are ignored.
         acc_lim_x: braking limit for all robots, m/s^2.
         hold: time between two commands, including latency, seconds.
     """
@@ -284,7 +284,7 @@ def surroundings(
 
 
 def _fitted(footprint: FloatArray, corners: int) -> FloatArray:
-    """Return a footprint with this number of corners: with repeated last corner, or the bounding box."""
+    """Return a footprint with this number of corners. Repeat the last corner, or use the bounding box."""
     missing = corners - len(footprint)
     if missing == 0:
         return footprint
@@ -295,7 +295,7 @@ def _fitted(footprint: FloatArray, corners: int) -> FloatArray:
 
 
 def left_of(margin: float, padding: float) -> float:
-    """Return the rest of a margin, meters, for a footprint padded by `padding` meters."""
+    """Return the part of a margin that a footprint's padding (meters) does not cover, meters."""
     return margin - max(0.0, padding - USUAL_PADDING)
 
 
@@ -309,17 +309,15 @@ def safe(
     Args:
         around: the surroundings at this pose.
         footprint: (n, 2) padded corners of the robot.
-        outline: (m, 2) points along it.
-        x: x of the base in the map; also y and theta.
-        v: its velocity, m/s; also w, its angular velocity, rad/s.
-        wanted_v: the command; also wanted_w.
+        outline: (m, 2) points along the footprint. x: pose of the base in the map, with `y` and `theta`. v: velocity of
+        the robot, m/s; `w` is its angular velocity, rad/s. wanted_v: the command, with `wanted_w`.
         hold: time between two commands, including latency, seconds.
-        acc_lim_x: braking limit, m/s^2; acc_lim_theta in turning, rad/s^2.
+        acc_lim_x: braking limit, m/s^2; `acc_lim_theta` is the limit for turns, rad/s^2.
         margin: distance to keep from walls, meters.
     """
     room = wall_clearance(around.clearance, around.frame, outline, x, y, theta)
-    # A robot nearer than the margin may stay as near as it is, and come 3 mm nearer. Otherwise it could not even drive
-    # along the wall. These millimeters add up from command to command, but only until LEAST_MARGIN is left.
+    # A robot nearer to a wall than the margin may come 3 mm nearer with each command. Otherwise it could not even drive
+    # along the wall. These millimeters add up, but only until LEAST_MARGIN is left.
     room = max(min(margin, room) - 0.003, min(LEAST_MARGIN, margin, room))
     poses = stopping_poses(x, y, theta, v, w, wanted_v, wanted_w, hold, acc_lim_x, acc_lim_theta)
     radius = circumscribed_radius(footprint)
@@ -330,7 +328,8 @@ def safe(
     turning = wanted_v == 0.0 and abs(v) < 0.05
     for j in range(around.bodies.shape[0]):
         present = around.gaps[j]
-        # Half of the gap above the margin may be used; below it the gap must not shrink, except by a rounding error.
+        # Half of the gap in excess of the margin may be used. A gap below the margin must not shrink, except by a
+        # rounding error.
         if turning:
             needed = min(TURNING_MARGIN, present - 1e-3)
         elif present > NEIGHBOUR_MARGIN:
@@ -340,7 +339,8 @@ def safe(
         body = around.bodies[j]
         for k in range(poses.shape[0]):
             px, py, turned = poses[k]
-            # The whole footprint is within `radius` of the base. So the base's distance decides most cases cheaply.
+            # The whole footprint is within `radius` of the base. So in most cases the distance of the base is enough,
+            # which is cheap to compute.
             closest = np.inf
             for i in range(body.shape[0]):
                 closest = min(closest, point_to_edge(px, py, body[i - 1, 0], body[i - 1, 1], body[i, 0], body[i, 1]))

@@ -1,17 +1,17 @@
-"""The dynamic window approach: the best of the commands that are reachable within the next period.
+"""Dynamic window approach: choose the best of the commands that are reachable within the next period.
 
 The dynamic window is the set of velocities (v, w) that the motors can reach within one control period. Samples on a
-grid of this window are rolled out into arcs. Critics score each arc by its last pose: the distance to the path and to
-the path's end, both for the center and for a nose in front of it, and the costs along the arc. All arcs are rolled out
-first, because distances are then counted only for cells where arcs end (`map_grid`). The slow checks, for collisions of
-the outline and for room to brake, start with the best score and end at the first command that passes
+grid of this window are rolled out into arcs. Critics score each arc. They use distances from its last pose to the path
+and to the path's end, for the robot's center and for a nose in front of it, and the costs along the arc. All arcs are
+rolled out first, so that distances are counted only for cells where arcs end (`map_grid`). Two checks are slow:
+collisions of the outline, and room to brake. They start with the best score and end at the first command that passes
 (`rollout.best_safe_command`).
 
 Source: ros-planning/navigation, dwa_local_planner/src/dwa_planner.cpp; base_local_planner/src/
 simple_trajectory_generator.cpp, simple_scored_sampling_planner.cpp and the cost functions; Fox, Burgard, Thrun, The
 Dynamic Window Approach to Collision Avoidance (1997).
-Differences: those of `trajectory_rollout`. And in ROS a standing robot prefers turning in place wherever obstacle costs
-exceed progress; here it does not (see `STALL_TIMEOUT` in `local_planner`).
+Differences: those of `trajectory_rollout`, and one more. In ROS, a standing robot prefers turning in place wherever
+obstacle costs exceed progress. Here it does not (see `STALL_TIMEOUT` in `local_planner`).
 """
 
 import math
@@ -39,7 +39,10 @@ from sim.robot.local_planning.rollout import (
 EPSILON = 1e-4
 """Tolerance of velocities at their limits, m/s and rad/s."""
 ESCAPE_VEL = -0.1
-"""Velocity for backing up if no command leads on, for ESCAPE_DIST meters, m/s. ROS leaves this to move_base."""
+"""Velocity for backing up if no command makes progress, m/s.
+
+It ends after ESCAPE_DIST meters. ROS leaves this to move_base.
+"""
 ESCAPE_DIST = 0.12
 
 
@@ -47,11 +50,10 @@ class _Samples(NamedTuple):
     """Commands to try, and settings of their rollouts.
 
     Attributes:
-        v: (k,) m/s; w (m,) rad/s.
-        least_v: commands slower than both least_v and least_w are not tried.
-        only_v: required sign of v, or 0; also only_w for w.
+        v: (k,) velocities, m/s; `w` has (m,) angular velocities, rad/s. least_v: commands slower than both `least_v`
+        and `least_w` are not tried. only_v: required sign of v; 0 allows both. `only_w` is the same for w.
         at_once: True if a command's velocity is reached immediately.
-        sim_time: see DwaPlannerParameters, also for the others.
+        sim_time: see DwaPlannerParameters, also for the other fields.
     """
 
     v: FloatArray
@@ -70,14 +72,14 @@ class _Critics(NamedTuple):
     """Weights and settings for the score of a trajectory.
 
     Attributes:
-        path: weight per cell between the center's end and the path; alignment for the nose.
-        goal: weight per cell from there to the path's end, for both.
+        path: weight per cell between the center's last position and the path; `alignment` is the same for the nose.
+        goal: weight per cell between the last position and the path's end, for center and nose.
         obstacles: weight per unit of cost.
         sum_scores: True if the costs along the trajectory add up.
         twirling: weight per rad/s.
         nose: distance of the nose in front of the center, meters.
-        scaling_speed: velocity above which the footprint grows, up to 1 + max_scaling_factor times at max_vel_trans,
-            m/s.
+        scaling_speed: velocity above which the footprint is scaled up, m/s. At `max_vel_trans` the factor is 1 +
+            `max_scaling_factor`.
     """
 
     path: float
@@ -94,7 +96,7 @@ class _Critics(NamedTuple):
 
 @njit(cache=True)
 def _growth(v: float, critics: _Critics) -> float:
-    """Return the scale factor of the footprint. It grows with velocity, so that fast robots keep more distance."""
+    """Return the scale factor of the footprint. It increases with velocity, so that fast robots keep more distance."""
     above = abs(v) - critics.scaling_speed
     span = critics.max_vel_trans - critics.scaling_speed
     return 1.0 + critics.max_scaling_factor * above / span if above > 0.0 and span > 0.0 else 1.0
@@ -102,7 +104,7 @@ def _growth(v: float, critics: _Critics) -> float:
 
 @njit(cache=True)
 def _steps(v: float, w: float, samples: _Samples) -> int:
-    """Return the number of poses in a rollout, so that no step is longer, or turns more, than the granularities."""
+    """Return the number of poses in a rollout. No step is longer, or turns more, than the granularities allow."""
     distance, turn = abs(v) * samples.sim_time, abs(w) * samples.sim_time
     return max(1, math.ceil(max(distance / samples.granularity, turn / samples.angular_granularity)))
 
@@ -116,7 +118,7 @@ def _best(
     rows, cols = costs.shape
     total = samples.v.shape[0] * samples.w.shape[0]
     out = candidate_commands(total)
-    # The cells of center and nose at the end of each trajectory, in turn.
+    # For each trajectory: the cell of the center at its end, then the cell of the nose.
     cells = np.empty(2 * total, dtype=np.int32)
     n = 0
     for v in samples.v:
@@ -164,7 +166,7 @@ def _best(
         spread(
             grid, cols, beyond if beyond.shape[0] > 0 else along[along.shape[0] - 1 :], cells[1 : 2 * n : 2], grid.nose
         )
-    # As in ROS, a nose that cannot be reached has a distance of as many steps as there are cells.
+    # As in ROS, the distance of a nose in an unreachable cell is the number of cells of the costmap.
     lost = rows * cols
     for i in range(n):
         end, nose = cells[2 * i], cells[2 * i + 1]
@@ -179,7 +181,7 @@ def _best(
 
 
 def _spaced(low: float, high: float, samples: int) -> FloatArray:
-    """Return (k,) evenly spaced velocities from low to high; zero is inserted if they pass it."""
+    """Return (k,) evenly spaced velocities from low to high. If 0 is between them, it is inserted."""
     if low >= high:
         return np.array([high])
     speeds = np.linspace(low, high, max(2, samples))
@@ -187,7 +189,7 @@ def _spaced(low: float, high: float, samples: int) -> FloatArray:
 
 
 class _OscillationCritic:
-    """Keeps a robot from reversing: it must not immediately return the way it came (oscillation_cost_function.cpp).
+    """Critic that forbids a robot to reverse its direction immediately (oscillation_cost_function.cpp).
 
     Args:
         reset_dist: distance after which it may reverse, meters.
@@ -205,7 +207,7 @@ class _OscillationCritic:
         self._since = MotionState(0.0, 0.0, 0.0, 0.0, 0.0)
 
     def took(self, now: MotionState, v: float, w: float, least_v: float) -> None:
-        """Record the command that the robot was given."""
+        """Record the command that was given to the robot."""
         for axis, speed in enumerate((v, w if abs(v) <= least_v else 0.0)):
             sign = math.copysign(1.0, speed) if speed else 0.0
             if sign and sign == -self._last[axis]:
@@ -314,7 +316,7 @@ class DwaPlanner(LocalPlanner):
                 wanted.vth_samples,
             ),
             wanted.min_vel_trans,
-            # Below any angular velocity: no command that only turns is tried.
+            # Infinite if stalled, so that no command that only turns is tried.
             math.inf if stalled else wanted.min_vel_theta,
             only_v,
             only_w,

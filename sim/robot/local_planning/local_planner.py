@@ -1,7 +1,7 @@
-"""Local planner: everything that the navigator uses to drive, except the search for a command itself.
+"""Base of local planners: maneuvers and limits that all of them share. Subclasses search for the commands.
 
-A robot that faces away from its path turns in place before it starts. A robot without any command that leads on backs
-up. Every command leaves room to stop (`sim.robot.local_planning.braking`).
+A robot that faces away from its path turns in place before it starts. If no command makes progress, the robot backs up.
+Every command leaves room to stop (`sim.robot.local_planning.braking`).
 """
 
 import math
@@ -22,21 +22,25 @@ from sim.robot.local_planning.braking import LATENCY, SLIGHT_MARGIN, WALL_MARGIN
 from sim.robot.local_planning.rollout import COMFORT, MotionState, RobotBody, command_safe, rollout
 
 TURN_IN_PLACE = 1.0
-"""Angle to the path above which a robot turns in place, radians; below TURNED it starts."""
+"""Angle to the path above which a robot turns in place, radians. Below TURNED it starts to drive."""
 TURNED = 0.3
 ALIGNED = 0.05
-"""Angle to a heading that leads on, if the present one does not, below which a robot starts, radians."""
+"""Angle below which a robot starts to drive after it has turned to a heading with progress, radians."""
 OUTLINE_SPACING = 0.1
 STALL_TIMEOUT = 3.0
-"""Seconds of driving without moving STALL_DISTANCE meters, after which only collisions with obstacles count."""
+"""Seconds of driving after which a robot that has not moved STALL_DISTANCE meters is stalled.
+
+Then obstacles count only in collisions.
+"""
 STALL_DISTANCE = 0.3
 FREE_AGAIN_DISTANCE = 1.0
-"""Distance after which the costs of obstacles count again, meters."""
+"""Distance after which a robot is no longer stalled, and the costs of obstacles count again, meters."""
 BACK_ALONG = 0.1
-"""Maximum angle to the heading in which it came for a robot with little margin to back up, radians. Costmaps forget
-what is under the padded outline, and a laser does not see behind: only where the body has been is certainly free."""
+"""Maximum change of heading, since it drove forwards, with which a robot with little margin may back up, radians.
+Costmaps forget obstacles under the padded outline, and a laser does not see behind the robot. So only the space where
+the body has been is certainly free."""
 MIN_ARC_RADIUS = 0.05
-"""Minimum radius for backing up, meters: thinner robots, even a point, back up in the arcs of such a robot."""
+"""Minimum radius of arcs for backing up, meters. It also applies to robots with a smaller radius, even to a point."""
 
 
 @frozen()
@@ -46,7 +50,7 @@ class PlannedCommand:
     Attributes:
         command: the velocity command.
         local_plan: (k, 3) map poses along its trajectory.
-        stuck: True if every command that leads on was unsafe or blocked.
+        stuck: True if every command that makes progress was unsafe or blocked.
     """
 
     command: Twist
@@ -56,20 +60,19 @@ class PlannedCommand:
 
 @dataclass(frozen=True, slots=True)
 class PlannerLimits:
-    """Parameters of a local planner that are used by the navigator and by maneuvers that all planners share.
+    """Parameters of a local planner that are used by the navigator and by maneuvers of all planners.
 
     Attributes:
-        acc_lim_x: m/s^2; acc_lim_theta in turning, rad/s^2.
-        max_vel_theta: rad/s; at least min_in_place_vel_theta in place.
-        escape_vel: velocity for backing up, negative, m/s; ends after escape_reset_dist meters or escape_reset_theta
-            radians.
+        acc_lim_x: limit of acceleration, m/s^2; `acc_lim_theta` is the limit for turns, rad/s^2. max_vel_theta: maximum
+        angular velocity, rad/s; in place, the minimum is `min_in_place_vel_theta`. escape_vel: velocity for backing up,
+        negative, m/s. Backing up ends after `escape_reset_dist` meters or `escape_reset_theta` radians.
         heading_lookahead: distance along the path to the point that a robot faces before it starts, meters.
         oscillation_reset_dist: distance after which a robot may turn in the opposite direction, meters.
         sim_time: duration of a rollout, seconds.
-        sim_granularity: distance between its points, meters.
-        xy_goal_tolerance: meters; yaw_goal_tolerance radians.
-        latch_xy_goal_tolerance: True if a robot that was at the goal only turns.
-        trans_stopped_vel: velocity below which a robot counts as standing, m/s; theta_stopped_vel rad/s.
+        sim_granularity: distance between the points of a rollout, meters. xy_goal_tolerance: tolerance of the position,
+        meters; `yaw_goal_tolerance` is that of the heading, radians. latch_xy_goal_tolerance: True if a robot that once
+        was at the goal only turns from then on. trans_stopped_vel: velocity below which a robot counts as standing,
+        m/s; `theta_stopped_vel` is that of turns, rad/s.
     """
 
     acc_lim_x: float
@@ -92,7 +95,7 @@ class PlannerLimits:
 
 @njit(cache=True)
 def _toward(path: FloatArray, x: float, y: float, lookahead: float) -> tuple[float, float]:
-    """Return the heading from (x, y) to the first of (m, 2) points `lookahead` away, and the meters to the last."""
+    """Return the heading from (x, y) to the first point `lookahead` away, and the meters to the last point."""
     last = path.shape[0] - 1
     target = last
     for i in range(last):
@@ -104,19 +107,19 @@ def _toward(path: FloatArray, x: float, y: float, lookahead: float) -> tuple[flo
 
 
 class LocalPlanner(ABC):
-    """Chooses commands for one robot. Each command leaves room to stop.
+    """Planner of commands for one robot. Each command leaves room to stop.
 
-    Commands are sampled and rolled out. Subclasses define the samples and the scores.
+    Commands are sampled and rolled out. Subclasses define the samples and their scores.
 
     Args:
-        limits: limits from its parameters.
+        limits: limits from the planner's parameters.
         footprint: (n, 2) padded corners, base frame.
         inflation: inflation parameters of the costmap.
         period: time between two commands, seconds.
         padding: padding of the corners, meters.
 
     Attributes:
-        limits: the parameters that others need.
+        limits: parameters that the navigator also uses.
     """
 
     def __init__(
@@ -159,7 +162,7 @@ class LocalPlanner(ABC):
         self._came: float | None = None
 
     def turn_first(self) -> None:
-        """Turn to the path before the next start."""
+        """Let the robot turn to its path before it drives on."""
         self._turning = True
         self._escape_speed = self.limits.escape_vel
 
@@ -168,7 +171,7 @@ class LocalPlanner(ABC):
         return bool(command_safe(around, self._body, _motion(pose, twist), command.linear, command.angular))
 
     def turn(self, pose: Pose2, twist: Twist, heading: float, around: Surroundings) -> PlannedCommand:
-        """Turn in place toward a heading, in the other direction if something is near; slow down near the heading."""
+        """Turn in place toward a heading, and slow down near it. If something is near, turn in the other direction."""
         if abs(twist.linear) > 0.1:
             return PlannedCommand(STANDSTILL, self._preview(pose, twist, STANDSTILL), False)
         limits = self.limits
@@ -178,8 +181,8 @@ class LocalPlanner(ABC):
             self._turned_at, self._side, self._barred = pose, 0.0, ()
         if self._side == 0.0 or abs(difference) < TURN_IN_PLACE:
             self._side = math.copysign(1.0, difference)
-        # Once the robot turns the long way, it continues so. And a side that is blocked stays blocked at this place.
-        # Otherwise the robot would turn back and forth between two obstacles.
+        # A robot that turns through the larger angle continues to do so, and a blocked direction remains blocked until
+        # the robot drives. Otherwise the robot would turn back and forth between two obstacles.
         for side in (self._side, -self._side):
             if side in self._barred:
                 continue
@@ -191,15 +194,18 @@ class LocalPlanner(ABC):
         return PlannedCommand(STANDSTILL, self._preview(pose, twist, STANDSTILL), True)
 
     def escape(self, pose: Pose2, twist: Twist, around: Surroundings) -> PlannedCommand:
-        """Drive slowly backwards, in an arc if needed. Without room behind, drive forwards, if that is safe."""
+        """Drive slowly backwards, in an arc if necessary.
+
+        If there is no room behind, drive forwards if this is safe.
+        """
         backs_up = self._body.margin == WALL_MARGIN or (
             self._came is not None and abs(wrap_angle(pose.theta - self._came)) < BACK_ALONG
         )
-        # After turning away from an obstacle, do not return to it.
+        # A robot that has turned away from an obstacle must not back up into it.
         for speed in (self._escape_speed, -self._escape_speed):
             if speed < 0.0 and not backs_up:
                 continue
-            # Next to a corner that driving straight would approach, an arc may lead away from it.
+            # If driving straight would approach a corner, an arc may lead away from it.
             arc = 2.0 * speed / max(self._body.circumscribed, MIN_ARC_RADIUS)
             for turn in (0.0, arc, -arc):
                 command = Twist(speed, turn)
@@ -218,15 +224,15 @@ class LocalPlanner(ABC):
         slow_down: float,
         around: Surroundings,
     ) -> PlannedCommand:
-        """Choose the command that leads along a path.
+        """Choose the command that follows a path best.
 
         Args:
             pose: pose of the base in the map.
-            twist: its velocity.
+            twist: velocity of the base.
             costs: (cells, cells) local costmap.
-            frame: its frame in the map.
-            path: (m, 2) map points from the robot on, within the costmap; the last one is the aim.
-            slow_down: minimum time to reach the last point, seconds; limits the velocity.
+            frame: frame of the costmap in the map.
+            path: (m, 2) map points from the robot on, within the costmap. The last point is the target.
+            slow_down: minimum time until the robot reaches the last point, seconds. It limits the velocity.
             around: walls and neighbors that the robot may hit.
         """
         aligning = self._align(pose, twist, around)
@@ -254,16 +260,18 @@ class LocalPlanner(ABC):
         return PlannedCommand(command, self._preview(pose, twist, command), score == math.inf)
 
     def _align(self, pose: Pose2, twist: Twist, around: Surroundings) -> PlannedCommand | None:
-        """Return the command that turns to the heading that leads on, or None, and then forget this heading.
+        """Return the command that turns the robot to the stored heading with progress.
 
-        It is None if there is no such heading, if the robot has reached it, or if something blocks the turn.
+        If there is no such heading, if the robot has reached it, or if something blocks the turn, forget the heading
+        and return None.
         """
         if self._heading is None:
             return None
         limits, difference = self.limits, wrap_angle(self._heading - pose.theta)
         speed = min(limits.max_vel_theta, max(limits.min_in_place_vel_theta, abs(difference)))
         command = STANDSTILL if abs(twist.linear) > 0.1 else Twist(0.0, math.copysign(speed, difference))
-        # A turn at the minimum rate must not pass the heading, or the robot would have to turn back.
+        # One command at the minimum rate must not turn the robot past the heading. Otherwise it would have to turn
+        # back.
         tolerance = max(ALIGNED, limits.min_in_place_vel_theta * self._body.period)
         if abs(difference) < tolerance or not self.safe(pose, twist, command, around):
             self._heading = None
@@ -279,7 +287,7 @@ class LocalPlanner(ABC):
         greatest_v: float,
         around: Surroundings,
     ) -> float | None:
-        """Return a heading to turn to in place if no command leads on; None if there is none.
+        """Return a heading with progress, to which the robot can turn in place; None if there is none.
 
         See `_search` for the arguments.
         """
@@ -296,22 +304,23 @@ class LocalPlanner(ABC):
         around: Surroundings,
         stalled: bool,
     ) -> tuple[float, float, float]:
-        """Return the best safe command (v, w) and its score, lower is better; infinite if there is none.
+        """Return the best safe command (v, w) and its score. Lower scores are better; infinite if there is no command.
 
         Args:
             now: pose and velocities of the robot.
             costs: see `follow`.
             frame: see `follow`.
             path: see `follow`.
-            greatest_v: maximum velocity in addition to that of the parameters, m/s.
+            greatest_v: maximum velocity, m/s. The maximum in the parameters also applies.
             around: see `follow`.
-            stalled: True if obstacles count only in collisions, and standing is not allowed.
+            stalled: True if obstacles count only in collisions, and if the robot must not stand still.
         """
 
     def _is_stalled(self, pose: Pose2) -> bool:
-        """Return True if the robot has driven for long without getting ahead.
+        """Return True if the robot has driven for a long time without progress.
 
-        ROS's planners may prefer to turn back and forth forever, or to stand, if everything that leads on has a cost.
+        ROS's planners may prefer to turn back and forth forever, or to stand, if all commands with progress have a
+        cost.
         """
         stalled = self._stalled_for > STALL_TIMEOUT
         if self._mark is None or self._mark.distance(pose) > (FREE_AGAIN_DISTANCE if stalled else STALL_DISTANCE):
@@ -321,7 +330,7 @@ class LocalPlanner(ABC):
 
     def _preview(self, pose: Pose2, twist: Twist, command: Twist) -> FloatArray:
         time, granularity = self.limits.sim_time, self.limits.sim_granularity
-        # A turn is as long as the path of the body's farthest corner.
+        # The length of a turn is the length of the path of the body's farthest corner.
         arc = abs(command.linear) + abs(command.angular) * self._body.circumscribed
         return rollout(
             _motion(pose, twist),

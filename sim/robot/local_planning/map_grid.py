@@ -1,9 +1,10 @@
-"""Distance maps of the local costmap: steps from each cell to the path, or to a point on it, along free cells.
+"""Distance maps of the local costmap: number of steps along free cells from each cell to the path or to one point.
 
-Grids are flat, with a border of closed cells around those of the costmap. So a step to a neighbor needs no check.
+Grids are flat, with a border of closed cells around the costmap's cells. So steps to a neighbor need no check of
+limits.
 
 Source: ros-planning/navigation, base_local_planner/src/map_grid.cpp.
-Difference: the wave stops when all cells of interest are reached; the counts there are the same.
+Difference: the wave stops when all requested cells are reached. Their counts are the same.
 """
 
 import math
@@ -18,14 +19,14 @@ from sim.numerics.kernels import njit
 from sim.robot.costmap.costs import INSCRIBED, CostFrame, Costs
 
 Steps = NDArray[np.int32]
-"""Number of steps between cells that share a side; negative if unreachable or not requested."""
+"""Number of steps, each to a cell that shares a side; negative if unreachable or not requested."""
 
 OPEN = -1
 CLOSED = -2
 
 
 class MapGrids(NamedTuple):
-    """Work arrays for a costmap of (rows, cols).
+    """Work arrays for a costmap of size (rows, cols).
 
     Attributes:
         terrain: ((rows + 2) * (cols + 2),) OPEN or CLOSED.
@@ -70,9 +71,9 @@ def survey(costs: Costs, frame: CostFrame, x: float, y: float, own_radius: float
     Args:
         costs: (rows, cols).
         frame: frame of the costs in the map.
-        x: x of the robot; also y.
-        own_radius: radius around the robot of cells that are always open, meters.
-        terrain: output.
+        x: position of the robot in the map, with `y`.
+        own_radius: radius around the robot in which cells are always open, meters.
+        terrain: output, see `MapGrids`.
     """
     rows, cols = costs.shape
     terrain[:] = CLOSED
@@ -81,7 +82,8 @@ def survey(costs: Costs, frame: CostFrame, x: float, y: float, own_radius: float
         for c in range(cols):
             if costs[r, c] < INSCRIBED:
                 terrain[base + c] = OPEN
-    # Otherwise a robot close to an obstacle would stand in closed cells, and no path would begin there.
+    # Cells under the robot are always open. Otherwise a robot close to an obstacle would stand in closed cells, and no
+    # path could begin there.
     own_row, own_col = (y - frame.y) / frame.resolution, (x - frame.x) / frame.resolution
     own = own_radius / frame.resolution
     for r in range(max(0, math.floor(own_row - own)), min(rows, math.ceil(own_row + own))):
@@ -92,10 +94,9 @@ def survey(costs: Costs, frame: CostFrame, x: float, y: float, own_radius: float
 
 @njit(cache=True)
 def cells_along(costs: Costs, frame: CostFrame, path: FloatArray) -> Steps:
-    """Return the flat indices of the cells along (m, 2) map points, at most a cell apart, without those off the
-    costmap.
+    """Return the flat indices of the cells along a line through (m, 2) map points.
 
-    A cell may occur several times; so may the first point.
+    Cells off the costmap are omitted. Successive cells are neighbors. A cell may occur several times.
     """
     room = 1
     for i in range(1, path.shape[0]):
@@ -107,7 +108,7 @@ def cells_along(costs: Costs, frame: CostFrame, path: FloatArray) -> Steps:
     for i in range(path.shape[0]):
         before = max(0, i - 1)
         dx, dy = path[i, 0] - path[before, 0], path[i, 1] - path[before, 1]
-        # Points may be more than a cell apart, so fill in between.
+        # Points may be more than a cell apart, so add the cells between them.
         pieces = max(1, math.ceil(elementary.hypot(dx, dy) / frame.resolution))
         for piece in range(1, pieces + 1):
             share = piece / pieces
@@ -126,7 +127,8 @@ def spread(grid: MapGrids, cols: int, seeds: Steps, queried: Steps, steps: Steps
         grid: work arrays; the terrain must have been surveyed.
         cols: columns of the costmap.
         seeds: flat indices.
-        queried: flat indices of the cells with requested counts; negative ones are ignored. If empty, all cells.
+        queried: flat indices of the cells with requested counts. Negative ones are ignored. If it is empty, all cells
+            are counted.
         steps: array of the grid for the output.
     """
     for cell in range(steps.size):
@@ -151,7 +153,7 @@ def spread(grid: MapGrids, cols: int, seeds: Steps, queried: Steps, steps: Steps
                 left -= 1
     begin = 0
     while begin < end and left > 0:
-        # Breadth first, so each count is final when it is set. The search stops once no requested cell is left.
+        # The search is breadth-first, so each count is final when it is set. It stops once no requested cell is left.
         cell = queue[begin]
         begin += 1
         following = steps[cell] + 1

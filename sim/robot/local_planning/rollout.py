@@ -15,7 +15,7 @@ from sim.robot.costmap.inflation import cost_at
 from sim.robot.local_planning.braking import Surroundings, safe
 
 COMFORT = 0.1
-"""Preferred distance between a trajectory and obstacles, meters: a robot too close to a corner cannot turn."""
+"""Preferred distance between a trajectory and obstacles, meters. A robot that is too close to a corner cannot turn."""
 
 
 class MotionState(NamedTuple):
@@ -29,17 +29,17 @@ class MotionState(NamedTuple):
 
 
 class RobotBody(NamedTuple):
-    """Shape and limits of the robot, in the form for compiled kernels.
+    """Shape and limits of the robot, for compiled kernels.
 
     Attributes:
         footprint: (n, 2) padded corners, base frame.
-        roomy: footprint with the part of COMFORT around it that its padding does not cover.
+        roomy: footprint enlarged by the part of COMFORT that its padding does not cover.
         outline: (m, 2) points along the footprint.
-        inscribed: its inscribed radius, meters; also circumscribed.
-        cost_scaling_factor: parameter of the costmap's inflation; also inflation_radius.
-        acc_lim_x: limit of acceleration and braking, m/s^2; acc_lim_theta in turning, rad/s^2.
+        inscribed: inscribed radius of the footprint, meters; `circumscribed` is the circumscribed one.
+        cost_scaling_factor: parameter of the costmap's inflation, like `inflation_radius`. acc_lim_x: limit of
+        acceleration and braking, m/s^2; `acc_lim_theta` is the limit for turns, rad/s^2.
         period: time between two commands, seconds.
-        hold: this time including latency, seconds.
+        hold: time between two commands plus latency, seconds.
         margin: distance to keep from walls, meters.
     """
 
@@ -61,11 +61,11 @@ class TrajectoryCost(NamedTuple):
     """Costs along the trajectory of a command.
 
     Attributes:
-        legal: True if the center stays on the costmap and off obstacles.
+        legal: True if the center remains on the costmap and meets no obstacle.
         worst: maximum cost under the center.
         total: sum of the costs under the center.
         doubtful: True if the outline may touch something and must be checked.
-        x: x of the pose to score; also y and theta.
+        x: pose to score, with `y` and `theta`.
     """
 
     legal: bool
@@ -79,8 +79,8 @@ class TrajectoryCost(NamedTuple):
 
 @njit(cache=True)
 def surely_free(body: RobotBody, scale: float) -> int:
-    """Return the cost at the center below which the scaled footprint with COMFORT touches nothing at any heading."""
-    # Because of inflation, the cost at the center measures the distance to the nearest obstacle.
+    """Return a cost at the center. Below it, the scaled footprint with COMFORT touches nothing at any heading."""
+    # Because of inflation, the cost at the center shows the distance to the nearest obstacle.
     radius = body.circumscribed * scale + 1.5 * COMFORT
     if radius >= body.inflation_radius:
         return 0
@@ -91,10 +91,10 @@ def surely_free(body: RobotBody, scale: float) -> int:
 def rollout(
     now: MotionState, wanted_v: float, wanted_w: float, body: RobotBody, sim_time: float, steps: int
 ) -> FloatArray:
-    """Return (steps, 3) poses along the trajectory of a command, the present one first.
+    """Return (steps, 3) poses along the trajectory of a command. The first pose is the present one.
 
-    Velocities approach the command at the limits of acceleration. Sine and cosine are rotated step by step, which is
-    faster than computing them for each pose.
+    Velocities approach the command at the limits of acceleration. The heading's cosine and sine are rotated step by
+    step, which is faster than computing them for each pose.
     """
     out = np.empty((steps, 3))
     dt = sim_time / steps
@@ -110,7 +110,7 @@ def rollout(
         y += v * sin * dt
         theta += w * dt
         if w * dt != turning:
-            # The rotation per step changes only while the angular velocity does.
+            # The rotation per step changes only while the angular velocity changes.
             turning = w * dt
             turn_cos, turn_sin = elementary.cos_sin(turning)
         cos, sin = cos * turn_cos - sin * turn_sin, sin * turn_cos + cos * turn_sin
@@ -126,9 +126,8 @@ def trajectory_cost(
 
     Args:
         costs: (rows, cols) local costmap.
-        frame: its frame in the map.
-        now: pose and velocities of the robot.
-        wanted_v: the command; also wanted_w.
+        frame: frame of the costmap in the map. now: pose and velocities of the robot. wanted_v: the command, with
+        `wanted_w`.
         body: shape and limits of the robot.
         sim_time: duration, seconds.
         steps: number of poses.
@@ -149,7 +148,7 @@ def trajectory_cost(
         if row < 0 or col < 0 or row >= rows or col >= cols:
             return TrajectoryCost(False, worst, total, doubtful, x, y, theta)
         cost = costs[row, col]
-        # The robot is at the first pose already, so the command is not responsible for its cost.
+        # The robot is already at the first pose, so its cost does not depend on the command.
         if i > 0 and cost >= free:
             if cost >= INSCRIBED:
                 return TrajectoryCost(False, worst, total, doubtful, x, y, theta)
@@ -172,7 +171,7 @@ def trajectory_cost(
 
 @njit(cache=True)
 def outline_free(costs: Costs, frame: CostFrame, footprint: FloatArray, poses: FloatArray, free: int) -> bool:
-    """Return True if a footprint touches nothing along (k, 3) poses, without the first; see `surely_free`."""
+    """Return True if a footprint touches nothing at (k, 3) poses except the first one; see `surely_free` for `free`."""
     for i in range(1, poses.shape[0]):
         x, y, theta = poses[i]
         row, col = math.floor((y - frame.y) / frame.resolution), math.floor((x - frame.x) / frame.resolution)
@@ -183,7 +182,7 @@ def outline_free(costs: Costs, frame: CostFrame, footprint: FloatArray, poses: F
 
 @njit(cache=True)
 def comfortable(costs: Costs, frame: CostFrame, body: RobotBody, poses: FloatArray, free: int) -> bool:
-    """Do the same for the footprint with COMFORT around it, without poses where it would leave the costmap."""
+    """Do the same for the footprint with COMFORT around it. Poses where it would leave the costmap are ignored."""
     rows, cols = costs.shape
     rim = (body.circumscribed + 1.5 * COMFORT) / frame.resolution + 1.0
     for i in range(1, poses.shape[0]):
@@ -207,11 +206,11 @@ def command_safe(around: Surroundings, body: RobotBody, now: MotionState, wanted
 
 
 class CandidateCommands(NamedTuple):
-    """Candidate commands; the first n places of each array are used.
+    """Candidate commands. Only the first n elements of each array are used.
 
     Attributes:
         commands: (m, 2) m/s and rad/s.
-        scores: (m,) lower is better; infinite if a command leads nowhere.
+        scores: (m,) lower is better; infinite if a command makes no progress.
         steps: (m,) number of poses of each rollout.
         growth: (m,) scale factor of the footprint that must be free along the rollout.
         doubtful: (m,) True if the outline may touch something.
@@ -241,15 +240,14 @@ def best_safe_command(
     costs: Costs, frame: CostFrame, tried: CandidateCommands, n: int, around: Surroundings, body: RobotBody,
     now: MotionState, sim_time: float, at_once: bool,
 ) -> tuple[float, float, float]:  # fmt: skip
-    """Return the best of n commands that is free and safe (v, w) and its score; infinite if there is none.
+    """Return the best free and safe command (v, w) of n commands, and its score; infinite if there is none.
 
     The slow checks start with the best score and end at the first command that passes. A command that comes nearer to
-    something than COMFORT is used only if no other is left, or if the robot is that near already.
+    something than COMFORT is used only if no other is left, or if the robot is already that near.
 
     Args:
         costs: (rows, cols) local costmap.
-        frame: its frame in the map.
-        tried: the commands; their scores are overwritten.
+        frame: frame of the costmap in the map. tried: the commands. Their scores are overwritten.
         n: number of commands.
         around: walls and neighbors that the robot may hit.
         body: shape and limits of the robot.
@@ -258,10 +256,10 @@ def best_safe_command(
         at_once: True if a command's velocity is reached immediately.
     """
     second_best, second_score = -1, np.inf
-    # A robot that is too close already must still be able to leave.
+    # A robot that is already too close must still be able to leave.
     crowded = footprint_cost(costs, frame, body.roomy, now.x, now.y, now.theta) < 0.0
     for _ in range(n):
-        # Selection of the minimum instead of sorting, because one of the first commands usually passes.
+        # Select the minimum repeatedly instead of sorting, because one of the first commands usually passes.
         best = 0
         for i in range(1, n):
             if tried.scores[i] < tried.scores[best]:

@@ -1,11 +1,12 @@
-"""Trajectory rollout: roll out sampled commands, score the resulting poses, use the best command that is safe.
+"""Trajectory rollout: roll out sampled commands, score the resulting poses, choose the best command that is safe.
 
 Source: ros-planning/navigation, base_local_planner/src/trajectory_planner.cpp and trajectory_planner_ros.cpp; Gerkey,
 Konolige, Planning and Control in Unstructured Terrain (2008).
 Differences: a robot that faces away from its path first turns in place. Obstacle costs are read under the robot's
-center; the outline is only checked for collisions. Only the scored pose of a trajectory must have a path to the goal.
-A command must also be safe (`braking`). The velocity falls toward a point that must not be passed yet. With a
-`min_vel_x` above 0, turns in place are tried only if nothing else leads on, and only to the heading that does.
+center; the outline is only checked for collisions. Only the scored pose of a trajectory must have a path to the goal. A
+command must also be safe (`braking`). The velocity is reduced near a point that the robot must not pass yet. With a
+`min_vel_x` above 0, turns in place are tried only if no other command makes progress, and only to a heading with
+progress.
 """
 
 import math
@@ -33,13 +34,13 @@ from sim.robot.local_planning.rollout import (
 )
 
 HEADING_SCALE = 0.3
-"""Weight of a radian off the path in heading scoring; also fixed in ROS."""
+"""Weight of a deviation of one radian from the path in heading scoring. It is also fixed in ROS."""
 STANDSTILL_SPEED = 1e-3
-"""Velocity below which a command does not lead on, m/s."""
+"""Velocity below which a command makes no progress, m/s."""
 LOOK_AROUND = 0.5 * math.pi
-"""Range on both sides in which a robot searches for a heading that leads on, if its own does not, radians."""
+"""Range on both sides in which a robot searches for a heading with progress, radians."""
 LOOK_STEP = 0.15
-"""Step between these headings, radians."""
+"""Step between the headings of this search, radians."""
 
 
 class _Samples(NamedTuple):
@@ -62,9 +63,9 @@ class _Weights(NamedTuple):
     """Weights for the score of a trajectory.
 
     Attributes:
-        path: weight per cell off the path; goal per remaining cell; obstacles per unit of cost.
-        heading_time: seconds into a trajectory at which its heading is scored. If negative, its end is scored.
-        straight: True if the score uses the squared distance to the goal.
+        path: weight per cell off the path; `goal` is that per remaining cell, `obstacles` that per unit of cost.
+        heading_time: time along a trajectory at which its heading is scored, seconds. If negative, its end is scored.
+        straight: True if the score uses the squared straight distance to the goal.
     """
 
     path: float
@@ -86,7 +87,7 @@ def _steps(v: float, w: float, samples: _Samples, by_time: bool) -> int:
 @njit(cache=True)
 def _in_sight(costs: Costs, frame: CostFrame, x: float, y: float, to_x: float, to_y: float) -> bool:
     """Return True if no obstacle is on the straight line between two map points."""
-    # Half a cell per step, so that the line skips at most corners of cells.
+    # A step is half a cell, so the line can skip only corners of cells.
     pieces = max(1, math.ceil(elementary.hypot(to_x - x, to_y - y) / (0.5 * frame.resolution)))
     for piece in range(pieces + 1):
         share = piece / pieces
@@ -99,7 +100,10 @@ def _in_sight(costs: Costs, frame: CostFrame, x: float, y: float, to_x: float, t
 
 @njit(cache=True)
 def _heading_off(costs: Costs, frame: CostFrame, path: FloatArray, x: float, y: float, theta: float) -> float:
-    """Return the angle between a heading and the farthest visible point of the path, radians; infinite without one."""
+    """Return the angle between a heading and the farthest visible point of the path, radians.
+
+    If none is visible, infinite.
+    """
     for i in range(path.shape[0] - 1, -1, -1):
         if _in_sight(costs, frame, x, y, path[i, 0], path[i, 1]):
             return abs(wrap_angle(elementary.atan2(path[i, 1] - y, path[i, 0] - x) - theta))
@@ -118,14 +122,14 @@ def _best(
     total = samples.vx_samples * (samples.vtheta_samples + 1)
     out = candidate_commands(total)
     ends = np.empty((total, 3))
-    # The cells of the ends, and then that of the robot.
+    # The cells where trajectories end, and finally the cell of the robot.
     cells = np.empty(total + 1, dtype=np.int32)
     n = 0
     for i in range(samples.vx_samples):
         v = samples.lowest_v + (samples.highest_v - samples.lowest_v) * i / max(1, samples.vx_samples - 1)
         for j in range(-1, samples.vtheta_samples):
             share = j / max(1, samples.vtheta_samples - 1)
-            # j = -1 is straight ahead, which the samples of w may miss.
+            # j = -1 is straight ahead (w = 0), which the samples of w may not include.
             w = 0.0 if j < 0 else samples.lowest_w + (samples.highest_w - samples.lowest_w) * share
             if abs(v) < STANDSTILL_SPEED and not (samples.standing and abs(w) >= samples.least_in_place):
                 continue
@@ -143,7 +147,7 @@ def _best(
                 out.doubtful[n] = tried.doubtful
                 n += 1
     last = path[path.shape[0] - 1]
-    # Scores are relative to standing still, so a negative one means progress toward the goal.
+    # Scores are relative to standing still, so a negative score means progress toward the goal.
     standing = weights.goal * ((now.x - last[0]) ** 2 + (now.y - last[1]) ** 2)
     if not weights.straight and n > 0:
         cells[n] = index_of(costs, frame, now.x, now.y)
@@ -202,7 +206,7 @@ class TrajectoryPlanner(LocalPlanner):
             xy_goal_tolerance=parameters.xy_goal_tolerance,
             yaw_goal_tolerance=parameters.yaw_goal_tolerance,
             latch_xy_goal_tolerance=parameters.latch_xy_goal_tolerance,
-            # Fixed at 0.01 in ROS, which noisy wheels never measure.
+            # ROS's value is fixed at 0.01, which noisy wheels never measure.
             trans_stopped_vel=0.05,
             theta_stopped_vel=0.1,
         )
@@ -236,7 +240,7 @@ class TrajectoryPlanner(LocalPlanner):
             wanted.sim_granularity,
             wanted.angular_sim_granularity,
         )
-        # ROS's biases are per cell. Biases per meter are multiplied by the size of a cell.
+        # Weights here are per cell, as in ROS. Biases per meter are multiplied by the side of a cell.
         per_cell = frame.resolution if wanted.meter_scoring else 1.0
         weights = _Weights(
             0.0 if wanted.simple_attractor else wanted.path_distance_bias * per_cell,
@@ -256,7 +260,7 @@ class TrajectoryPlanner(LocalPlanner):
         greatest_v: float,
         around: Surroundings,
     ) -> float | None:
-        # ROS's planner always tries turns in place. With a `min_vel_x` above 0, the samples here contain none.
+        # ROS's planner always tries turns in place. Here, with a `min_vel_x` above 0, the samples contain none.
         best, best_score = None, 0.0
         for side in (1.0, -1.0):
             for step in range(1, round(LOOK_AROUND / LOOK_STEP) + 1):

@@ -220,7 +220,7 @@ class Amcl:
         )
 
     def _due(self, belief: ParticleBelief, odometry: Odometry) -> bool:
-        """Return True if the robot moved enough along an axis of the odom frame, or turned enough (amcl_node.cpp)."""
+        """Return True if the robot moved far enough along an axis of odom, or turned enough (amcl_node.cpp)."""
         before, now, limit = belief.base_in_odom, odometry.base_in_odom, self._parameters.update_min_d
         return (
             belief.place.updates == 0

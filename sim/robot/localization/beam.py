@@ -132,7 +132,7 @@ class BeamModel:
         return cls(Raycaster.of(grid), beams, parameters)
 
     def expected(self, particles: FloatArray) -> FloatArray:
-        """Return (n, m) expected ranges of beams from (n, 3) base poses in the map, meters; inf beyond `range_max`."""
+        """Return the (n, m) expected ranges at (n, 3) base poses in the map, meters; inf beyond `range_max`."""
         laser = self.beams.mount.laser_in_base
         c, s = elementary_arrays.cos(particles[:, 2]), elementary_arrays.sin(particles[:, 2])
         poses = particles.copy()

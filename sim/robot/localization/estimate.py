@@ -69,7 +69,7 @@ def read_only(array: FloatArray) -> FloatArray:
 
 @njit(cache=True)
 def propagated(corrections: FloatArray, odometry: FloatArray) -> FloatArray:
-    """Return (n, 3) poses in the map, from poses of odom in the map and poses in odom; same bits as `Pose2.compose`."""
+    """Return (n, 3) poses in the map, from poses of odom in the map and poses in odom. Same bits as `Pose2.compose`."""
     out = np.empty_like(odometry)
     for i in range(odometry.shape[0]):
         c, s = elementary.cos_sin(corrections[i, 2])

@@ -41,7 +41,7 @@ MAX_CANDIDATES = 400_000
 ROUGH_BEAMS = 15
 """Maximum number of beams for a first comparison of candidates. Most candidates fit so badly that few beams show it."""
 ROUGH_SHARE = 0.1
-"""Share of the candidates, the best by these beams, that all beams weigh: ten times `FITTING_SHARE`."""
+"""Share of the candidates, the best in the first comparison, that all beams compare: ten times `FITTING_SHARE`."""
 
 MOST_BESIDES = 2000
 """Maximum number of particles in a search away from a given pose.
@@ -124,7 +124,7 @@ class Hypothesis:
 
 
 def widened(place: Hypothesis, spread: tuple[float, float, float], draws: FloatArray) -> Hypothesis:
-    """Return the hypothesis with particles moved by (3 n,) standard normals times these standard deviations."""
+    """Return the hypothesis with its particles moved by (3 n,) standard normals times `spread`."""
     covariance = place.covariance + np.diag([each * each for each in spread])
     particles = place.particles + draws.reshape(-1, 3) * spread
     return replace(place, particles=read_only(particles), covariance=read_only(covariance))

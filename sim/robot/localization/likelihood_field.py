@@ -16,11 +16,12 @@ from sim.numerics.kernels import njit
 
 
 def facing_distance(grid: OccupancyGrid, max_distance: float) -> NDArray[np.float32]:
-    """Return the meters from each cell's center to the nearest surface that a beam of some direction can meet, capped.
+    """Return the capped meters from each cell's center to the nearest surface that beams of one quadrant can meet.
 
     A laser sees the near side of walls. In a field of distances to the nearest wall, as in amcl, it makes no difference
-    whether a beam ends in front of a wall or behind it. With thin walls, a robot that sees nothing behind itself may
-    then believe to be farther ahead by their thickness. In this field the far side of a wall does not exist.
+    whether a beam ends in front of a wall or behind it. With thin walls, the estimate of a robot that sees nothing
+    behind itself may then be too far ahead by the walls' thickness. In this field the far side of a wall does not
+    exist.
 
     Returns:
         (4, rows, cols) for beams of quadrant 0 (to lower columns and rows), 1 (higher columns and lower rows), 2 (lower
@@ -33,13 +34,14 @@ def facing_distance(grid: OccupancyGrid, max_distance: float) -> NDArray[np.floa
 def facing_levels(
     grid: OccupancyGrid, max_distance: float
 ) -> tuple[NDArray[np.float32], NDArray[np.uint16 | np.uint32]]:
-    """Return the (n,) different distances of `facing_distance`, and (4, rows, cols) the index for each cell.
+    """Return the (n,) different distances of `facing_distance`, and (4, rows, cols) their index for each cell.
 
-    Few different distances occur between cells, so indices need half the memory or less.
+    Only few different distances occur, so indices need at most half the memory.
     """
     occupied = grid.cells == OCCUPIED
     row, col = np.indices(occupied.shape, sparse=True)
-    # From the center of the wall's outermost cell half a cell back to its surface, or half a cell further.
+    # The surface of a wall is up to half a cell nearer or farther than the center of its outermost cell. So the reach
+    # is half a cell more than the maximum distance.
     reach = math.ceil(max_distance / grid.resolution + 0.5)
     squares = np.unique(np.arange(reach + 1)[:, np.newaxis] ** 2 + np.arange(reach + 1) ** 2)  # of integers
     squares = squares[squares <= reach**2]  # of integers
@@ -63,7 +65,7 @@ def facing_levels(
             rows, cols = row[band] - near_row[band], col - near_col[band]
             away = np.minimum(rows**2 + cols**2, reach**2 + 1)  # of integers
             behind = np.sign(rows * row_step + cols * col_step)
-            # Beyond the reach, use the maximum distance.
+            # Cells beyond the reach have the maximum distance.
             level[quadrant, band] = np.where(away <= reach**2, number[away] + behind, len(capped))  # of integers
     return levels, level
 
@@ -79,9 +81,10 @@ def _shifted(mask: NDArray[np.bool_], rows: int, cols: int) -> NDArray[np.bool_]
 def _table(
     grid: OccupancyGrid, max_distance: float, z_hit: float, random: float, sigma_hit: float
 ) -> tuple[NDArray[np.float32], NDArray[np.uint16 | np.uint32]]:
-    """Return the (n,) log probabilities of readings at each distance, and (4, rows, cols) the index for each cell.
+    """Return the (n,) log probabilities of readings by distance, and (4, rows, cols) their index for each cell.
 
-    Read-only: a map never changes, and all robots on it with the same laser share one table. See `facing_levels`.
+    The arrays are read-only, because a map never changes and all robots on it with the same laser share them. See
+    `facing_levels`.
     """
     levels, level = facing_levels(grid, max_distance)
     values = _log_probability(levels, z_hit, random, sigma_hit).astype(np.float32)
@@ -103,7 +106,8 @@ def _sum_over_points(
     """Return (n,) sums of the field's values at (m, 2) points, as seen from each of (n, 3) poses.
 
     This loop takes most of the filter's time. So it is one function that computes in cells. It has no branch for the
-    quadrant, which no processor could predict, and no index that might be negative. This makes it four times faster.
+    quadrant, because processors could not predict it, and no index that might be negative. This makes it four times as
+    fast.
     """
     _, rows, cols = level.shape
     levels = level.reshape(-1)
@@ -144,7 +148,7 @@ def _end_points(
     count = 0
     for i in range(beams.size):
         distance = ranges[beams[i]]
-        # Comparisons with NaN are false: lost beams are excluded like those that are too short or infinite.
+        # Comparisons with NaN are false. So lost beams are excluded, like ranges that are too short or infinite.
         if range_min < distance < range_max:
             out[count, 0] = x + distance * directions[i, 0]
             out[count, 1] = y + distance * directions[i, 1]
@@ -154,7 +158,7 @@ def _end_points(
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Beams:
-    """The beams of a laser that are weighed, and their end points.
+    """The beams of a laser that a filter uses, and their end points.
 
     Attributes:
         mount: the laser.
@@ -172,9 +176,9 @@ class Beams:
 
     @classmethod
     def of(cls, mount: LaserMount, max_beams: int, max_range: float, min_range: float = -1.0) -> "Beams":
-        """Select at most `max_beams` beams (at least two). A negative `max_range` or `min_range` keeps the laser's own.
+        """Select at most `max_beams` beams (at least two). If a limit of ranges is negative, use the laser's own.
 
-        Difference: this selects exactly the requested number, while amcl's integer step selects up to one more.
+        Difference: at most the requested number is selected, while amcl's integer step selects up to one more.
         """
         count = max(2, min(max_beams, mount.beams))
         indices = np.arange(count) * (mount.beams - 1) // (count - 1)
@@ -193,7 +197,7 @@ class Beams:
         return _end_points(scan.ranges, self.indices, self.directions, laser.x, laser.y, self.range_min, self.range_max)
 
     def ranges(self, scan: Scan) -> FloatArray:
-        """Return (m,) meters along every beam; `range_max` if it saw nothing, NaN if it is lost or too short."""
+        """Return (m,) ranges of all beams, meters: `range_max` if a beam saw nothing, NaN if lost or too short."""
         ranges = scan.ranges[self.indices].astype(np.float64)
         ranges[ranges <= self.range_min] = np.nan
         return np.minimum(ranges, self.range_max)
@@ -203,7 +207,7 @@ def _log_probability(
     distance: FloatArray | NDArray[np.float32], z_hit: float, rand_density: float, sigma_hit: float
 ) -> FloatArray:
     hit = z_hit * elementary_arrays.exp(-(distance * distance) / (2.0 * (sigma_hit * sigma_hit)))
-    # Without random readings the probability of a distant cell underflows, but its logarithm must stay finite.
+    # Without random readings, the probability in a distant cell may underflow to 0, but its logarithm must stay finite.
     logs: FloatArray = elementary_arrays.log(np.maximum(hit + rand_density, np.finfo(np.float64).tiny))
     return logs
 
@@ -218,7 +222,7 @@ class LikelihoodField:
             faces the beam, capped at `max_dist`.
         frame: frame of the table in the map.
         outside: value for points outside the map.
-        laser: position of the laser in the base frame, meters.
+        laser: x and y of the laser in the base frame, meters.
         noise: z_hit, z_rand / range_max and sigma_hit.
     """
 
@@ -237,14 +241,14 @@ class LikelihoodField:
 
         Args:
             grid: the map.
-            beams: the beams that will be weighed.
+            beams: the beams that will be used.
             z_hit: weight of readings that end on something that the map shows.
             z_rand: weight of readings that end anywhere up to the beams' maximum range.
             sigma_hit: standard deviation of good readings, meters.
             max_dist: cap of the distances, and distance of everything outside the map, meters.
 
         Source: Probabilistic Robotics, table 6.3, without its constant factor (as amcl).
-        Difference: distances are to surfaces that face the beam; in the table and in amcl they are to occupied cells.
+        Difference: distances are to surfaces that face the beam. In the table and in amcl, they are to occupied cells.
         """
         noise = z_hit, z_rand / beams.range_max, sigma_hit
         values, level = _table(grid, max_dist, *noise)
@@ -272,11 +276,12 @@ class LikelihoodField:
         """Return the points of a scan that enough particles explain: amcl's beam skipping.
 
         Args:
-            particles: (n, 3) base poses in the map that agree on the robot's place.
+            particles: (n, 3) base poses in the map, all near one pose.
             points: (m, 2) end points of the beams in the base frame.
             distance: a point within this distance of a wall is explained, meters.
-            threshold: share of the particles that must explain it.
-            error_threshold: share of unexplained points above which the particles are the cause, and all points stay.
+            threshold: share of the particles that must explain a point.
+            error_threshold: share of unexplained points above which the particles are considered wrong, and all points
+                are returned.
 
         Returns:
             (k, 2), k <= m.

@@ -17,10 +17,10 @@ _STANDING = 0.01
 
 
 _SYSTEMATIC = 0.1
-"""Share of every motion by which wheels may be wrong permanently.
+"""Assumed systematic error of the wheels, as a share of every motion.
 
 amcl's models diff and omni use the sums of alphas as standard deviations: 8 mm for a step of 20 cm. Wheels that report
-5 % too much then move the cloud ahead of the truth by 1 cm per step, faster than scans can pull it back.
+5 % too much then move the cloud ahead of the truth by 1 cm per step. This is faster than scans can pull it back.
 """
 
 
@@ -49,7 +49,7 @@ class DiffSpread(NamedTuple):
 class Alphas(NamedTuple):
     """Assumed odometry noise, as in table 5.6: turn per turn, turn per meter, meter per meter, meter per turn.
 
-    The fifth value is sideways meter per meter.
+    The fifth value is the sideways error, meter per meter.
     """
 
     alpha1: float
@@ -60,7 +60,7 @@ class Alphas(NamedTuple):
 
 
 class NoiseScales(NamedTuple):
-    """Factors by which the noise of distances and turns is larger than the alphas say."""
+    """Factors by which the noise of distances and turns is larger than according to the alphas."""
 
     drive: float
     turn: float
@@ -70,7 +70,7 @@ AS_BELIEVED = NoiseScales(1.0, 1.0)
 
 
 class OmniIncrement(NamedTuple):
-    """A motion of a base that can move sideways: a distance in a direction relative to its heading, and a turn."""
+    """A motion of a base that can move sideways: a distance, its direction relative to the heading, and a turn."""
 
     bearing: float
     trans: float
@@ -78,7 +78,10 @@ class OmniIncrement(NamedTuple):
 
 
 class OmniSpread(NamedTuple):
-    """Standard deviations along and across a sliding motion, and of its turn. Meters, meters, radians."""
+    """Standard deviations of a sliding motion along its direction, across it, and of its turn.
+
+    Meters, meters, radians.
+    """
 
     trans: float
     strafe: float
@@ -88,7 +91,8 @@ class OmniSpread(NamedTuple):
 def diff_increment(before: Pose2, after: Pose2) -> DiffIncrement:
     """Return the motion between two odometry poses, both in the odom frame.
 
-    Source: Probabilistic Robotics, table 5.6, lines 2 to 4; amcl_odom.cpp for the bearing of a robot that hardly moved.
+    Source: Probabilistic Robotics, table 5.6, lines 2 to 4; amcl_odom.cpp for the first turn of a robot that hardly
+        moved.
     """
     dx, dy = after.x - before.x, after.y - before.y
     trans = elementary.hypot(dx, dy)
@@ -97,7 +101,10 @@ def diff_increment(before: Pose2, after: Pose2) -> DiffIncrement:
 
 
 def _turning(angle: float) -> float:
-    """Return the angle that the wheels turned, radians. Driving backwards looks like half a turn, but is none."""
+    """Return the angle that the robot turned, radians.
+
+    Driving backwards looks like half a turn, but the robot does not turn.
+    """
     return min(abs(angle), abs(wrap_angle(angle - math.pi)))
 
 
@@ -108,8 +115,8 @@ def diff_spread(moved: DiffIncrement, alphas: Alphas, corrected: bool) -> DiffSp
         moved: the measured motion.
         alphas: the assumed noise.
         corrected: True for table 5.6, where sums of squares are variances (amcl: diff-corrected). False for amcl's
-            default model diff, which uses the same sums as standard deviations. Its spread is narrower for the short
-            steps of a tracking filter, and its usual alphas of 0.2 are meant for this.
+            default model diff, which uses the same sums as standard deviations. The spread of diff is narrower for the
+            short steps of a tracking filter, and the usual alphas of 0.2 are meant for diff.
 
     Source: Probabilistic Robotics, table 5.6, lines 5 to 7; amcl_odom.cpp.
     """
@@ -140,7 +147,7 @@ def diff_move(particles: FloatArray, moved: DiffIncrement, spread: DiffSpread, n
     """
     out = np.empty_like(particles)
     for i in range(particles.shape[0]):
-        # Subtracted, as in table 5.6: the true motion is the measured one minus its error.
+        # The error is subtracted, as in table 5.6: the true motion is the measured motion minus its error.
         rot1 = moved.rot1 - spread.rot1 * noise[3 * i]
         trans = moved.trans - spread.trans * noise[3 * i + 1]
         rot2 = moved.rot2 - spread.rot2 * noise[3 * i + 2]
@@ -153,7 +160,7 @@ def diff_move(particles: FloatArray, moved: DiffIncrement, spread: DiffSpread, n
 
 
 def omni_increment(before: Pose2, after: Pose2) -> OmniIncrement:
-    """Return the motion between two odometry poses in the odom frame, of a base that may keep its heading."""
+    """Return the motion between two odometry poses in the odom frame, for a base that can move sideways."""
     dx, dy = after.x - before.x, after.y - before.y
     bearing = wrap_angle(elementary.atan2(dy, dx) - before.theta)
     return OmniIncrement(bearing, elementary.hypot(dx, dy), wrap_angle(after.theta - before.theta))
@@ -200,7 +207,7 @@ def _slide(particles: FloatArray, moved: OmniIncrement, spread: OmniSpread, nois
 
 @njit(cache=True)
 def _square_ratios(noise: FloatArray, before: FloatArray, after: FloatArray) -> FloatArray:
-    """Return (3,) mean squares of (3 n,) normals by the weights after a scan, divided by those before it."""
+    """Return (3,) ratios of the weighted mean squares of (3 n,) normals after a scan to those before it."""
     squares = np.zeros((2, 3))
     for i in range(before.size):
         for k in range(3):
@@ -213,7 +220,7 @@ def _square_ratios(noise: FloatArray, before: FloatArray, after: FloatArray) -> 
 
 @dataclass(frozen=True, slots=True)
 class MotionModel:
-    """Moves particles by the odometry.
+    """Model that moves particles by the odometry.
 
     Attributes:
         name: amcl's `odom_model_type`: diff, diff-corrected, omni or omni-corrected.
@@ -226,12 +233,12 @@ class MotionModel:
     def move(
         self, particles: FloatArray, before: Pose2, after: Pose2, noise: FloatArray, scales: NoiseScales = AS_BELIEVED
     ) -> FloatArray:
-        """Return (n, 3) particles after a motion from one odometry pose to another; `noise` is (3 n,) normals.
+        """Return (n, 3) particles after a motion from one odometry pose to another; `noise` are (3 n,) normals.
 
         Difference: the assumed error of distances and turns is at least a tenth, see `_SYSTEMATIC`.
         """
         corrected = self.name.endswith("-corrected")
-        # Alphas of zero mean perfect wheels.
+        # Alphas of 0 mean perfect wheels, without a systematic error.
         straight = _SYSTEMATIC if self.alphas.alpha3 > 0.0 else 0.0
         turning = _SYSTEMATIC if self.alphas.alpha1 > 0.0 else 0.0
         if self.name.startswith("diff"):
@@ -257,24 +264,24 @@ class MotionModel:
     ) -> NoiseScales:
         """Return the factors of the odometry noise after one more scan.
 
-        If the odometry noise equals that of the particles, the particles that a scan confirms have errors of the same
-        size as all particles. If it is larger, particles with the largest errors survive. The ratio of their mean
-        square error to that of all particles shows how much larger it is. The factors are never below 1, so the alphas
-        are the minimum.
+        If the odometry noise equals the noise of the particles, the particles that a scan confirms have errors of the
+        same size as all particles. If the odometry noise is larger, particles with the largest errors survive. The
+        ratio of their mean square error to that of all particles shows how much larger the noise is. The factors are
+        never below 1, so the noise is never less than according to the alphas.
 
         Args:
-            scales: previous factors; the particles were moved with them.
+            scales: previous factors, with which the particles were moved.
             rate: rate at which the logarithm of a squared factor follows the ratio.
-            noise: (3 n,) normals that moved the particles.
+            noise: (3 n,) normals with which the particles were moved.
             before: (n,) weights before the scan.
             after: (n,) weights after the scan.
 
         Source: Dempster, Laird and Rubin, Maximum likelihood from incomplete data via the EM algorithm (1977), for the
-            expected square of a hidden error; here as a running mean of its logarithm, as in `ekf`.
+            expected square of a hidden error; here the running mean is of its logarithm, as in `ekf`.
         """
         first, second, third = np.minimum(_square_ratios(noise, before, after), _MOST_OF_ONE_SCAN).tolist()
-        # The errors of a differential drive are turn, distance, turn; those of an omnidirectional one along, across,
-        # turn.
+        # A differential drive has errors of turn, distance and turn. An omnidirectional drive has errors along, across
+        # and of the turn.
         turns = (first + third) / 2.0 if self.name.startswith("diff") else third
         drives = second if self.name.startswith("diff") else (first + second) / 2.0
         drive, turn = (

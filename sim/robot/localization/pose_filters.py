@@ -1,9 +1,9 @@
-"""Extended and unscented Kalman filter over (x, y, theta), on filterpy, with the same bits on every machine.
+"""Extended and unscented Kalman filter over (x, y, theta), based on filterpy, with the same bits on every machine.
 
 filterpy multiplies matrices with numpy's `dot`. For arrays of floats, `dot` calls BLAS, and its last bits depend on the
 processor. If one factor is an array of Python objects, `dot` multiplies and adds Python floats in a fixed order, and
-the product is again an array of objects. So Jacobians and inverses are passed to filterpy as arrays of objects: each of
-its products contains one of them. All other operations in filterpy's filters are elementwise.
+the product is again an array of objects. So Jacobians and inverses are passed to filterpy as arrays of objects. Each of
+filterpy's products contains one of them. All other operations in filterpy's filters are elementwise.
 
 Source: Thrun, Burgard, Fox, Probabilistic Robotics (2005), tables 3.3 and 3.4; van der Merwe, Sigma-point Kalman
 filters for probabilistic inference (2004), for the scaled sigma points.
@@ -29,7 +29,7 @@ ObjectArray: TypeAlias = npt.NDArray[np.object_]
 
 @dataclass(frozen=True, slots=True)
 class MeasuredMotion:
-    """Motion of a robot between two predictions, by its wheels and gyroscope.
+    """Motion of a robot between two predictions, as measured by its wheels and gyroscope.
 
     Attributes:
         step: pose at the end, relative to the pose at the beginning.
@@ -44,8 +44,8 @@ class MeasuredMotion:
     def noise(self, here: Pose2) -> FloatArray:
         """Return the (3, 3) covariance that the motion adds if it starts at `here`.
 
-        An error of the distance is along the chord. The chord of an arc deviates by half of the turn, and so does an
-        error of the turn.
+        An error of the distance is along the chord. The chord deviates from the first heading by half of the turn. So
+        an error of the turn rotates the chord by half of this error.
         """
         there = here.compose(self.step)
         dx, dy = there.x - here.x, there.y - here.y
@@ -66,7 +66,7 @@ def _inverse(matrix: FloatArray | ObjectArray) -> ObjectArray:
 
 
 class PoseFilter:
-    """A Gaussian over poses in one of filterpy's filters; initially at the map's origin."""
+    """A Gaussian over poses in one of filterpy's filters. It starts at the map's origin."""
 
     def __init__(self, on: KalmanFilter | UnscentedKalmanFilter) -> None:
         self._filter = on
@@ -104,11 +104,11 @@ class PoseFilter:
 
 
 class ExtendedPoseFilter(PoseFilter):
-    """Extended Kalman filter: linear about the mean."""
+    """Extended Kalman filter: the motion is linearized about the mean."""
 
     def __init__(self) -> None:
-        # Not filterpy's ExtendedKalmanFilter, which inverts with LAPACK. The only difference is that this class moves
-        # the mean.
+        # filterpy's ExtendedKalmanFilter is not used, because it inverts matrices with LAPACK. With its KalmanFilter,
+        # only the motion of the mean has to be computed here.
         super().__init__(KalmanFilter(dim_x=3, dim_z=3))
         self._filter.H = np.eye(3).astype(object)
 
@@ -122,16 +122,20 @@ class ExtendedPoseFilter(PoseFilter):
 
     def update(self, measured: Pose2, noise: FloatArray) -> None:
         """Correct the Gaussian by a measured pose with a (3, 3) covariance."""
-        # Choose the heading within half a turn of the mean's.
+        # Choose the equivalent heading within half a turn of the mean's heading.
         self._filter.update(self._filter.x + residual(measured.array(), self._filter.x), R=noise)
         self._settle()
 
 
 class UnscentedPoseFilter(PoseFilter):
-    """Unscented Kalman filter: moves poses around the mean one by one, so that the mean of an arc is inside of it."""
+    """Unscented Kalman filter.
+
+    It moves several poses around the mean, so the mean of poses on an arc is inside the arc.
+    """
 
     def __init__(self, parameters: UkfParameters) -> None:
-        # filterpy squares alpha with libm's pow, which is exact for 1. These values give the same points and weights.
+        # filterpy squares alpha with libm's pow, which is only certain to be exact for 1. So pass 1, and other values
+        # that give the same points and weights.
         squared = parameters.alpha * parameters.alpha
         self._points = MerweScaledSigmaPoints(
             3,
@@ -144,7 +148,7 @@ class UnscentedPoseFilter(PoseFilter):
             UnscentedKalmanFilter(
                 dim_x=3,
                 dim_z=3,
-                dt=0.0,  # motions are given directly
+                dt=0.0,  # not used, because motions are passed instead of times
                 hx=lambda pose: pose,
                 fx=_moved,
                 points=self._points,
@@ -163,7 +167,7 @@ class UnscentedPoseFilter(PoseFilter):
 
     def update(self, measured: Pose2, noise: FloatArray) -> None:
         """Correct the Gaussian by a measured pose with a (3, 3) covariance."""
-        # The Gaussian may have been reset since the prediction, so compute its points again.
+        # The Gaussian may have been reset since the prediction, so its points must be computed again.
         self._filter.sigmas_f = self._points.sigma_points(self._filter.x, self._filter.P)
         self._filter.update(measured.array(), R=noise)
         self._settle()
@@ -174,7 +178,7 @@ def _moved(pose: FloatArray, _: float, step: Pose2) -> FloatArray:
 
 
 def _mean(poses: FloatArray, weights: FloatArray) -> FloatArray:
-    """Return the (3,) weighted mean of (n, 3) poses, by their differences from the first."""
+    """Return the (3,) weighted mean of (n, 3) poses, computed from their differences to the first one."""
     first = poses[0]
     differences = np.array([residual(pose, first) for pose in poses])
     mean: FloatArray = first + np.array([math.fsum(each) for each in (weights * differences.T).tolist()])

@@ -1,9 +1,9 @@
 """Resampling: tempered weights, systematic draws in proportion to them, and the cloud's size by KLD sampling.
 
-Resampling replaces a weighted cloud by one with equal weights, where a particle has copies in proportion to its weight.
-Three measures make this robust. Weights are tempered first, so that one scan cannot leave only a single particle. The
-draw is systematic: the number of copies differs from the ideal number by less than 1. And the number of particles
-follows the spread of the cloud, so that a well localized robot needs little time.
+Resampling replaces a weighted cloud with a cloud of equal weights, where each particle is copied in proportion to its
+weight. Three measures make this robust. First, weights are tempered, so that one scan cannot leave only a single
+particle. Second, the draw is systematic: the number of copies differs from the ideal number by less than 1. Third, the
+number of particles depends on the spread of the cloud, so that a well localized robot needs little time.
 """
 
 import math
@@ -16,7 +16,7 @@ from sim.numerics.float_array import FloatArray
 from sim.numerics.kernels import njit
 
 _HALVINGS = 8
-"""Number of bisections for the tempering exponent, to 1/256."""
+"""Number of bisections for the tempering exponent, which is then accurate to 1/256."""
 
 
 @njit(cache=True)
@@ -32,28 +32,28 @@ def _effective(logs: FloatArray, exponent: float) -> float:
 
 @njit(cache=True)
 def tempered(logs: FloatArray, share: float) -> FloatArray:
-    """Return the likelihoods, raised to a power so low that a share of equal particles stays effective.
+    """Return the likelihoods, raised to a power that is low enough to keep a share of equal particles effective.
 
-    Beams end on the same walls and share the map's errors. Multiplied as if they were independent, the likelihoods of
-    one scan often leave one particle of a hundred. Such a filter is more certain than it should be, and forgets other
-    possible poses.
+    Beams end on the same walls and share the map's errors. If their likelihoods are multiplied as if they were
+    independent, one scan often leaves only one particle of a hundred. Such a filter is more certain than it should be,
+    and forgets other possible poses.
 
     Args:
         logs: (n,) log likelihoods, n > 0.
         share: minimum effective number, as a share of n.
 
     Returns:
-        (n,) likelihoods with a maximum of 1, raised to the greatest such power up to 1.
+        (n,) likelihoods with a maximum of 1, raised to the greatest power up to 1 that fulfills this.
 
     Source: Probabilistic Robotics, section 6.3.4, on exponents below 1; Liu (1996) for the effective number.
-        Difference: the exponent is as low as the cloud needs, not fixed.
+        Difference: the exponent is not fixed, but as low as the cloud requires.
     """
     logs = logs - logs.max()
-    # The maximum becomes 0, so that no exponential overflows and at least one is not 0.
+    # The maximum logarithm becomes 0. So no exponential overflows, and at least one is not 0.
     exponent = 1.0
     if _effective(logs, 1.0) < share * logs.size:
-        # The effective number falls as the exponent grows from 0, where it is n. So bisect; `low` always keeps the
-        # share.
+        # With exponent 0 the effective number is n, and it falls as the exponent grows. So bisection finds the greatest
+        # exponent. Invariant: with exponent `low`, the share is effective.
         low = 0.0
         for _ in range(_HALVINGS):
             middle = 0.5 * (low + exponent)
@@ -70,9 +70,9 @@ def tempered(logs: FloatArray, share: float) -> FloatArray:
 
 @njit(cache=True)
 def sample_limit(bins: int, error: float, quantile: float, least: int, most: int) -> int:
-    """Return the number of particles that a cloud over this number of bins needs.
+    """Return the number of particles that a cloud needs if it occupies this number of bins.
 
-    With this many particles, the Kullback-Leibler distance between the cloud and the true distribution stays below
+    With this number of particles, the Kullback-Leibler distance between the cloud and the true distribution is below
     `error`, with the probability that corresponds to the normal quantile `quantile`.
 
     Args:
@@ -100,21 +100,23 @@ def systematic(weights: FloatArray, count: int, offset: float) -> NDArray[np.int
     """Draw `count` of n particles in proportion to their weights, with one random number.
 
     Args:
-        weights: (n,) not negative, not all 0; with any sum.
-        count: number to draw.
+        weights: (n,) not negative, not all 0. Their sum is arbitrary.
+        count: number of particles to draw.
         offset: uniform in [0, 1).
 
     Returns:
-        (count,) indices, ascending. Particle i occurs floor or ceil of `count * weights[i] / sum` times.
+        (count,) indices, ascending. The number of times that particle i occurs is `count * weights[i] / sum`, rounded
+        down or up.
 
     Source: Probabilistic Robotics, table 4.4 (low variance sampler).
     """
-    # Imagine the weights laid end to end, and a comb over them with `count` teeth, `step` apart and shifted by the
-    # offset. Each tooth draws the particle under it.
+    # Imagine the weights as segments on a line, and above them a comb with `count` teeth. The teeth are `step` apart,
+    # and the comb is shifted by the offset. Each tooth draws the particle below it.
     step = weights.sum() / count
     out = np.empty(count, dtype=np.int64)
     last = weights.size - 1
-    # By rounding, the running sum may end before the last tooth. This tooth draws the last particle with a weight.
+    # Because of rounding, the running sum may end before the last tooth. Then this tooth draws the last particle with a
+    # positive weight.
     while last > 0 and weights[last] == 0.0:
         last -= 1
     index = 0
@@ -138,10 +140,10 @@ def adaptive(
     least: int,
     most: int,
 ) -> NDArray[np.int64]:
-    """Draw as many particles as the drawn cloud itself needs.
+    """Draw particles systematically, as many as the drawn cloud requires.
 
-    A systematic draw needs its size beforehand, but KLD sampling gives it only afterwards. So the draw is repeated with
-    growing size, until it has as many particles as its bins require, or `most`.
+    A systematic draw needs its size beforehand, but KLD sampling gives the size only afterwards. So the draw is
+    repeated with growing size, until the number of particles is what their bins require, or `most`.
 
     Args:
         weights: (n,) as for `systematic`.
@@ -155,7 +157,7 @@ def adaptive(
     Returns:
         (m,) indices, ascending, least <= m <= most.
 
-    Difference: amcl draws one by one until there are enough, which excludes a draw with low variance.
+    Difference: amcl draws particles one by one until there are enough. So it cannot use a draw with low variance.
     """
     count = least
     while True:

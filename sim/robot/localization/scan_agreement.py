@@ -1,14 +1,14 @@
-"""Agreement of scans with the map: running averages by which a filter notices that it is lost."""
+"""Agreement of scans with the map: running averages by which a filter detects that the robot is lost."""
 
 from dataclasses import dataclass, replace
 
 MIN_AGREEMENT = 0.7
 """Minimum share of the last two or three scans that the map explains at the true pose, even among seven other robots.
-At four of five wrong places it explains less."""
+At four of five wrong places, the map explains a smaller share."""
 
 DOUBT_RATIO = 0.9
-"""Minimum ratio to the usual agreement in the long run. Places that look alike differ in a doorway or two, and so fall
-below it."""
+"""Minimum ratio to the usual agreement in the long run. Places that look alike usually differ by one or two doorways,
+so at a wrong place the ratio is lower."""
 
 FOUND_RATIO = 0.93
 """Minimum ratio to the usual agreement at a pose for a lost robot to be found there."""
@@ -16,9 +16,9 @@ FOUND_RATIO = 0.93
 MOST_OF_ONE_SCAN = 0.25
 """Maximum effect of one scan against the pose, because the scan itself may be misleading."""
 MISFIT_OF_A_LOST_ROBOT = 1.0
-"""Limit of a sum above which the pose cannot be right. The sum adds by how much each scan is below the minimum
-agreement. Four scans that do not fit at all reach it, or ten scans with three fifths explained by the map. Scans above
-the minimum reduce the sum.
+"""Limit of a sum above which the pose cannot be right. Each scan adds the difference between the minimum agreement and
+its own agreement. Four scans that do not fit at all reach the limit, or ten scans with three fifths explained by the
+map. Scans above the minimum reduce the sum.
 
 Source: Page, Continuous inspection schemes (1954).
 """
@@ -27,7 +27,7 @@ DRIFT_AGREEMENT = 0.4
 """Minimum share of a scan that the map explains from a pose some decimeters off the right one."""
 
 _MEMORY = 0.5
-"""Decay rate of the average over the last scans."""
+"""Decay rate of the average over the last few scans."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,7 +37,7 @@ class ScanAgreement:
     Attributes:
         slow: long-term average of the agreement, 0 to 1: the usual value (amcl: w_slow).
         fast: short-term average (amcl: w_fast).
-        recent: average over the last scans only, independent of the parameters.
+        recent: average over only the last few scans, independent of the parameters.
         count: number of scans in the averages.
         misfit: see `MISFIT_OF_A_LOST_ROBOT`.
         last: agreement of the last scan.
@@ -53,18 +53,18 @@ class ScanAgreement:
     def after(self, agreement: float, alpha_slow: float, alpha_fast: float) -> "ScanAgreement":
         """Return the averages with one more scan.
 
-        They start as plain means, over as many scans as the fast one remembers. Otherwise the first scan, weighed from
-        an uncertain start, would stay in the slow average for a thousand scans.
+        The averages start as plain means over the number of scans that the fast average covers. Otherwise the first
+        scan, which is compared at an uncertain pose, would affect the slow average for a thousand scans.
 
         Args:
             agreement: share of the scan that the map explains from the estimated pose, 0 to 1.
             alpha_slow: decay rate of the long-term average.
             alpha_fast: decay rate of the short-term average. If both are 0, only the last scans count.
 
-        Source: Probabilistic Robotics, table 8.3, lines 10 and 11. Difference: amcl averages the mean unnormalized
-            weight. It decreases with the number of particles and of scans since the last resampling, so it says little
-            about being lost. Agreement at the reported pose does not have this problem. A scan that is explained as
-            badly as elsewhere does not become usual.
+        Source: Probabilistic Robotics, table 8.3, lines 10 and 11. Differences: amcl averages the mean unnormalized
+            weight. This weight decreases with the number of particles and with the number of scans since the last
+            resampling, so it hardly shows that a robot is lost. Agreement at the reported pose does not have this
+            problem. A scan that is explained as badly as at a wrong pose does not change the usual value.
         """
         recent = self.recent + _MEMORY * (agreement - self.recent)
         lacking = max(-MOST_OF_ONE_SCAN, min(MIN_AGREEMENT - agreement, MOST_OF_ONE_SCAN))
@@ -79,7 +79,7 @@ class ScanAgreement:
         return ScanAgreement(slow, fast, recent, self.count + 1, misfit, agreement)
 
     def searching(self, agreement: float) -> "ScanAgreement":
-        """Return the averages with one more scan during a search, in which nothing is usual yet."""
+        """Return the averages with one more scan during a search. The usual agreement is not known yet."""
         recent = self.recent + _MEMORY * (agreement - self.recent)
         return replace(self, recent=recent, fast=recent, last=agreement)
 
@@ -90,7 +90,7 @@ class ScanAgreement:
 
     @property
     def suspicious(self) -> bool:
-        """True if there is a reason to search elsewhere: more than one bad scan, or worse ones."""
+        """True if there is a reason to search elsewhere: several bad scans, or a worse agreement than usual."""
         return self.recent < MIN_AGREEMENT or self.misfit > MOST_OF_ONE_SCAN or self.fast < DOUBT_RATIO * self.slow
 
     @property
@@ -100,18 +100,17 @@ class ScanAgreement:
 
     @property
     def drifting(self) -> bool:
-        """True if scans are explained worse than usual, but so well that the pose can hardly be far off.
+        """True if scans are explained worse than usual, but so well that the error of the pose is small.
 
-        If the map explains almost nothing of a scan, the scan gives no guidance: it shows unmapped things or another
-        place.
+        If the map explains almost nothing of a scan, the scan is not useful: it shows unmapped things or another place.
         """
         return self.doubtful and self.last >= DRIFT_AGREEMENT
 
     @property
     def explained(self) -> bool:
-        """True if the map has explained the last scans as well as it does at the robot's true pose."""
+        """True if the map explains the last scans as well as it would at the robot's true pose."""
         return self.is_usual(self.recent)
 
     def is_usual(self, agreement: float) -> bool:
-        """Return True if an agreement is as good as at the robot's true pose."""
+        """Return True if an agreement is as good as it would be at the robot's true pose."""
         return agreement >= FOUND_RATIO * max(self.slow, DOUBT_RATIO)

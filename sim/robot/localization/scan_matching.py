@@ -1,4 +1,7 @@
-"""Scan matching: the pose near a guess at which a scan fits the map best, as a measurement for the Kalman filter."""
+"""Scan matching: find the pose near a guess at which a scan fits the map best.
+
+It is a measurement for the Kalman filter.
+"""
 
 import math
 from dataclasses import dataclass, replace
@@ -19,23 +22,26 @@ from sim.robot.localization.bilinear import REACH, interpolate
 from sim.robot.localization.surface_matching import refined
 
 _FINEST, _COARSEST = 0.15, 0.6
-"""Distances from a surface above which points begin to count as unmapped things, finest and coarsest, meters."""
+"""Finest and coarsest distance from a surface above which points begin to count as unmapped things, meters."""
 _SEARCHED = 0.3
-"""The same distance for comparing poses all over the map, which are not exact, meters."""
+"""The same distance for comparing poses on the whole map, meters. It is larger because these poses are not exact."""
 SPACING, _HEADINGS = 0.4, 16
-"""Distance between the first positions of a search, meters, and number of headings at each."""
+"""Distance between the first positions of a search, meters; number of headings at each position."""
 _REFINED = 40
 """Number of the best poses that are refined."""
 _FEWEST = 20
-"""Minimum number of points for a search, and approximate number for comparing poses."""
+"""Minimum number of points for a search; approximate number of points for comparing poses."""
 GOOD, _MARGIN = 0.8, 0.1
-"""Share of the points on walls that a pose needs to be found, and its minimum lead over other poses."""
+"""Share of the points that must be on walls at a found pose; minimum lead of this share over that at other poses."""
 NEAR = 1.5
-"""Distance from its last pose within which a lost robot is searched first, meters."""
+"""Distance from the last pose within which a lost robot is searched first, meters."""
 _STEPS = 4
 """Gauss-Newton steps at each width, from coarse to fine."""
 _DAMPING = 1e-3
-"""Part of the information's mean that is added to its diagonal, so that a corridor's free direction does not move."""
+"""Part of the mean information that is added to its diagonal.
+
+It prevents drift along a corridor, where scans do not determine the position.
+"""
 
 
 class ScanMatch(NamedTuple):
@@ -45,8 +51,9 @@ class ScanMatch(NamedTuple):
         base_in_map: the pose.
         information: (3, 3) inverse covariance of the pose if the map is right; singular along directions that the scan
             does not determine.
-        by_walls: (3, 3) covariance of the pose if the map's walls are one meter off (one standard deviation).
-        walls_off: sum of squares by which walls are off, and its expectation if they are one meter off.
+        by_walls: (3, 3) covariance of the pose if the positions of the map's walls had a standard deviation of one
+            meter.
+        walls_off: sum of squared errors of the walls, and its expectation for a standard deviation of one meter.
         share: share of the points on the map's surfaces, 0 to 1.
     """
 
@@ -60,7 +67,7 @@ class ScanMatch(NamedTuple):
 def signed_distance(grid: OccupancyGrid, max_distance: float) -> FloatArray:
     """Return the distance from each cell's center to the nearest surface of a wall, negative inside walls, meters.
 
-    A laser sees surfaces. In a field that is 0 inside walls, beams could sink into them without a penalty.
+    A laser sees surfaces. In a field that is 0 inside walls, beams could end inside walls without a penalty.
 
     Returns:
         (rows, cols) float64 in [-max_distance, max_distance].
@@ -77,7 +84,7 @@ def signed_distance(grid: OccupancyGrid, max_distance: float) -> FloatArray:
 def _normal_equations(
     field: FloatArray, frame: GridFrame, x: float, y: float, theta: float, points: FloatArray, width: float
 ) -> tuple[FloatArray, FloatArray, float]:
-    """Return Gauss-Newton's matrix and right side, and the mean weight of the points."""
+    """Return matrix and right side of the Gauss-Newton step, and the mean weight of the points."""
     matrix = np.zeros((3, 3))
     right = np.zeros((3, 1))
     weights = 0.0
@@ -92,9 +99,10 @@ def _normal_equations(
         distance, by_col, by_row = interpolate(field, along, across)
         slopes[0] = (frame.cos * by_col - frame.sin * by_row) / frame.resolution
         slopes[1] = (frame.sin * by_col + frame.cos * by_row) / frame.resolution
-        # Derivative by the heading: a point moves perpendicular to its lever (px, py).
+        # Derivative by the heading: if the robot turns, a point moves perpendicular to its lever (px, py).
         slopes[2] = slopes[1] * px - slopes[0] * py
-        # Geman and McClure's weight: a point far from every wall is another robot, and must not pull.
+        # Geman and McClure's weight. A point far from every wall is on another robot or an unmapped thing, so it must
+        # not pull the pose.
         weight = 1.0 / (1.0 + (distance / width) ** 2) ** 2
         weights += weight
         for a in range(3):
@@ -109,7 +117,7 @@ def _match(
     field: FloatArray, frame: GridFrame, x: float, y: float, theta: float, points: FloatArray, width: float
 ) -> tuple[float, float, float, float]:
     """Return the pose at which the points are on surfaces, and their mean weight there."""
-    # From coarse to fine: a wide kernel lets distant points pull, a narrow one ignores outliers.
+    # Go from coarse to fine: with a wide kernel, distant points pull the pose; a narrow kernel ignores outliers.
     while True:
         for _ in range(_STEPS):
             matrix, right, _ = _normal_equations(field, frame, x, y, theta, points, width)
@@ -126,7 +134,7 @@ def _match(
 
 @njit(cache=True)
 def _shares(field: FloatArray, frame: GridFrame, poses: FloatArray, points: FloatArray) -> FloatArray:
-    """Return (n,) mean weights of the points at the width of a search, as seen from each pose."""
+    """Return (n,) mean weights of the points, as seen from each pose, for the width that searches use."""
     shares = np.empty(poses.shape[0])
     for i in range(poses.shape[0]):
         c, s = elementary.cos_sin(poses[i, 2])
@@ -144,14 +152,14 @@ def _shares(field: FloatArray, frame: GridFrame, poses: FloatArray, points: Floa
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ScanMatcher:
-    """Matches scans to a map.
+    """Matcher of scans to a map.
 
     Attributes:
         field: (rows, cols) meters to the nearest surface, negative inside walls; see `signed_distance`.
         frame: frame of the field in the map.
         squares: the map's strides for beams.
         laser: x and y of the laser in the base frame, meters.
-        free: (n, 3) poses in free cells, dense enough that a match from one of them finds any pose of a robot.
+        free: (n, 3) poses in free cells. They are dense enough that a match from one of them finds any pose of a robot.
     """
 
     field: FloatArray
@@ -162,7 +170,7 @@ class ScanMatcher:
 
     @classmethod
     def of(cls, grid: OccupancyGrid, laser_in_base: Pose2) -> "ScanMatcher":
-        """Prepare a map for matching scans of a laser."""
+        """Make a matcher for a map and a laser."""
         step = max(1, round(SPACING / grid.resolution))
         cells = np.argwhere(grid.cells[::step, ::step] == FREE) * step
         headings = np.arange(_HEADINGS) * (2.0 * math.pi / _HEADINGS) - math.pi
@@ -172,10 +180,10 @@ class ScanMatcher:
         return cls(signed_distance(grid, REACH), grid.frame, free_squares_of(grid), laser, free)
 
     def search(self, points: FloatArray, near: Pose2 | None = None) -> ScanMatch | None:
-        """Return the only pose with the points on the map's walls, searching first within `NEAR` of a pose.
+        """Return the only pose with the points on the map's walls. If `near` is given, search around it first.
 
         Returns:
-            None if no pose fits, or if another one fits nearly as well: places that look the same cannot be
+            The match; None if no pose fits, or if another one fits nearly as well: places that look the same cannot be
             distinguished.
         """
         if near is not None:
@@ -189,7 +197,7 @@ class ScanMatcher:
         if len(points) < _FEWEST or len(poses) == 0:
             return None
         shares = _shares(self.field, self.frame, poses, points[:: max(1, len(points) // _FEWEST)])
-        # Stable, so that poses with equal shares have the same order on every machine.
+        # The sort is stable, so that poses with equal shares have the same order on every machine.
         guesses = poses[np.argsort(-shares, kind="stable")[:_REFINED]]
         drawn = [self._drawn(Pose2(x, y, theta), points, _COARSEST) for x, y, theta in guesses.tolist()]
         (here, best), *others = sorted(drawn, key=lambda match: -match[1])
@@ -200,7 +208,7 @@ class ScanMatcher:
         return self.match(here, points, _FINEST) if best >= GOOD else None
 
     def _drawn(self, guess: Pose2, points: FloatArray, width: float) -> tuple[Pose2, float]:
-        """Return the pose near a guess with the points on the map's walls, and the share of points that are."""
+        """Return the pose near a guess with most points on the map's walls, and the share of these points."""
         x, y, theta, share = _match(self.field, self.frame, guess.x, guess.y, guess.theta, points, width)
         return Pose2(x, y, theta), share
 
@@ -208,18 +216,18 @@ class ScanMatcher:
         """Return the pose near `guess` from which the points are on the map's walls.
 
         Args:
-            guess: base in map, within some decimeters of the truth.
+            guess: pose of the base in the map, within some decimeters of the truth.
             points: (m, 2) end points of the beams in the base frame.
-            error: maximum displacement of a point by the guess, meters. With a larger error, points of other robots
-                pull more, too.
+            error: maximum displacement of a point by the error of the guess, meters. If it is larger, points on other
+                robots also pull the pose more.
 
         Returns:
-            The match; the noise in its information comes from the remaining distances. None with fewer than three
-            points, which do not determine a pose.
+            The match. The noise in its information is estimated from the remaining distances. None if there are fewer
+            than three points, because they do not determine a pose.
 
         Source: Kohlbrecher et al., A flexible and scalable SLAM system (2011), section IV: Gauss-Newton on an
-            interpolated grid. Differences: least squares of distances to surfaces, weighted against outliers, and a
-            last step to the surfaces that beams meet, see `surface_matching`.
+            interpolated grid. Differences: this minimizes squared distances to surfaces, with small weights for
+            outliers. The last step uses the surfaces that beams meet, see `surface_matching`.
         """
         if len(points) < 3:
             return None

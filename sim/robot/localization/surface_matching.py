@@ -1,9 +1,9 @@
 """Refinement of a matched pose by the surfaces that its beams meet, and its uncertainty.
 
-A field of distances to the nearest surface pulls points deep inside a thin wall to its far side. So its error grows
-with the noise of the laser. Here each beam is cast through the map, and its point is compared with the surface that the
-beam
-meets: point-to-line matching (Censi 2008). It converges only from nearby, so it comes last.
+A field of distances to the nearest surface pulls points deep inside a thin wall to the wall's far side. So the error of
+a match grows with the noise of the laser. Here each beam is cast through the map, and its point is compared with the
+surface that the beam meets: point-to-line matching (Censi 2008). It converges only from nearby, so it is the last step
+of a match.
 """
 
 import math
@@ -22,15 +22,15 @@ from sim.robot.localization.bilinear import interpolate
 _STEPS = 3
 """Number of Gauss-Newton steps. Each step casts the beams again."""
 _BEFORE = 0.01
-"""Distance in front of a surface where its normal is measured, meters: the field has a crease on the surface."""
+"""Distance in front of a surface where its normal is measured, meters. On the surface itself the field has a crease."""
 _FLATTEST = 0.3
-"""Minimum slope of the field that shows the direction of a surface, meters per meter; an inner corner has less."""
+"""Minimum slope of the field that shows the direction of a surface, meters per meter. At an inner corner it is less."""
 _LEAST_DEVIATION = 0.002
 """Minimum standard deviation of points, meters."""
 _MOST_LEVERAGE = 0.9
-"""Maximum leverage of a point. A point that determines the pose almost alone has no residual that shows its error."""
+"""Maximum leverage of a point. If a point determines the pose almost alone, its residual does not show its error."""
 _NEAR_A_SURFACE = 0.25
-"""Weight above which a point counts as one on a surface of the map."""
+"""Weight above which a point counts as being on a surface of the map."""
 _SAME_WALL = (0.95, 0.1)
 """Minimum cosine between the normals of neighboring points of one wall, and maximum meters between their planes."""
 
@@ -51,10 +51,10 @@ def _surfaces(
     pose: tuple[float, float, float],
     points: FloatArray,
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return for each point and the surface of its beam: (m, 3) slopes of the distance, (m,) distances, (m,) offsets.
+    """Return (m, 3) slopes of the distances, (m,) distances and (m,) offsets, for each point and its beam's surface.
 
-    Distances are negative behind the surface. An offset is the distance of the surface's plane from the base, along its
-    normal. All are 0 for a beam that meets no surface.
+    Distances are negative behind the surface. An offset is the distance of the surface's plane from the base, along the
+    surface's normal. All three are 0 for a beam that meets no surface.
     """
     m = points.shape[0]
     slopes, distances, offsets = np.zeros((m, 3)), np.zeros(m), np.zeros(m)
@@ -72,7 +72,7 @@ def _surfaces(
             continue
         along_x = c * directions[j, 0] - s * directions[j, 1]
         along_y = s * directions[j, 0] + c * directions[j, 1]
-        # Position of the surface relative to the base, then in cells of the grid.
+        # First the position of the surface relative to the base, then its position in cells of the grid.
         px = sensor[0, 0] + ranges[0, j] * along_x - pose[0]
         py = sensor[0, 1] + ranges[0, j] * along_y - pose[1]
         dx = pose[0] + px - _BEFORE * along_x - frame.x
@@ -111,18 +111,18 @@ def refined(
         frame: frame of the field in the map.
         squares: the map's strides, see `raycast.free_squares_of`.
         laser: x and y in the base frame, meters.
-        pose: x, y, theta of the base in the map, a few centimeters from the truth.
+        pose: x, y, theta of the base in the map, within a few centimeters of the truth.
         points: (m, 2) end points of the beams in the base frame.
         width: distance from a surface above which points begin to count as unmapped things, meters.
         damping: part of the information's mean that is added to its diagonal.
 
     Returns:
         x, y, theta; their (3, 3) information, which is the inverse of their covariance if the map is right; and the
-        result of `_walls`, which shows by how much the map is wrong.
+        results of `_walls`, which show the errors of the map.
 
     Source: Huber, The behavior of maximum likelihood estimates under nonstandard conditions (1967), for a covariance
-        with the points' noise from their residuals, for any distribution; MacKinnon and White (1985), HC3, for few
-        points.
+        that estimates the points' noise from their residuals, for any distribution; MacKinnon and White (1985), HC3,
+        for few points.
     """
     x, y, theta = pose
     for _ in range(_STEPS):
@@ -151,13 +151,13 @@ def _information(slopes: FloatArray, distances: FloatArray, width: float) -> Flo
     hessian, scatter = np.zeros((3, 3)), np.zeros((3, 3))
     curvatures = np.empty(m)
     for j in range(m):
-        # Second derivative of Geman and McClure's loss: it is negative for distant points.
+        # Second derivative of Geman and McClure's loss. It is negative for distant points.
         u = (distances[j] / width) ** 2
         curvatures[j] = (1.0 - 3.0 * u) / (1.0 + u) ** 3
         for a in range(3):
             for b in range(3):
                 hessian[a, b] += curvatures[j] * slopes[j, a] * slopes[j, b]
-    # A small diagonal keeps the solution finite in directions that the scan does not determine.
+    # A small number on the diagonal keeps the solution finite in directions that the scan does not determine.
     regular = hessian.copy()
     for a in range(3):
         regular[a, a] += 1e-3
@@ -166,7 +166,8 @@ def _information(slopes: FloatArray, distances: FloatArray, width: float) -> Flo
         leverage = 0.0
         for a in range(3):
             leverage += curvatures[j] * slopes[j, a] * spread[a, j]
-        # HC3: a residual is divided by 1 - leverage, because a point pulls the pose toward itself.
+        # HC3 divides a residual by 1 - leverage. Otherwise the residual would be too small, because a point pulls the
+        # pose toward itself.
         leverage = min(max(leverage, 0.0), _MOST_LEVERAGE)
         weight = _weight(distances[j], width)
         score = weight * distances[j] / (1.0 - leverage)
@@ -190,18 +191,18 @@ def _information(slopes: FloatArray, distances: FloatArray, width: float) -> Flo
 def _walls(
     slopes: FloatArray, distances: FloatArray, offsets: FloatArray, width: float
 ) -> tuple[FloatArray, float, float]:
-    """Estimate from one scan how far walls are from where the map has them, and the effect on the pose.
+    """Estimate from one scan the position errors of the map's walls, and their effect on the pose.
 
-    Neighboring points of a wall share its error. A pose follows such errors, so only the remaining distances show them:
-    the mean distance of each wall's points, beyond their own noise.
+    Neighboring points of a wall share its error. The fitted pose absorbs part of such errors, so only the remaining
+    distances show them: the mean distance of each wall's points, beyond what their own noise explains.
 
     Returns:
-        (3, 3) covariance of the pose for walls that are one meter off (one standard deviation); the sum of squares by
-        which walls are off, in m^2; and its expectation for walls that are one meter off. The ratio of the latter two,
-        over many scans, is the variance of the walls' positions.
+        (3, 3) covariance of the pose if the walls' positions had a standard deviation of one meter; the sum of squared
+        errors of the walls, in m^2; and its expectation for this standard deviation. The ratio of the last two, over
+        many scans, is the variance of the walls' positions.
 
     Source: Henderson, Estimation of variance and covariance components (1953), method 3, for the variance of a random
-        effect, here that of the walls, from the sums of squares that remain after a fit.
+        effect (here the walls) from the sums of squares that remain after a fit.
     """
     m = distances.shape[0]
     matrix, pulls, means = np.zeros((3, 3)), np.zeros((3, 3)), np.zeros((3, 3))

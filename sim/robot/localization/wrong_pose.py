@@ -1,8 +1,7 @@
-"""Probability that a localizer's pose is wrong: a logistic model of what the filter knows about itself.
+"""Probability that a localizer's pose is wrong: a logistic model with features of the filter's own state.
 
-`scripts/fit_wrong_pose.py` fits the coefficients (`wrong_pose_coefficients`) to simulated runs, and checks them on
-other
-runs: among all updates that report p, a share of about p is wrong.
+`scripts/fit_wrong_pose.py` fits the coefficients (`wrong_pose_coefficients`) to simulated runs. It checks them on other
+runs: among all updates that report the probability p, about a share p of the poses is wrong.
 """
 
 import math
@@ -20,7 +19,7 @@ WRONG_TURN = 0.5
 """Angle to the true heading above which a pose is wrong, radians."""
 
 _LEAST_EXPLAINED = 0.9
-"""Share of a scan that the map explains from most right poses. Only what is missing to it counts against a pose."""
+"""Share of a scan that the map explains from most right poses. Only a smaller share is evidence against a pose."""
 _MANY_UPDATES = 100
 """Number of updates above which more updates make no difference."""
 _SETTLED = 5
@@ -32,7 +31,7 @@ _WIDEST = 4.0
 
 
 class ParticleEvidence(NamedTuple):
-    """Features of a particle filter that distinguish right poses from wrong ones; also the coefficient of each.
+    """Features of a particle filter that distinguish right poses from wrong ones, or the features' coefficients.
 
     Attributes:
         always: 1.
@@ -42,12 +41,13 @@ class ParticleEvidence(NamedTuple):
         unproven_updates: logarithm of the number of updates since an unproven pose was found, from 0.
         updates: logarithm of the number of updates of any pose.
         unexplained: share of the last scan that the map does not explain.
-        lately_unexplained: share of the last scans missing to what the map explains from most right poses.
-        below_usual: share by which the map explains less than usual.
+        lately_unexplained: share that the map explains from most right poses, minus the share of the last scans that it
+            explains; at least 0.
+        below_usual: share by which the short-term average of the agreement is below the long-term one.
         misfit: see `ScanAgreement`.
         lead: see `ParticleBelief`.
         rival: 1 while there is a rival.
-        unsettled: from 1 to 0, as more of the last scans were settled.
+        unsettled: 1 if no scan was settled, falling to 0 as more scans in a row are settled.
         outside: share of the weight outside the heaviest cluster.
         deviation: logarithm of the ratio of the position's standard deviation to the usual one.
         turn_deviation: the same for the heading.
@@ -98,20 +98,20 @@ class ParticleEvidence(NamedTuple):
 
 
 class GaussianEvidence(NamedTuple):
-    """Features of a Kalman filter that distinguish right poses from wrong ones; also the coefficient of each.
+    """Features of a Kalman filter that distinguish right poses from wrong ones, or the features' coefficients.
 
     Attributes:
         always: 1.
-        forgotten: 1 while it has no pose.
+        forgotten: 1 while the filter has no pose.
         lost: 1 if the filter reports that the robot is lost.
         refused: rejected scans since the last accepted one, as a share of the number that makes the robot lost.
-        poor: consecutive scans that fit badly, as a share of the same number.
+        poor: consecutive scans that fit badly, as a share of the number in `refused`.
         unmatched: share of the points of the last scan that are not on walls.
         matches: logarithm of the number of matches since the pose was set or found, from 0.
         deviation: see `ParticleEvidence`.
         turn_deviation: see `ParticleEvidence`.
-        drive_noise: logarithm of the factor by which odometry's distances are noisier than the parameters say.
-        turn_noise: the same for its turns.
+        drive_noise: logarithm of the factor by which the noise of distances exceeds the parameters. turn_noise: the
+        same for turns.
     """
 
     always: float
