@@ -1,7 +1,7 @@
-"""Parameters that an admin may set for a robot and for its world, under their ROS names where ROS has them.
+"""Parameters that an admin may set for a robot and for its world. Parameters that ROS also has use its names.
 
-Each field holds its meaning, unit and bounds. The reader of study files, its error messages and the commented template
-use them. The defaults are those of the 2016 study (its robots, its planner), or ROS's own if the study had none.
+Each field declares its meaning, unit and bounds. The reader of study files, its error messages and the commented
+template use these. The defaults are from the 2016 study (its robots, its planner), or from ROS if the study had none.
 Sections have the names of ROS: `amcl`, `costmap_2d`, `move_base`, `TrajectoryPlannerROS`, `NavfnROS`.
 """
 

@@ -9,7 +9,7 @@ from sim.parameters.declaration import live, param
 
 @dataclass(frozen=True, slots=True)
 class AmclParameters:
-    """Particle filter localization, under amcl's names and with the defaults that amcl's node runs with."""
+    """Particle filter localization, under amcl's names and with the defaults of amcl's node."""
 
     not_in_ros: ClassVar[frozenset[str]] = frozenset({"odom_noise_learning_rate"})
     ros_only: ClassVar[Mapping[str, str]] = {
@@ -112,5 +112,5 @@ class AmclParameters:
 
     @property
     def recovers(self) -> bool:
-        """False if both decay rates are 0: the filter then searches only where it tracks the robot."""
+        """False if both decay rates are 0. The filter then searches only near the tracked pose."""
         return self.recovery_alpha_slow > 0.0 or self.recovery_alpha_fast > 0.0

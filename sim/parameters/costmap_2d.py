@@ -32,7 +32,7 @@ class StaticParameters:
 
 @dataclass(frozen=True, slots=True)
 class ObservationSource:
-    """One entry of observation_sources. In ROS each entry is a sensor; here the one laser stands for all of them."""
+    """One entry of observation_sources. In ROS each entry is a sensor. Here all entries use the same laser."""
 
     ros_only: ClassVar[Mapping[str, str]] = {
         "topic": "topic of the readings",
@@ -150,7 +150,7 @@ _COSTMAP_ROS_ONLY: Mapping[str, str] = {
 class CostmapParameters:
     """Parameters that both costmaps of a robot have in common."""
 
-    # Names that costmap_2d passes on to its layers.
+    # Parameters of the costmap that costmap_2d passes on to its layers.
     passed_on: ClassVar[Mapping[str, str]] = {
         "static_map": "static_layer.enabled",
         "track_unknown_space": "static_layer.track_unknown_space",

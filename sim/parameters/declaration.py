@@ -2,13 +2,13 @@
 
 A class of ROS parameters may have these class variables:
 
-* `ros_only: Mapping[str, str]`: names with a meaning only inside ROS, and this meaning. Files may contain them. They
-  have no effect, and the reader of the file reports that.
+* `ros_only: Mapping[str, str]`: names that only have a meaning inside ROS, and this meaning. Files may contain these
+  names. They have no effect, and the reader of the file reports this.
 * `renamed: Mapping[str, str]`: old names that ROS still reads, and the present names.
-* `passed_on: Mapping[str, str]`: names that ROS passes on to a section, where they override its own value, and the path
-  of that value: `obstacle_range` to `obstacle_layer.obstacle_range`.
-* `sections_named_in: str`: the name of a field that holds a tuple of sections, each with a `name`. In a file, the field
-  is a text of these names, separated by blanks. Each section is next to it, under its own name.
+* `passed_on: Mapping[str, str]`: names that ROS passes on to a section, where they override the section's own value,
+  and the path of this value. Example: `obstacle_range` and `obstacle_layer.obstacle_range`.
+* `sections_named_in: str`: the name of a field with a tuple of sections, each with a `name`. In a file, the field is a
+  text of these names, separated by blanks. Each section is in the same place as the field, under its own name.
 * `not_in_ros: frozenset[str]`: the fields that ROS does not have.
 """
 
@@ -39,7 +39,8 @@ def param(
         minimum: minimum allowed value, inclusive.
         maximum: maximum allowed value, inclusive.
         choices: allowed words; if empty, any word.
-        plugins: group of entry points; their installed names are allowed in addition to `choices`. If empty, no group.
+        plugins: group of entry points. The names of installed ones are allowed in addition to `choices`. If empty,
+            there is no group.
     """
     metadata = _metadata(help, unit, minimum, maximum, choices, plugins)
     # Parameter classes are frozen, so all instances may share one default.
@@ -57,7 +58,8 @@ def live(
 ) -> T:
     """Declare a parameter that may change while a robot runs. ROS has it in a .cfg file of dynamic_reconfigure.
 
-    Its arguments are those of `param`. See `sim.parameters.reconfiguration`, also about parameters that ROS lacks.
+    The arguments are those of `param`. See `sim.parameters.reconfiguration`, also about parameters that ROS does not
+    have.
     """
     return field(default=default, metadata=_metadata(help, unit, minimum, maximum, choices, plugins) | {"live": True})
 
@@ -81,5 +83,5 @@ def _metadata(
 
 
 def is_section(value: object) -> "TypeGuard[DataclassInstance]":
-    """Return True if the value is a section: a dataclass that holds more parameters."""
+    """Return True if the value is a section: a dataclass that contains parameters."""
     return is_dataclass(value) and not isinstance(value, type)

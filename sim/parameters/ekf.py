@@ -11,7 +11,8 @@ from sim.parameters.declaration import live, param
 class EkfParameters:
     """Extended Kalman filter localization: odometry and gyroscope, corrected by matching scans to the map.
 
-    It replaces robot_pose_ekf and accepts its parameter names: the pose from scan matching stands for visual odometry.
+    It replaces robot_pose_ekf and accepts its parameter names. The pose from scan matching takes the role of visual
+    odometry.
 
     Difference to ROS: robot_pose_ekf cannot change parameters while it runs.
     """
@@ -45,7 +46,7 @@ class EkfParameters:
 
 @dataclass(frozen=True, slots=True)
 class UkfParameters:
-    """Unscented Kalman filter localization: sigma points. All other parameters are those of `ekf`.
+    """Sigma points of the unscented Kalman filter localization. All other parameters are those of `ekf`.
 
     Names and defaults are those of robot_localization's ukf_localization_node.
     """

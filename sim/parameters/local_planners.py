@@ -1,7 +1,7 @@
 """Local planners, under the names of base_local_planner and dwa_local_planner.
 
-The defaults are those of ROS noetic. If a parameter is in a .cfg file, its default there counts: dynamic_reconfigure
-overwrites the defaults in code before the first command.
+The defaults are those of ROS noetic. If a parameter is in a .cfg file, the default in this file is used here, because
+dynamic_reconfigure overwrites the defaults in code before the first command.
 """
 
 import math
@@ -20,7 +20,8 @@ _UNUSED = "ROS's planner reads it but does not use it"
 class TrajectoryPlannerParameters:
     """The local planner that rolls out trajectories, under base_local_planner's names.
 
-    Difference to ROS: its goal tolerances may change while it runs, as those of DWAPlannerROS may in ROS as well.
+    Difference to ROS: the goal tolerances may change while the planner runs. In ROS this is only possible for
+    DWAPlannerROS.
     """
 
     acc_lim_x: float = live(2.5, "maximum acceleration that the planner assumes", "m/s^2", 0.01, 100)

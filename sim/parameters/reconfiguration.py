@@ -1,8 +1,9 @@
-"""Change of parameters while a robot runs, as ROS's dynamic_reconfigure does it.
+"""Change of parameters while a robot runs, like ROS's dynamic_reconfigure.
 
-Parameters that may change are declared with `live` instead of `param`: those of ROS's .cfg files, some that ROS lacks
-or cannot change, and the noise of the true sensors. The path of a parameter is its keys, joined by dots. It starts at
-a robot's software (`local_costmap.inflation_layer.inflation_radius`) or at the true world (`world.laser.range_noise`).
+Parameters that may change are declared with `live` instead of `param`. These are the parameters in ROS's .cfg files,
+some that ROS does not have or cannot change, and the noise of the true sensors. The path of a parameter consists of its
+keys, joined by dots. It starts at a robot's software (`local_costmap.inflation_layer.inflation_radius`) or at the true
+world (`world.laser.range_noise`).
 """
 
 import dataclasses
@@ -48,8 +49,8 @@ class LiveParameter:
     """Declaration of a parameter that may change while a robot runs.
 
     Attributes:
-        path: its path; see the module.
-        types: types of its values; includes `NoneType` if it may be None.
+        path: path of the parameter, see the module.
+        types: types of its values. They include `NoneType` if the parameter may be None.
         default: default of the class.
         help: its meaning in one sentence.
         unit: SI unit; empty for a pure number.
@@ -73,7 +74,7 @@ def live_parameters(into: "type[DataclassInstance]" = RobotParameters, path: str
 
     Args:
         into: class that declares the parameters.
-        path: path of that class if it is a section of another one.
+        path: path of this class if it is a section of another class.
     """
     hints = get_type_hints(into)
     for field in dataclasses.fields(into):
@@ -109,12 +110,12 @@ def is_live(field: "dataclasses.Field[object]") -> bool:
 
 
 def reconfigured(parameters: P, path: str, value: object) -> P | ParameterRejection:
-    """Return the parameters with one of them changed, or the reason why it must not change.
+    """Return the parameters with one new value, or the reason why this value is rejected.
 
     Args:
         parameters: the present parameters.
         path: path of the parameter to change.
-        value: new value. A footprint may also be a text as ROS writes it: `[[x, y], ...]`.
+        value: new value. A footprint may also be a text in ROS's form: `[[x, y], ...]`.
     """
     below = path.removeprefix(WORLD_PREFIX) if isinstance(parameters, WorldParameters) else path
     changed = _changed(parameters, below.split("."), path, value)
@@ -155,7 +156,7 @@ _Section = TypeVar("_Section", bound="DataclassInstance")
 
 
 def _changed(section: _Section, names: list[str], path: str, value: object) -> _Section | ParameterRejection:
-    """Return the section with the value set at the path of `names` inside it."""
+    """Return the section with the value set at the path `names` inside the section."""
     name, *inner = names
     fields = {field.name: field for field in dataclasses.fields(section)}
     if name not in fields:
@@ -169,13 +170,13 @@ def _changed(section: _Section, names: list[str], path: str, value: object) -> _
     if not is_live(fields[name]):
         return ParameterRejection(path, "fixed", f"{path} cannot change while the robot runs")
     if isinstance(value, str) and value == own:
-        return section  # The name of an installed part is not among the choices, but it may stay as it is.
+        return section  # The name of an installed part is not among the choices, but its present value is allowed.
     new = _fit(get_type_hints(type(section))[name], fields[name].metadata, path, value)
     return new if isinstance(new, ParameterRejection) else dataclasses.replace(section, **{name: new})
 
 
 def _fit(hint: object, metadata: Mapping[str, object], path: str, value: object) -> object:
-    """Return the value in the type of the field, or the reason why it does not fit."""
+    """Return the value, converted to the type of the field, or the reason why it does not fit."""
     kinds = _types(hint)
     choices = cast(tuple[str, ...], metadata["choices"])
     if value is None and type(None) in kinds:
@@ -231,7 +232,7 @@ def _corners(value: object) -> tuple[tuple[float, float], ...] | None:
     if isinstance(value, str):
         try:
             value = cast(object, json.loads(value or "[]"))
-        except (ValueError, RecursionError):  # Deeply nested brackets from untrusted clients.
+        except (ValueError, RecursionError):  # Untrusted clients may send deeply nested brackets.
             return None
     if not isinstance(value, list | tuple) or 0 < len(value) < 3:
         return None

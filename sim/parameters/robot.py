@@ -22,13 +22,13 @@ from sim.parameters.move_base import MoveBaseParameters
 _LASER = ObstacleParameters(
     obstacle_range=1.5,
     observation_sources=(ObservationSource(clearing=True, inf_is_valid=True),),
-    # Larger than the usual error in the poses of the robot and of the others.
+    # This is larger than the usual error in the poses of this robot and of the others.
     explained_distance=0.2,
     clear_between_beams=True,
 )
-# With at most 1000 particles the error is about as small as with 5000 (2.1 and 2.0 cm on tours of the office).
-# Our lasers have a noise of 2 cm, not amcl's 20 cm. A sigma of 10 cm instead of 20 lowers the error on these tours
-# from 3.2 to 2.1 cm, and among eight robots from 3.4 to 1.6 cm.
+# With at most 1000 particles, the error is about as small as with 5000 (2.1 and 2.0 cm on tours of the office). # Our
+# lasers have a noise of 2 cm, while amcl assumes 20 cm. A sigma of 10 cm instead of 20 cm reduces the error on these
+# tours # from 3.2 to 2.1 cm, and among eight robots from 3.4 to 1.6 cm.
 _AMCL = AmclParameters(max_particles=1000, kld_err=0.05, laser_max_beams=60, laser_sigma_hit=0.1)
 _INFLATION = InflationParameters(inflation_radius=0.5)
 
@@ -39,7 +39,10 @@ MIN_MAX_PAIRS = (
     ("TrajectoryPlannerROS", "min_vel_x", "max_vel_x"),
     ("TrajectoryPlannerROS", "min_in_place_vel_theta", "max_vel_theta"),
 )
-"""Sections of a robot's software, each with two parameters: the value of the first must not exceed the second."""
+"""Sections of a robot's software, each with two parameters.
+
+The value of the first must not exceed that of the second.
+"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,7 +69,7 @@ class RobotParameters:
             track_unknown_space=True,
             publish_frequency=0.2,
             obstacle_layer=_LASER,
-            # The position of a driving robot says little about its later positions. So plans avoid its path instead.
+            # The present position of a driving robot is soon out of date. So plans avoid its path instead.
             robots_layer=RobotsParameters(under_way=False),
             inflation_layer=_INFLATION,
         ),
@@ -87,7 +90,8 @@ class RobotParameters:
     NavfnROS: NavfnParameters = param(NavfnParameters(), "global planner navfn")
     GlobalPlanner: GlobalPlannerParameters = param(GlobalPlannerParameters(), "global planner global_planner")
     TrajectoryPlannerROS: TrajectoryPlannerParameters = param(
-        # The velocities and weights of the 2016 study. Samples are few, so that a whole team can be computed.
+        # These are the velocities and weights of the 2016 study. There are few samples, so that a whole team can be
+        # simulated fast enough.
         TrajectoryPlannerParameters(
             acc_lim_x=10.0,
             acc_lim_theta=10.0,
@@ -108,7 +112,7 @@ class RobotParameters:
         "local planner with trajectory rollout",
     )
     DWAPlannerROS: DwaPlannerParameters = param(
-        # The same limits of velocity and acceleration as those of TrajectoryPlannerROS.
+        # The limits of velocity and acceleration are the same as those of TrajectoryPlannerROS.
         DwaPlannerParameters(
             acc_lim_x=10.0,
             acc_lim_theta=10.0,
@@ -121,7 +125,8 @@ class RobotParameters:
         "local planner with the dynamic window approach",
     )
     move_base: MoveBaseParameters = param(
-        # Commands at the rate of laser scans. A timeout, because robots among robots must notice when they are stuck.
+        # Commands are sent at the rate of laser scans. There is a timeout, because robots among other robots must
+        # detect that they are stuck.
         MoveBaseParameters(controller_frequency=10.0, oscillation_timeout=10.0),
         "navigator",
     )

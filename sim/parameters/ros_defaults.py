@@ -1,7 +1,7 @@
-"""ROS's defaults: the values with which nodes of ROS noetic run if a parameter is not set.
+"""ROS's defaults: the values that nodes of ROS noetic use if a parameter is not set.
 
-They are the defaults of the fields in the parameter classes. A study starts with other values (see `robot`).
-Names that ROS does not have (`not_in_ros`) have no such default.
+These are the defaults of the fields in the parameter classes. A study starts with other values (see `robot`). Fields
+that ROS does not have (`not_in_ros`) have no such default.
 """
 
 import dataclasses
@@ -17,12 +17,12 @@ T = TypeVar("T", bound="DataclassInstance")
 
 
 def not_in_ros(section: type) -> frozenset[str]:
-    """Return the names of the fields of a class that ROS does not have."""
+    """Return the names of those fields of a class that ROS does not have."""
     return cast(frozenset[str], getattr(section, "not_in_ros", frozenset()))
 
 
 def with_ros_defaults(section: T) -> T:
-    """Return the section, including all sections in it, with ROS's default for each parameter that ROS has."""
+    """Return a section with ROS's default for each parameter that ROS has, also in all sections inside it."""
     changes: dict[str, object] = {}
     for field in dataclasses.fields(section):
         own = cast(object, getattr(section, field.name))
@@ -33,7 +33,7 @@ def with_ros_defaults(section: T) -> T:
 
 
 def parameters_of(section: "DataclassInstance", prefix: str = "") -> Iterator[tuple[str, object]]:
-    """Yield path and value of each parameter of a section that ROS has, e.g. `obstacle_layer.obstacle_range`."""
+    """Yield path (e.g. `obstacle_layer.obstacle_range`) and value of those parameters of a section that ROS has."""
     for field in dataclasses.fields(section):
         own = cast(object, getattr(section, field.name))
         if field.name in not_in_ros(type(section)):

@@ -1,1 +1,1 @@
-"""Global planning: the path to a goal, and the order in which robots pass places that their paths share."""
+"""Global planning: paths to goals, and the order in which robots pass places that their paths share."""

@@ -1,12 +1,12 @@
-"""global_planner: navfn's successor, with other costs, exact ends, and headings to choose from.
+"""global_planner: navfn's successor, with other costs, exact path ends, and several modes of headings.
 
 Source: ros-planning/navigation, global_planner/src (dijkstra.cpp, astar.cpp, quadratic_calculator.cpp,
 gradient_path.cpp, grid_path.cpp, orientation_filter.cpp).
-Differences: the wave begins in the cells around the robot, with their distances from it. Costs that overflow a byte in
-ROS stop at its maximum. `default_tolerance`, which ROS reads but does not use, has an effect. Cells around the goal
-that the wave has not reached are filled only if they can be crossed, so that no path ends across a wall. The blend of
-ForwardThenInterpolate starts at the beginning of the last straight stretch, as intended. See also `wave` and
-`potential_planner`.
+Differences: the wave begins in the cells around the robot, with their distances from the robot. Costs that overflow a
+byte in ROS are limited to the maximum of a byte. `default_tolerance` has an effect, while ROS reads it but does not use
+it. Cells around the goal that the wave has not reached are filled only if they can be crossed, so that no path ends
+behind a wall. The interpolation of ForwardThenInterpolate starts at the beginning of the last straight stretch, as
+intended. See also `wave` and `potential_planner`.
 """
 
 import heapq
@@ -36,7 +36,7 @@ from sim.robot.global_planning.wave import (
 )
 
 MAX_PASSAGE_COST = 255
-"""Maximum cost of crossing, the maximum of a byte."""
+"""Maximum cost of crossing a cell, the maximum of a byte."""
 STRAIGHT_ANGLE = 0.35
 """Maximum turn between poses of one straight stretch, radians."""
 FILL_REACH = 2
@@ -77,8 +77,8 @@ def _astar_on(
 ) -> tuple[FloatArray, NDArray[np.int64]]:
     """Continue A* from the (n,) waiting cells, with their ranks, until `portion` cells have been visited.
 
-    Returns:
-        The cells that wait then, in the heap's order; none if the target is met or all cells are visited.
+    Returns: Ranks and numbers of the cells that then wait, in the heap's order. They are empty if the target is met or
+        all cells are visited.
     """
     queue = [(ranks[i], cells[i]) for i in range(ranks.size)]
     visited = 0
@@ -101,7 +101,7 @@ def _astar_on(
             else:
                 value = np.float32(potential[cell] + np.float32(costs[neighbour]))
             potential[neighbour] = value
-            # Manhattan distance as in ROS, because steps lead to four neighbors only.
+            # This is the Manhattan distance as in ROS, because steps lead only to four neighbors.
             away = abs(neighbour % cols - target % cols) + abs(neighbour // cols - target // cols) if target >= 0 else 0
             heapq.heappush(queue, (float(value) + away * neutral, neighbour))
     left = 0 if met else len(queue)
@@ -112,11 +112,11 @@ def _astar_on(
 
 
 def astar(space: Workspace, start: int, target: int, neutral: float, quad: bool, portion: int) -> Iterator[None]:
-    """Fill the potential cell by cell, the cell with the cheapest estimated path first, until the target is met.
+    """Fill the potential cell by cell until the target is met, always the cell with the cheapest estimated path next.
 
-    As in ROS, the potential of a cell is set once, when the first neighbor reaches it. So the path is not always the
-    cheapest one, even if the estimate of the remaining cost (`neutral` for each step of the Manhattan distance) is not
-    too high.
+    As in ROS, the potential of a cell is set only once, when the first neighbor reaches it. So the path is not always
+    the cheapest one, even if the estimate of the remaining cost (`neutral` for each step of the Manhattan distance) is
+    not too high.
 
     Args:
         space: prepared workspace.
@@ -141,7 +141,7 @@ def astar(space: Workspace, start: int, target: int, neutral: float, quad: bool,
 
 @njit(cache=True)
 def fill_around(potential: Potential, costs: CellCosts, cols: int, cell: int, reach: int, quadratic: bool) -> None:
-    """Give a potential to the cells around a reached one, if they can be crossed."""
+    """Set the potential of cells around a reached cell if they can be crossed."""
     rows = costs.size // cols
     row, col = cell // cols, cell % cols
     for r in range(max(1, row - reach), min(rows - 1, row + reach + 1)):
@@ -176,18 +176,18 @@ class GlobalPlanner:
             threshold = float(parameters.lethal_cost)
             yield from spread(space, seeds, target, 0.0, threshold, 2.0 * neutral, quadratic, portion)
         else:
-            # A cell in its heap takes several times as long as one in the unsorted queues.
+            # A cell in the heap of A* takes several times as long as a cell in the unsorted queues.
             yield from astar(space, start, target, neutral, quadratic, portion // 2)
         if target >= 0 and self.exact and space.potential[target] < UNREACHED:
             fill_around(space.potential, space.costs, cols, target, FILL_REACH, quadratic)
 
     def trace(self, potential: Potential, cols: int, x: float, y: float, end_x: float, end_y: float) -> Points:
-        """Trace the path down the slope, or from cell to cell."""
+        """Trace the path down the slope, or from cell to cell, as the parameters require."""
         trace = descend_by_cells if self._parameters.use_grid_path else descend
         return trace(potential, cols, x, y, end_x, end_y)
 
     def orient(self, points: FloatArray, start: float, goal: float) -> FloatArray:
-        """Set the headings according to `orientation_mode`. The last one always is the goal's heading."""
+        """Set the headings according to `orientation_mode`. The last heading is always the goal's."""
         mode, window = self._parameters.orientation_mode, self._parameters.orientation_window_size
         return np.column_stack([points, orientations(points, mode, window, start, goal)])
 
@@ -220,7 +220,8 @@ def orientations(points: FloatArray, mode: int, window: int, start: float, goal:
         points: meters.
         mode: 0 none, 1 forward, 2 interpolated from start to goal, 3 forward then interpolated, 4 backward, 5 leftward,
             6 rightward.
-        window: the direction at a point is that from `window` points before it to `window` points after it.
+        window: the direction at a point is from the point `window` places before it to the point `window` places after
+            it.
         start: heading of the robot.
         goal: heading of the goal.
     """

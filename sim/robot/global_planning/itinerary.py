@@ -1,16 +1,17 @@
 """Right of way: the order in which robots pass the places that their paths share.
 
-Every robot broadcasts its itinerary: the points that it will pass, each with a time. These times are no promises. They
-define an order: no robot drives to a point before all robots with an earlier time near it have passed. So a delay of
-one robot makes others wait, but never makes two collide. Times increase along every itinerary. So the robot whose next
-point has the earliest time can always drive (no deadlock). Robots need no common clock, only the received times.
+Every robot broadcasts its itinerary: the points that it will pass, each with a time. A robot need not be at its points
+at these times. The times define an order: a robot drives to a point only after all robots with an earlier time near
+this point have passed. So a delay of one robot makes others wait, but never causes a collision. Times increase along
+every itinerary. So the robot with the earliest next time can always drive (no deadlock). Robots need no common clock,
+only the received times.
 
-A robot that plans first has the right of way. The itinerary of a later one keeps clear, at every time, of all received
-itineraries, with waits and detours where needed (`safe_interval`). A robot that stands is an itinerary of one point
-for all times. Robots plan in turns, one per tick. So no two plan at the same time without knowing of each other.
+A robot that plans first has the right of way. The itinerary of a robot that plans later keeps its distance from all
+received itineraries at every time, with waits and detours where needed (`safe_interval`). A standing robot counts as an
+itinerary of one point for all times. Robots plan in turns, one per tick, so each robot knows the plans of all others.
 
-Robots that stand closer together than plans allow violate this distance by standing there, and plans permit this near
-their starts. The proof does not hold in this case. So every itinerary is first executed in simulation (`executable`).
+Robots that already stand closer together than plans allow violate this distance, and plans permit this near their
+starts. The proof does not cover this case. So every itinerary is first executed in simulation (`executable`).
 
 Source: Cap, Gregoire, Frazzoli, Provably Safe and Deadlock-Free Execution of Multi-Robot Plans under Delaying
 Disturbances (IROS 2016), the control law RMTRACK; Cap, Vokrinek, Kleiner, Complete Decentralized Method for On-Line
@@ -32,11 +33,11 @@ from sim.numerics.float_array import FloatArray
 from sim.numerics.kernels import njit
 
 ITINERARY_SPEED = 0.5
-"""Speed in the times of itineraries, m/s: the average that remains of a robot's speed after turns and arrivals."""
+"""Speed assumed in the times of itineraries, m/s: a robot's average speed, including turns and arrivals."""
 POINT_SPACING = 0.1
 """Distance between the points of an itinerary, meters."""
 NEAR_START = 0.5
-"""Distance from its start within which a robot may stay as close to another one as it is already, meters."""
+"""Distance from its start, meters, within which a robot may remain as close to another robot as it already is."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,9 +45,9 @@ class Itinerary:
     """Points that a robot plans to pass, each with a time.
 
     Attributes:
-        points: (m, 2) map, meters; a wait is the same point twice.
-        times: (m,) ascending, seconds; before the first it stands at the first point, after the last at the last.
-        unhindered_from: time from which it continues as it would without other robots; before, it makes way for them.
+        points: (m, 2) points in the map, meters. A wait is the same point twice. times: (m,) ascending, seconds. Before
+        the first time the robot stands at the first point, after the last time at the last point. unhindered_from: time
+        from which on the robot drives as it would without other robots. Before, it makes way for them.
     """
 
     points: FloatArray
@@ -55,10 +56,10 @@ class Itinerary:
 
 
 class OtherItineraries(NamedTuple):
-    """The itineraries of the other robots, in the form for compiled kernels.
+    """The itineraries of the other robots, for compiled kernels.
 
     Attributes:
-        points: (n, 2) all their points, one robot after the other.
+        points: (n, 2) points of all other robots, one robot after the other.
         times: (n,) times of the points; -inf for a robot that stands.
         starts: (k + 1,) index of the first point of each robot.
     """
@@ -86,7 +87,7 @@ def itineraries_of(neighbours: Sequence[Neighbour]) -> OtherItineraries:
 
 def relevant_neighbours(neighbours: Sequence[Neighbour], x: float, y: float, distance: float) -> list[Neighbour]:
     """Return the neighbors that may come within `distance` meters of a place: all but those standing farther away."""
-    # A small margin, so that rounding excludes none.
+    # A small margin, so that rounding excludes no neighbor.
     reach = distance + 1e-6
     return [
         other
@@ -101,7 +102,7 @@ def itineraries_of_moving(neighbours: Sequence[Neighbour]) -> OtherItineraries:
 
 
 def timed_itinerary(points: FloatArray, start_time: float) -> Itinerary:
-    """Make the itinerary of (m, 2) points driven without a stop from `start_time` on."""
+    """Make the itinerary of a robot that drives along (m, 2) points without a stop from `start_time` on."""
     steps = elementary_arrays.hypot(*np.diff(points, axis=0).T)
     return Itinerary(points, start_time + np.concatenate([[0.0], np.cumsum(steps)]) / ITINERARY_SPEED)
 
@@ -118,7 +119,7 @@ def densified(itinerary: Itinerary) -> Itinerary:
 
 
 def _shares(counts: NDArray[np.int64]) -> FloatArray:
-    """Return for every count n in order: 1/n, 2/n, ... 1."""
+    """Return 1/n, 2/n, ... 1 for every count n, in the order of the counts."""
     return np.concatenate([np.arange(1, n + 1) / n for n in counts])
 
 
@@ -126,7 +127,8 @@ def _shares(counts: NDArray[np.int64]) -> FloatArray:
 def start_time(now: float, x: float, y: float, others: OtherItineraries, separation: float) -> float:
     """Return the time at which the itinerary of a robot that stands at (x, y) may begin.
 
-    This is now, unless another robot that is late has yet to pass. For that robot, this one has been here before it.
+    The time is `now`, unless another robot is late and still has to pass here. Then the itinerary begins before that
+    robot's time.
     """
     earliest = now
     for k in range(others.starts.shape[0] - 1):
@@ -167,22 +169,24 @@ def _place(points: FloatArray, times: FloatArray, begin: int, end: int, time: fl
 
 @njit(cache=True)
 def keeps_separation(points: FloatArray, times: FloatArray, others: OtherItineraries, separation: float) -> bool:
-    """Return True if an itinerary keeps its distance from all others at all times.
+    """Return True if an itinerary keeps its distance from all other itineraries at all times.
 
     Args:
         points: (m, 2) points of the itinerary.
         times: (m,) their times.
         others: itineraries of the other robots.
-        separation: distance from center to center, meters. Within NEAR_START of the first point, a smaller present
-            distance may stay.
+        separation: minimum distance from center to center, meters. Within NEAR_START of the first point, a present
+            distance that is smaller may remain.
     """
     n = points.shape[0]
     for k in range(others.starts.shape[0] - 1):
         begin, end = others.starts[k], others.starts[k + 1]
         ox, oy = _place(others.points, others.times, begin, end, times[0])
-        # Near its start a robot may keep its distance, minus 2 cm, because it never is exactly where it planned to be.
+        # Near its start, a robot may remain at its present distance, minus 2 cm, because it is never exactly where it
+        # planned to be.
         present = elementary.hypot(ox - points[0, 0], oy - points[0, 1]) - 0.02
-        # Both move straight between points, which are close together. So checks at the points of both suffice.
+        # Both robots move straight between points, which are close together. So checks at the points of both are
+        # enough.
         for i in range(n):
             x, y = points[i, 0], points[i, 1]
             ox, oy = _place(others.points, others.times, begin, end, times[i])
@@ -205,14 +209,14 @@ def keeps_separation(points: FloatArray, times: FloatArray, others: OtherItinera
 
 @njit(cache=True)
 def first_met(points: FloatArray, times: FloatArray, others: OtherItineraries, separation: float) -> int:
-    """Return the other robot that an itinerary comes too close to first, or -1.
+    """Return the first other robot to which an itinerary comes too close; -1 if there is none.
 
     Args:
         points: (m, 2) points of the itinerary.
         times: (m,) their times.
         others: itineraries of the other robots.
-        separation: distance from center to center, meters. A robot that is nearer at the first point counts only where
-            it comes nearer still.
+        separation: minimum distance from center to center, meters. A robot that is nearer at the first point counts
+            only where the distance gets even smaller.
     """
     for i in range(points.shape[0]):
         for k in range(others.starts.shape[0] - 1):
@@ -236,20 +240,20 @@ def right_of_way(
     others: OtherItineraries,
     separation: float,
 ) -> tuple[int, int, bool]:
-    """Find the point up to which a robot may drive now: the last one before a point that others must pass first.
+    """Find the point up to which a robot may drive now: the last point before a point that others must pass first.
 
     Args:
-        points: (m, 2) points of its itinerary.
+        points: (m, 2) points of the robot's itinerary.
         times: (m,) their times.
         index: index of the point that it has reached.
         last: index of the last point to examine.
-        x: its true position; also y.
+        x: true position of the robot, with `y`.
         others: itineraries of the other robots, each from the point that it has reached.
-        separation: distance from center to center, meters. A robot that is nearer already may drive where it does not
-            come nearer still.
+        separation: minimum distance from center to center, meters. A robot that is already nearer may drive where the
+            distance does not get even smaller.
 
     Returns:
-        An index from `index` to `last`; the other robot that blocks the next point, or -1; and whether that robot
+        An index from `index` to `last`; the other robot that blocks the next point, or -1; and True if that robot
         stands permanently.
     """
     for i in range(index + 1, last + 1):
@@ -257,7 +261,7 @@ def right_of_way(
         for k in range(others.starts.shape[0] - 1):
             for m in range(others.starts[k], others.starts[k + 1]):
                 if others.times[m] >= times[i]:
-                    # Times increase along an itinerary, so all further points of this robot are later, too.
+                    # Times increase along an itinerary, so all further points of this other robot are also later.
                     break
                 ox, oy = others.points[m, 0], others.points[m, 1]
                 if abs(px - ox) >= separation or abs(py - oy) >= separation:
@@ -270,19 +274,19 @@ def right_of_way(
 
 @njit(cache=True)
 def executable(points: FloatArray, times: FloatArray, others: OtherItineraries, separation: float) -> bool:
-    """Return True if an itinerary can be driven to its end, and no other robot is worse off than if this robot stayed.
+    """Return True if an itinerary can be driven to its end without stopping another robot that could drive otherwise.
 
-    This always holds for itineraries that keep their distance at equal times. But robots that already stand closer may
-    plan to stay so for a while, and could then block each other's next points permanently. So the right of way is
-    simulated twice: all robots with this itinerary, and all with this robot standing where it is.
+    This is always true for itineraries that keep their distance at equal times. But robots that already stand closer
+    may plan to remain closer for a while, and could then block each other's next points permanently. So the right of
+    way is simulated twice: once with this itinerary, and once with this robot standing where it is.
 
-    A step that is open stays open until it is driven. So the order in which robots are moved does not matter.
+    A step that is possible remains possible until it is driven. So the order in which robots are moved has no effect.
 
     Args:
         points: (m, 2) points of the itinerary.
         times: (m,) their times.
         others: itineraries of the other robots, each from the point that it has reached.
-        separation: distance from center to center, as in `right_of_way`, meters.
+        separation: minimum distance from center to center, meters, as in `right_of_way`.
     """
     own = points.shape[0]
     count = others.starts.shape[0]
@@ -329,7 +333,7 @@ def _open(
     robot: int,
     separation: float,
 ) -> bool:
-    """Return True if a robot at its point at[robot] may drive to the next one while the others are at theirs."""
+    """Return True if a robot at its point at[robot] may drive to its next point while all robots are at points `at`."""
     x, y = points[at[robot], 0], points[at[robot], 1]
     px, py, time = points[at[robot] + 1, 0], points[at[robot] + 1, 1], times[at[robot] + 1]
     for k in range(at.shape[0]):
@@ -341,8 +345,8 @@ def _open(
             ox, oy = points[m, 0], points[m, 1]
             if abs(px - ox) >= separation or abs(py - oy) >= separation:
                 continue
-            # Unlike in `right_of_way`, without a tolerance of 2 cm: in this simulation robots are exactly where they
-            # planned.
+            # `right_of_way` has a tolerance of 2 cm. It is not needed here, because simulated robots are exactly where
+            # they planned to be.
             distance = elementary.hypot(px - ox, py - oy)
             if distance < separation and distance < elementary.hypot(x - ox, y - oy):
                 return False
@@ -351,13 +355,16 @@ def _open(
 
 @njit(cache=True)
 def reached_index(points: FloatArray, index: int, x: float, y: float) -> int:
-    """Return the index of the point that a robot at (x, y) has reached: the nearest just ahead; it never goes back."""
+    """Return the index of the point that a robot at (x, y) has reached: the nearest one not far ahead.
+
+    It never decreases.
+    """
     best = index
     best_distance = elementary.hypot(points[index, 0] - x, points[index, 1] - y)
     along = 0.0
     for i in range(index + 1, points.shape[0]):
         along += elementary.hypot(points[i, 0] - points[i - 1, 0], points[i, 1] - points[i - 1, 1])
-        # A loop to a waiting place and back is longer than this, so it is never skipped.
+        # A loop to a waiting place and back is longer than this. So it is never skipped.
         if along > 0.45:
             break
         distance = elementary.hypot(points[i, 0] - x, points[i, 1] - y)

@@ -1,7 +1,8 @@
 """Planning of itineraries for one robot: over the map, and in time among the other robots.
 
-First comes the global planner's path, driven without a stop. If it meets other robots' itineraries, a search in space
-and time follows (`safe_interval`). If that fails, the result is the path without the others, which they should clear.
+The first attempt is the global planner's path, driven without a stop. If it meets other robots' itineraries, a search
+in space and time follows (`safe_interval`). If that fails, the result is the path without the other robots, which are
+asked to clear it.
 """
 
 import math
@@ -41,19 +42,18 @@ from sim.robot.global_planning.safe_interval import BoolArray, Roadmap, make_roa
 from sim.robot.part_failure import PartFailed
 
 PLANNED_GAP = 0.16
-"""Distance between two robots' circumscribed circles in a plan, meters."""
+"""Minimum distance between two robots' circumscribed circles in a plan, meters."""
 DRIVEN_GAP = 0.1
-"""Distance between them while they drive by right of way, meters."""
+"""Minimum distance between these circles while robots drive by right of way, meters."""
 ROOM_TO_TURN = 0.08
-"""Distance of the circumscribed circle from walls where a robot waits or makes a detour, meters."""
+"""Minimum distance of the circumscribed circle from walls where a robot waits or makes a detour, meters."""
 
 
 @dataclass(frozen=True, slots=True)
 class BlockedByRobots:
-    """A path exists, but other robots block it.
+    """Result if a path exists, but other robots block it.
 
-    Attributes:
-        wanted_path: (m, 2) map points of that path.
+    Attributes: wanted_path: (m, 2) map points of the blocked path.
     """
 
     wanted_path: FloatArray
@@ -64,13 +64,11 @@ _PathCosts = Literal["present", "without robots", "without observations"]
 
 @dataclass(slots=True)
 class _Attempt:
-    """State of a planning attempt; on large maps it takes several ticks.
+    """State of a planning attempt. On large maps, an attempt takes several ticks.
 
     Attributes:
-        start: pose where it began.
-        goal: the goal.
-        found: results of finished searches, by their costs.
-        search: the present search, and its costs.
+        start: pose of the robot when the attempt began. goal: the goal. found: results of finished searches, by the
+        costs that they used. search: the present search, and the costs that it uses.
     """
 
     start: Pose2
@@ -80,7 +78,7 @@ class _Attempt:
 
 
 class ItineraryPlanner:
-    """Plans itineraries through a map for one robot.
+    """Planner of one robot's itineraries through a map.
 
     Args:
         static: the map.
@@ -89,7 +87,7 @@ class ItineraryPlanner:
         planner: planner of paths without regard to other robots.
 
     Attributes:
-        fault: failure of an installed planner, until it is read; empty without one.
+        fault: failure of an installed planner, until it is read; empty without a failure.
     """
 
     def __init__(
@@ -106,7 +104,7 @@ class ItineraryPlanner:
         self.configure(inflation, planner)
 
     def configure(self, inflation: InflationParameters, planner: PathPlanner) -> None:
-        """Continue with this planner, and with the costmap after a change of parameters.
+        """Continue with this planner and with the changed parameters of the costmap.
 
         Args:
             inflation: parameters of the costmap's inflation layer.
@@ -125,17 +123,17 @@ class ItineraryPlanner:
         self._too_near = cost_at(circumscribed, costmap.inscribed_radius, inflation.cost_scaling_factor)
 
     def update_neighbours(self, neighbours: Sequence[Neighbour]) -> None:
-        """Update the costmap with the last broadcasts of the other robots."""
+        """Update the costmap by the last broadcasts of the other robots."""
         self.costmap.update_neighbours(neighbours)
         self.costmap.update(0.0, 0.0)
 
     @property
     def searching(self) -> bool:
-        """True after a `plan` that found nothing yet, until one returns a result."""
+        """True from the first call of `plan` without a result until a call with a result."""
         return self._attempt is not None
 
     def search_on(self) -> None:
-        """Continue the present search, for this tick."""
+        """Do this tick's portion of the present search."""
         attempt = self._attempt
         if attempt is None or attempt.search is None:
             return
@@ -166,8 +164,9 @@ class ItineraryPlanner:
             others: itineraries of the other robots.
 
         Returns:
-            None while the search goes on: call `search_on` once per tick, and then `plan` again. Partial results are
-            kept while the goal stays the same and the robot does not go far.
+            The itinerary, or the reason why there is none. None while the search continues: call `search_on` once per
+            tick, and then `plan` again. Partial results are kept while the goal does not change and the robot does not
+            drive far.
         """
         attempt = self._attempt
         if attempt is None or attempt.goal != goal or attempt.start.distance(start) > NEAR_START:
@@ -179,7 +178,7 @@ class ItineraryPlanner:
         return planned
 
     def _path(self, attempt: _Attempt, over: _PathCosts, costs: Costs) -> Path | PlanRefusal | None:
-        """Return the path over these costs, or None while the search goes on."""
+        """Return the path over these costs, or None while the search continues."""
         if over not in attempt.found and attempt.search is None:
             attempt.search = over, self._planner.search(costs, self._frame, attempt.start, attempt.goal)
             self.search_on()
@@ -211,7 +210,7 @@ class ItineraryPlanner:
     def _alone(self, attempt: _Attempt, walls: Costs) -> BlockedByRobots | PlanRefusal | None:
         """Plan the path that would exist without the other robots.
 
-        A robot that waits for others needs the same path again and again, so it is planned only once.
+        A robot that waits for others needs the same path again and again. So the path is planned only once.
         """
         asked = (attempt.start, attempt.goal)
         if walls is self._walls and asked == self._alone_query and self._alone_answer is not None:
@@ -225,7 +224,7 @@ class ItineraryPlanner:
         return answer
 
     def _refusal(self, attempt: _Attempt, refused: PlanRefusal) -> PlanRefusal | None:
-        """Return the refusal; if the map alone has a path, return that an obstacle seen by the laser is the cause."""
+        """Return the refusal. If a path exists on the map alone, name an obstacle seen by the laser as the cause."""
         bare: Path | PlanRefusal | None = refused
         if self.costmap.obstacles.any_marks:
             bare = self._path(attempt, "without observations", self._walls)
@@ -247,7 +246,7 @@ class ItineraryPlanner:
 
         Args:
             start: pose of the base.
-            wanted_path: (m, 2) path that the other robot wants to drive.
+            wanted_path: (m, 2) map points of the path that the other robot wants to drive.
             time: start time of the itinerary.
             others: itineraries of the other robots.
         """
@@ -259,9 +258,10 @@ class ItineraryPlanner:
         return away if self._executable(away, others) else None
 
     def made_way_for(self, itinerary: Itinerary, others: OtherItineraries) -> int | None:
-        """Return the first of the others that an itinerary makes way for; None if it makes way for none.
+        """Return the first robot for which an itinerary makes way; None if there is none.
 
-        This is the robot that would be met first on the path that would exist without the others.
+        Without other robots, this robot would drive on another path. On that path it would meet the returned robot
+        first.
         """
         if itinerary.unhindered_from == -math.inf:
             return None
@@ -296,7 +296,7 @@ class ItineraryPlanner:
         return bool(executable(itinerary.points, itinerary.times, others, self.separation_driven))
 
     def _free_space(self) -> tuple[BoolArray, Costs]:
-        """Return a mask of coarse cells free of walls and obstacles, and the costs without the other robots."""
+        """Return a mask of coarse cells without walls and obstacles, and the costs without the other robots."""
         if not self.costmap.obstacles.any_marks:
             return self._roadmap.free, self._walls
         walls = self.costmap.without_robots()
@@ -306,9 +306,9 @@ class ItineraryPlanner:
 
 @lru_cache(maxsize=8)
 def _coarse(static: OccupancyGrid, radius: float) -> tuple[Roadmap, NDArray[np.int32]]:
-    """Return the coarse grid for robots of a radius (meters), and the (n, 2) map cells that contain its centers.
+    """Return the coarse grid for robots of a radius (meters), and the (n, 2) map cells that contain its cells' centers.
 
-    All robots of the same size share them, so they must not be written to.
+    All robots of the same size share these arrays, so they must not be changed.
     """
     made = make_roadmap(static, clearance_field(static), radius)
     return made, static.cells_of(made.centres.reshape(-1, 2)).astype(np.int32)
@@ -316,7 +316,7 @@ def _coarse(static: OccupancyGrid, radius: float) -> tuple[Roadmap, NDArray[np.i
 
 @njit(cache=True)
 def _touched(points: FloatArray, marks: Costs, frame: CostFrame, radius: float) -> bool:
-    """Return True if a marked cell's center is within `radius` of any of (m, 2) points."""
+    """Return True if the center of a marked cell is within `radius` of one of (m, 2) points."""
     span = int(radius / frame.resolution) + 1
     for k in range(points.shape[0]):
         row = math.floor((points[k, 1] - frame.y) / frame.resolution)

@@ -1,8 +1,8 @@
-"""A plan on request, to a goal or to a place as near to it as the caller accepts.
+"""Plan on request, to a goal or to a place near it within the caller's tolerance.
 
 Source: ros-planning/navigation, move_base/src/move_base.cpp (planService).
-Differences: costs are not changed. One search finds all reachable places, instead of one plan to each. The request also
-works while the robot drives.
+Differences: costs are not changed. One search finds all reachable places, while ROS makes one plan to each. The request
+also works while the robot drives.
 """
 
 import math
@@ -27,7 +27,7 @@ def make_plan(
     tolerance: float,
     add_unreachable_goal: bool,
 ) -> FloatArray | PlanRefusal:
-    """Plan a path to the goal, or to the first reachable place on ever larger squares around it.
+    """Plan a path to the goal, or to the first reachable place on increasingly large squares around it.
 
     Args:
         planner: planner that finds the paths.
@@ -50,7 +50,7 @@ def make_plan(
     step = min(STEP * frame.resolution, tolerance)
     rows, cols = costs.shape
     corner = np.array([frame.x, frame.y])
-    # A little less, because rounding might lead to a cell beyond the last one.
+    # Subtract a little, because rounding might lead to a cell beyond the last one.
     opposite = corner + (np.array([cols, rows]) - 1e-6) * frame.resolution
     # Beyond the map there is nothing to search.
     farthest = min(tolerance, (rows + cols) * frame.resolution)

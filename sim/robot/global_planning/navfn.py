@@ -31,7 +31,7 @@ def passage_costs(allow_unknown: bool) -> CellCosts:
 
 
 class Navfn:
-    """The part that is specific to navfn; see `PotentialMethod`.
+    """Functions that are specific to navfn; see `PotentialMethod`.
 
     Args:
         parameters: parameters of navfn.
@@ -45,7 +45,7 @@ class Navfn:
         self._use_astar = parameters.use_astar
 
     def spread(self, space: Workspace, x: float, y: float, target: int, portion: int) -> Iterator[None]:
-        """Spread the wave, cheap cells first; with A*, cells that are cheap and near the target first."""
+        """Spread the wave, cheap cells first. With A*, cells that are cheap and near the target come first."""
         cols = space.shape[1]
         start = round(y) * cols + round(x)
         space.potential[start] = 0.0

@@ -33,15 +33,16 @@ _SENTENCES: dict[PlanRefusalCode, str] = {
 }
 
 OUTERMOST = "in the map's outermost row or column of cells, where planners lead no path"
-"""End of a sentence about a place at the map's border."""
+"""Last part of a sentence about a place at the map's border."""
 
 
 @dataclass(frozen=True, slots=True)
 class Path:
-    """Poses from start to goal.
+    """Path: poses from start to goal.
 
     Attributes:
-        poses: (m, 3) in the map, meters and radians. Each faces the next one; the last has the goal's heading.
+        poses: (m, 3) poses in the map, meters and radians. Each faces the next one. The last pose has the goal's
+            heading.
     """
 
     poses: FloatArray
@@ -57,7 +58,7 @@ class PlanRefusal:
     """Refusal of a plan, because no path exists.
 
     Attributes:
-        code: the cause, stable for programs.
+        code: code of the cause for programs; it never changes.
         sentence: the cause for people.
     """
 
@@ -73,7 +74,7 @@ def plan_refusal(code: PlanRefusalCode) -> PlanRefusal:
 def with_edge(
     refusal: PlanRefusal, shape: tuple[int, ...], frame: CostFrame, start: Pose2, goal: Pose2, radius: float = 0.0
 ) -> PlanRefusal:
-    """Return the refusal, with a note if an end is at the map's edge, where planners and bodies have limits.
+    """Return the refusal. If start or goal is too near the map's edge for planner or body, add a note.
 
     Args:
         refusal: reason why no path exists.
@@ -81,7 +82,8 @@ def with_edge(
         frame: frame of the map.
         start: pose of the base.
         goal: pose at the end.
-        radius: radius of the body; the note covers ends nearer than this to the edge. If 0, only the outermost cells.
+        radius: radius of the body, meters. The note is for ends that are nearer than this to the edge. If 0, it is only
+            for the outermost cells.
     """
     if refusal.sentence != _SENTENCES.get(refusal.code) or refusal.code in {"start_outside", "goal_outside"}:
         return refusal
@@ -100,17 +102,17 @@ def with_edge(
 
 
 PathSearch = Generator[None, None, Path | PlanRefusal]
-"""A search for a path, which does one portion of work at a time."""
+"""Search for a path that does one portion of work at a time."""
 
 
 class PathPlanner(Protocol):
-    """Finds paths over a costmap."""
+    """Planner of paths over a costmap."""
 
     def search(self, costs: Costs, frame: CostFrame, start: Pose2, goal: Pose2) -> PathSearch:
-        """Search a path between two poses.
+        """Search for a path between two poses.
 
         Args:
-            costs: (rows, cols); not changed.
+            costs: (rows, cols). They are not changed.
             frame: frame of the costs in the map.
             start: pose of the base, in the costmap's frame.
             goal: pose at the end.
@@ -124,7 +126,7 @@ class RobotPathPlanner(PathPlanner, Protocol):
         """Plan a path at once; see `search`."""
 
     def reached(self, costs: Costs, frame: CostFrame, start: Pose2) -> NDArray[np.bool_]:
-        """Return (rows, cols) True in the cells where a path from a start may end; see `search`."""
+        """Return a (rows, cols) mask of the cells where a path from a start may end. See `search` for the arguments."""
 
 
 class PlannerFactory(Protocol):
@@ -136,6 +138,6 @@ class PlannerFactory(Protocol):
 
 
 def headings(points: FloatArray, last: float) -> FloatArray:
-    """Return (m, 3) poses on (m, 2) points: each faces the next one, the last has the heading `last`."""
+    """Return (m, 3) poses on (m, 2) points. Each faces the next one, and the last pose has the heading `last`."""
     steps = np.diff(points, axis=0)
     return np.column_stack([points, np.append(elementary_arrays.atan2(steps[:, 1], steps[:, 0]), last)])

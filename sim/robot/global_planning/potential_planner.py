@@ -1,9 +1,9 @@
-"""A global planner that spreads a potential from the robot and follows its slope down from the goal.
+"""Global planner that spreads a potential from the robot, and follows the potential's slope down from the goal.
 
 Source: ros-planning/navigation, navfn/src/navfn_ros.cpp, global_planner/src/planner_core.cpp.
-Differences: a start in a lethal cell is refused, while ROS clears the cell. A reached goal is the path's end even with
-a tolerance, while navfn ends at one of a raster of points around it. Positions are those of the cells' centers, while
-navfn's paths are off by half a cell towards the origin. The costmap is not changed.
+Differences: a start in a lethal cell is refused, while ROS clears the cell. A path to a goal that can be reached ends
+exactly there even with a tolerance, while navfn ends at a point of a raster around the goal. Positions refer to the
+cells' centers, while navfn's paths are shifted by half a cell towards the origin. The costmap is not changed.
 """
 
 import math
@@ -21,15 +21,14 @@ from sim.robot.global_planning.path import OUTERMOST, Path, PathSearch, PlanRefu
 from sim.robot.global_planning.wave import BLOCKED, UNREACHED, CellCosts, Points, Potential, Workspace, prepare
 
 MAX_CELLS = 1e9
-"""Cells from a map's corner up to which places are distinguished."""
+"""Distance from a map's corner beyond which positions are not distinguished, cells."""
 PORTION = 300_000
-"""Approximate number of cells that a search visits in a tick: twice as many as a wave visits that spreads over 26 m x
-14 m, and about six milliseconds of work. It is a number of cells and not a time, so that plans are the same on every
-machine."""
+"""Approximate number of cells that a search visits in a tick. This is twice the number for a wave over 26 m x 14 m, and
+about six milliseconds of work. It is a number of cells and not a time, so that plans are the same on every machine."""
 
 
 class PotentialMethod(Protocol):
-    """The part in which planners by potential differ: costs, spreading, tracing, headings."""
+    """Functions in which planners with a potential differ: costs, spreading, tracing, headings."""
 
     @property
     def table(self) -> CellCosts:
@@ -41,28 +40,28 @@ class PotentialMethod(Protocol):
 
     @property
     def exact(self) -> bool:
-        """True if wave and path start between the centers of cells; False if both start at centers."""
+        """True if wave and path start at exact positions; False if both start at centers of cells."""
 
     def spread(self, space: Workspace, x: float, y: float, target: int, portion: int) -> Iterator[None]:
-        """Fill the potential from a position, in cells, until the target is reached; -1 for no target.
+        """Fill the potential from a position, in cells, until the target is reached. -1 means no target.
 
-        Yield after every portion (a number of visited cells) except the last.
+        Yield after every portion (a number of visited cells) except the last one.
         """
 
     def trace(self, potential: Potential, cols: int, x: float, y: float, end_x: float, end_y: float) -> Points:
-        """Return (m, 2) positions from a reached place down to where the wave began."""
+        """Return (m, 2) positions from a reached place down to the start of the wave."""
 
     def orient(self, points: FloatArray, start: float, goal: float) -> FloatArray:
-        """Return (m, 3) poses on (m, 2) points, from the headings at both ends."""
+        """Return (m, 3) poses on (m, 2) points, for given headings at both ends."""
 
 
 class PotentialPlanner:
     """Global planner that uses a potential over the costmap.
 
     Args:
-        method: the part in which planners differ.
-        space: workspace, used if it fits the costmap. Nothing is kept in it between plans, so planners may share one; a
-            search waits for those that began before it. If None, the planner makes its own.
+        method: functions in which planners differ. space: workspace, used if it fits the costmap. Nothing is kept in it
+        between plans, so planners may share it. A search waits for searches that began before it. If None, the planner
+        makes its own workspace.
     """
 
     def __init__(self, method: PotentialMethod, space: Workspace | None = None) -> None:
@@ -70,11 +69,14 @@ class PotentialPlanner:
         self._space = space or Workspace(0, 0)
 
     def reached(self, costs: Costs, frame: CostFrame, start: Pose2) -> NDArray[np.bool_]:
-        """Return (rows, cols) True in the cells where a path from a start may end; arguments as for `plan`."""
+        """Return a (rows, cols) mask of the cells where a path from a start may end. See `search` for the arguments."""
         return self.potential(costs, frame, start) < UNREACHED
 
     def potential(self, costs: Costs, frame: CostFrame, start: Pose2) -> Potential:
-        """Return the (rows, cols) potential from a start, UNREACHED where no path can end; arguments as for `plan`."""
+        """Return the (rows, cols) potential from a start; UNREACHED where no path can end.
+
+        See `search` for the arguments.
+        """
         rows, cols = costs.shape
         x, y = _position(frame, start)
         if not (0 <= round(y) < rows and 0 <= round(x) < cols) or costs[round(y), round(x)] == LETHAL:
@@ -100,7 +102,7 @@ class PotentialPlanner:
         return points
 
     def plan(self, costs: Costs, frame: CostFrame, start: Pose2, goal: Pose2) -> Path | PlanRefusal:
-        """Plan a path at once; arguments as for `search`."""
+        """Plan a path at once. See `search` for the arguments."""
         search = self.search(costs, frame, start, goal)
         while True:
             try:
@@ -110,16 +112,17 @@ class PotentialPlanner:
                 return path
 
     def search(self, costs: Costs, frame: CostFrame, start: Pose2, goal: Pose2) -> PathSearch:
-        """Search a path from start to goal that avoids obstacles according to their costs.
+        """Search for a path from start to goal that avoids obstacles according to their costs.
 
         Args:
-            costs: (rows, cols). They are read when the search begins, which may be after the first portions.
+            costs: (rows, cols). They are read when the search begins. If it has to wait for other searches, this is
+                later than the first step.
             frame: frame of the costs in the map.
             start: pose of the base, in the costmap's frame.
             goal: pose at the end.
 
         Yields:
-            After every portion of work except the last.
+            After every portion of work except the last one.
 
         Returns:
             The path, or the reason why none exists.
@@ -169,7 +172,7 @@ class PotentialPlanner:
                 )
             down = method.trace(space.potential, cols, goal_x, goal_y, x, y)
         finally:
-            # Also when a search is stopped before its end.
+            # This also happens if a search is stopped before its end.
             space.users.remove(user)
         points = (down[::-1] + 0.5) * frame.resolution + np.array([frame.x, frame.y])
         if len(points) == 1:
@@ -190,21 +193,21 @@ class PotentialPlanner:
 
 
 def _position(frame: CostFrame, pose: Pose2) -> tuple[float, float]:
-    """Return the position in cells, such that rounding gives the cell: whole numbers are centers."""
+    """Return the position in cells. Whole numbers are centers, so rounding gives the cell."""
     x, y = (pose.x - frame.x) / frame.resolution, (pose.y - frame.y) / frame.resolution
-    # The lower edge belongs to the cell, even where rounding to even would give another one.
+    # The lower edge belongs to the cell, although rounding half to even could give another cell.
     return _within(x), _within(y)
 
 
 def _within(position: float) -> float:
-    # Places farther away are on no map, and could be infinitely many cells away.
+    # Positions farther away are on no map, and may even be infinite.
     position = min(max(position, -MAX_CELLS), MAX_CELLS)
     cell = math.floor(position)
     return cell + min(max(position - cell - 0.5, -0.499999), 0.499999)
 
 
 def _nearest_reached(space: Workspace, x: float, y: float, tolerance: float) -> tuple[int, int] | None:
-    """Return (col, row) of the reached cell nearest to a position, within the tolerance; all in cells."""
+    """Return (col, row) of the reached cell nearest to a position, within the tolerance. All units are cells."""
     rows, cols = space.shape
     top, left = max(0, math.floor(y - tolerance)), max(0, math.floor(x - tolerance))
     window = space.potential.reshape(rows, cols)[

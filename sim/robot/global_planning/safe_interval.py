@@ -1,15 +1,16 @@
-"""Safe interval path planning (SIPP): the quickest itinerary among robots with known itineraries.
+"""Safe interval path planning (SIPP): find the quickest itinerary among robots with known itineraries.
 
 Space is a coarse grid. Each cell has a list of safe intervals: spans of time in which no other robot comes near. A
-state of the search is a cell and one of its safe intervals. Within an interval a robot may wait for any time. So an
-earlier arrival can do everything that a later one can, and one arrival per state, the earliest, is enough. This makes
-the search as small as a search in space alone, times the few intervals of a cell. A search in space and time would have
-a state for every second of waiting. A* expands states in the order of arrival time plus the remaining time without
-other robots. The goal is reached if the robot arrives in an interval that never ends, so that it may stay.
+state of the search is a cell and one of its safe intervals. Within an interval, a robot may wait as long as it needs.
+So a robot that arrives earlier can do everything that it could do after a later arrival, and only the earliest arrival
+in each state is needed. The number of states is that of a search in space alone, multiplied by the few intervals of a
+cell. A plain search in space and time would have a state for every second of waiting. A* expands states in the order of
+arrival time plus the remaining time without other robots. The goal is reached if the robot arrives in an interval that
+never ends, so that it may stay there.
 
 Source: Phillips, Likhachev, SIPP: Safe Interval Path Planning for Dynamic Environments (ICRA 2011).
-Difference: intervals begin and end on a raster of BIN_LENGTH seconds. The time beyond the last bin is safe if the last
-bin is.
+Difference: intervals begin and end at multiples of BIN_LENGTH seconds. The time after the last bin is safe if the last
+bin is safe.
 """
 
 import heapq
@@ -31,21 +32,20 @@ CELL_SIDE = 0.2
 BIN_LENGTH = 0.5
 """Duration of a time bin, seconds. Intervals begin and end between bins."""
 BIN_COUNT = 240
-"""Number of bins that the search looks ahead: two minutes."""
+"""Number of bins that the search covers: two minutes."""
 
 UNHINDERED = 1.0
-"""Seconds by which an itinerary may take longer than without other robots and still counts as unhindered."""
+"""Maximum delay of an unhindered itinerary, compared with an itinerary without other robots, seconds."""
 
 BoolArray = NDArray[np.bool_]
 CellNumbers = NDArray[np.int32]
 
 
 class BusyBins(NamedTuple):
-    """Time bins in which other robots come near cells, in the form for compiled kernels.
+    """Time bins in which other robots come near cells, for compiled kernels.
 
-    Attributes:
-        row: (rows, cols) of the coarse grid: the row of `busy` for a cell; -1 if no robot ever comes near.
-        busy: (n, bins) True if another robot comes near within a bin.
+    Attributes: row: (rows, cols) row of `busy` for each cell of the coarse grid; -1 if no robot ever comes near. busy:
+        (n, bins) True if another robot comes near during a bin.
     """
 
     row: CellNumbers
@@ -57,9 +57,9 @@ class Roadmap:
     """The coarse grid.
 
     Attributes:
-        centres: (rows, cols, 2) map point of each cell: its middle, or the point with most clearance if that is too
-            tight.
-        free: (rows, cols) True if a robot can stand and turn there without touching a wall.
+        centres: (rows, cols, 2) map point of each cell: its middle or, if clearance is too small there, the point of
+            the cell with most clearance.
+        free: (rows, cols) True if a robot can stand and turn at this point without touching a wall.
         corner: (2,) map coordinates of the outer corner of cell (0, 0).
         side: side of a cell, meters.
     """
@@ -83,7 +83,7 @@ def make_roadmap(grid: OccupancyGrid, clearance: FloatArray | NDArray[np.float32
     whole = clearance[: rows * stride, : cols * stride]
     blocks = whole.reshape(rows, stride, cols, stride).swapaxes(1, 2).reshape(rows, cols, stride * stride)
     middle = (stride // 2) * stride + stride // 2
-    # Compare in double precision, for clearances of either precision.
+    # Compare in double precision, because clearances may have single or double precision.
     needed = np.float64(radius)
     roomiest = np.where(blocks[:, :, middle] >= needed, middle, blocks.argmax(axis=2))
     row, col = np.divmod(roomiest, stride)
@@ -100,10 +100,10 @@ def _shade(
 ) -> tuple[BusyBins, int]:  # fmt: skip
     """Mark the free cells around a robot at (x, y) as busy from bin `first` to bin `last`.
 
-    `count` rows of the traffic are in use. Return both as they are afterwards.
+    `count` rows of the traffic are in use. Return the new traffic and the new count.
 
-    `present` is the distance of that robot from the planning robot's start (start_x, start_y), meters. At the start, no
-    more than this distance is required. Otherwise a robot that stands too close to another one could never leave.
+    `present` is the distance of that robot from the planning robot's start (start_x, start_y), meters. At the start,
+    the required distance is at most this. Otherwise a robot that stands too close to another one could never leave.
     """
     row_of, busy = traffic
     rows, cols = row_of.shape
@@ -118,7 +118,8 @@ def _shade(
         for c in range(max(0, int(col - span)), min(cols, int(col + span) + 1)):
             cx, cy = centres[r, c, 0], centres[r, c, 1]
             dx, dy = cx - x, cy - y
-            # Squares decide most cells in a tenth of the time. Only where rounding could matter, compute the distance.
+            # For most cells, squared distances are enough, in a tenth of the time. Compute the distance only where
+            # rounding could matter.
             squared = dx * dx + dy * dy
             if not free[r, c] or squared > far:
                 continue
@@ -129,9 +130,8 @@ def _shade(
             if abs(cx - start_x) < side and abs(cy - start_y) < side:
                 off = elementary.hypot(cx - start_x, cy - start_y)
                 if off < side:
-                    # The cell to which the start is rounded may be nearer to the other robot than the start itself, by
-                    # up to
-                    # half a cell's diagonal. The cells next to it may be nearer only by rounding.
+                    # The start is rounded to a cell. This cell may be nearer to the other robot than the start itself,
+                    # by up to half a cell's diagonal. The cells next to it may be nearer only by rounding errors.
                     needed = min(radius, present - (0.75 * side if off < 0.71 * side else 0.02))
                     distance = elementary.hypot(dx, dy)
             if distance < needed:
@@ -170,8 +170,7 @@ def _traffic(
                 traffic, count, free, centres, corner, side, x, y, separation, start[0], start[1], present, first, last
             )
             # The step from one point to the next takes less than a bin. If it crosses the border of two bins, the robot
-            # may
-            # be near this point in both. A longer span can only be a wait, at this very point.
+            # may be near this point in both. A longer span can only be a wait at exactly this point.
             if i > begin:
                 first = math.floor((others.times[i - 1] - time) / bin_length)
                 last = math.floor((others.times[i] - time) / bin_length)
@@ -188,7 +187,7 @@ def _distances(free: BoolArray, targets: BoolArray, side: float) -> FloatArray:
     """Return (rows, cols) meters to the nearest target through free cells; inf if none can be reached.
 
     The grid is swept forward and backward in turn until nothing changes (a distance transform over eight neighbors). A
-    cell is visited again only if one of its neighbors has changed, because only then it can become nearer.
+    cell is visited again only if one of its neighbors has changed, because otherwise its distance cannot decrease.
     """
     rows, cols = free.shape
     field = np.full((rows, cols), np.inf)
@@ -232,7 +231,7 @@ def _distances(free: BoolArray, targets: BoolArray, side: float) -> FloatArray:
 
 @njit(cache=True)
 def _make_due(due: BoolArray, in_row: NDArray[np.int64], free: BoolArray, row: int, col: int) -> int:
-    """Mark the free cells around one for another visit. Return how many were not marked before."""
+    """Mark the free cells around a cell for another visit. Return the number of cells that were not marked before."""
     count = 0
     for r in range(max(0, row - 1), min(due.shape[0], row + 2)):
         for c in range(max(0, col - 1), min(due.shape[1], col + 2)):
@@ -247,10 +246,10 @@ def _make_due(due: BoolArray, in_row: NDArray[np.int64], free: BoolArray, row: i
 def _reachable(
     free: BoolArray, first: NDArray[np.int64], closes: FloatArray, targets: BoolArray, start_row: int, start_col: int
 ) -> bool:
-    """Return False if no robot can get from the start to a target where it may stay, however long it waits.
+    """Return False if a robot cannot get from the start to a target where it may stay, whatever its waits.
 
-    In this case a search would visit all states in vain: if a target is never left free, or if a robot that stands
-    permanently blocks every path. The states are as in `_search`.
+    Reasons are that no target becomes free permanently, or that a robot that stands permanently blocks every path. In
+    these cases a search would visit all states without a result. The states are as in `_search`.
     """
     rows, cols = free.shape
     met = np.zeros((rows, cols), np.bool_)
@@ -282,18 +281,19 @@ def _search(
 ) -> FloatArray:  # fmt: skip
     """Return the quickest path to a target where the robot may stay.
 
-    It is (m, 4): x, y, seconds from now, and remaining seconds from there without other robots. (0, 4) if there is
-    none.
+    The path is (m, 4): x, y, seconds from now, and remaining seconds from there without other robots. It is (0, 4) if
+    there is no path.
     """
     rows, cols = free.shape
     row_of, busy = traffic
     bins = busy.shape[1]
-    # The heuristic ignores other robots, and walls next to diagonal steps, so it hardly ever overestimates.
+    # The heuristic ignores other robots, and walls next to diagonal steps. So it hardly ever overestimates.
     to_go = _distances(free, targets, side)
     if to_go[start_row, start_col] == np.inf:
         return np.empty((0, 4))
-    # Number the safe intervals of all cells. Those of a cell are the states first[cell] up to first[cell + 1], in the
-    # order of time, each from opens[k] to closes[k]. An interval that lasts to the end of the last bin never closes.
+    # Number the safe intervals of all cells. The states from first[cell] to first[cell + 1] - 1 are the intervals of a
+    # cell, in the # order of time. Interval k lasts from opens[k] to closes[k]. An interval that lasts to the end of
+    # the last bin never closes.
     first = np.zeros(rows * cols + 1, np.int64)
     for cell in range(rows * cols):
         r, c = cell // cols, cell % cols
@@ -308,7 +308,7 @@ def _search(
                 before = now
         first[cell + 1] = first[cell] + count
     total = first[rows * cols]
-    # Counting before filling keeps all intervals in two flat arrays.
+    # Intervals are counted before they are filled in, so that two flat arrays can contain all of them.
     opens, closes = np.empty(total), np.empty(total)
     for cell in range(rows * cols):
         if first[cell + 1] == first[cell]:
@@ -330,10 +330,11 @@ def _search(
     start_cell = start_row * cols + start_col
     if first[start_cell + 1] == first[start_cell] or opens[first[start_cell]] > 0.0:
         return np.empty((0, 4))
-    # A cheap flood fill, because a search without a solution visits every state.
+    # First do a cheap flood fill, because a search without a solution would visit every state.
     if not _reachable(free, first, closes, targets, start_row, start_col):
         return np.empty((0, 4))
-    # arrival[k] is the earliest known arrival in state k, from state parent[k]. It is final once done[k] is True.
+    # Invariant: arrival[k] is the earliest known arrival in state k, and parent[k] is the state before it. Both are
+    # final once done[k] is True.
     arrival = np.full(total, np.inf)
     parent = np.full(total, -1, np.int64)
     cell_of = np.empty(total, np.int64)
@@ -359,22 +360,23 @@ def _search(
                 nr, nc = r + dr, c + dc
                 if (dr == 0 and dc == 0) or not (0 <= nr < rows and 0 <= nc < cols) or not free[nr, nc]:
                     continue
-                # A diagonal step passes between its two side cells. Both must be free, or it would cut a corner.
+                # A diagonal step passes between two cells at its sides. Both must be free, because otherwise the step
+                # would cut a corner.
                 if dr != 0 and dc != 0 and not (free[r, nc] and free[nr, c]):
                     continue
                 length = elementary.hypot(centres[nr, nc, 0] - centres[r, c, 0], centres[nr, nc, 1] - centres[r, c, 1])
                 takes = length / speed
                 target = nr * cols + nc
                 for k in range(first[target], first[target + 1]):
-                    # The robot starts when it is here and the next cell is safe, whichever is later: both cells must be
-                    # safe while it is between them.
+                    # Both cells must be safe while the robot is between them. So it leaves at the later of two times:
+                    # its arrival here, and the time when the next cell becomes safe.
                     arrives = max(time, opens[k]) + takes
                     if arrives > closes[state]:
-                        # This cell is not safe until then, and the next cell's later intervals open even later.
+                        # This cell does not remain safe until then, and the later intervals of the next cell open even
+                        # later.
                         break
                     if arrives > closes[k] or arrives >= arrival[k] - 1e-9:
-                        # Too late for this interval, or no earlier than a known arrival: see the module on the earliest
-                        # arrival.
+                        # The arrival is too late for this interval, or no earlier than a known arrival in it.
                         continue
                     arrival[k] = arrives
                     parent[k] = state
@@ -389,7 +391,7 @@ def _search(
         r, c = cell_of[state] // cols, cell_of[state] % cols
         if n > 0:
             x, y = trajectory[n - 1, 0], trajectory[n - 1, 1]
-            # A robot that does not start at once waits here: the same point a second time.
+            # If the robot does not leave at once, it waits here. A wait is the same point a second time.
             leaves = trajectory[n - 1, 2] - elementary.hypot(x - centres[r, c, 0], y - centres[r, c, 1]) / speed
             if leaves > arrival[state] + 1e-6:
                 trajectory[n] = centres[r, c, 0], centres[r, c, 1], leaves, to_go[r, c] / speed
@@ -404,7 +406,7 @@ def _search(
 def _off_path(
     free: BoolArray, centres: FloatArray, corner: FloatArray, side: float, path: FloatArray, distance: float
 ) -> BoolArray:  # fmt: skip
-    """Return (rows, cols) True for free cells at least `distance` meters away from each of (m, 2) points."""
+    """Return a (rows, cols) mask of the free cells that are at least `distance` meters away from all (m, 2) points."""
     off = free.copy()
     rows, cols = free.shape
     span = distance / side + 1.0
@@ -422,7 +424,7 @@ def _nearest(roadmap: Roadmap, free: BoolArray, x: float, y: float, reach: float
     """Return the free cell with the center nearest to a map point, within `reach` meters."""
     place = np.array([x, y]) - roadmap.corner
     if (place < -reach).any() or (place > roadmap.side * np.array(free.shape[::-1]) + reach).any():
-        # The cell number of a place this far away may not fit an integer.
+        # The cell number of a place so far away may not fit into an integer.
         return None
     col, row = (place / roadmap.side).astype(np.int64)
     span = math.ceil(reach / roadmap.side)
@@ -447,19 +449,19 @@ def route(
     others: OtherItineraries,
     separation: float,
 ) -> Itinerary | None:
-    """Find the quickest itinerary to a goal, where the robot may then stay, clear of all others.
+    """Find the quickest itinerary to a goal that keeps clear of all other robots and may end with a permanent stay.
 
     Args:
         roadmap: the coarse grid.
-        free: (rows, cols) True for its cells that may be used.
+        free: (rows, cols) True for the cells that may be used.
         start: (2,) map point.
         goal: (2,) map point.
         time: start time of the itinerary.
         others: itineraries of the other robots.
-        separation: distance from center to center, meters.
+        separation: minimum distance from center to center, meters.
 
     Returns:
-        The itinerary; None if none exists within the time looked ahead.
+        The itinerary; None if there is none within the time that the search covers.
     """
     cell = _nearest(roadmap, free, goal[0], goal[1], 2 * roadmap.side)
     if cell is None:
@@ -489,12 +491,12 @@ def refuge(
         roadmap: see `route`.
         free: (rows, cols) True for cells that may be used.
         start: (2,) map point.
-        avoided: (m, 2) map points of that path.
+        avoided: (m, 2) map points of this path.
         time: start time of the itinerary.
         others: itineraries of the other robots.
-        separation: distance from center to center, also from that path, meters.
+        separation: minimum distance from center to center, and from the place to this path, meters.
     """
-    # One cell farther away than necessary, because the other robot also plans between rounded places.
+    # The place is one cell farther away than necessary, because the other robot also plans with rounded positions.
     targets = _off_path(free, roadmap.centres, roadmap.corner, roadmap.side, avoided, separation + roadmap.side)
     return _itinerary_to(roadmap, free, start, targets, time, others, separation)
 
@@ -517,7 +519,7 @@ def _itinerary_to(
     found = _search(free, traffic, targets, roadmap.centres, roadmap.side, *cell, BIN_LENGTH, ITINERARY_SPEED)
     if len(found) < 2:
         return None
-    # The first cell's center is only the rounded start: a robot that has to wait there stays where it is.
+    # The first cell's center is only the rounded start. A robot that has to wait there should not move to this center.
     points = found[:, :2].copy()
     points[(points == points[0]).all(axis=1)] = start
     times, would_be_left = time + found[:, 2], found[:, 3]

@@ -1,24 +1,24 @@
 """Potentials that spread over a costmap like a wave, and paths down their slope. navfn and global_planner share them.
 
-The potential of a cell is the cost of the cheapest path to it from the start of the wave. Its only minimum is there, so
-a path is found from anywhere by going downhill (a navigation function). The wave is Dijkstra's algorithm with two
+The potential of a cell is the cost of the cheapest path to it from the start of the wave. The only minimum is at the
+start, so going downhill finds a path from any cell (a navigation function). The wave is Dijkstra's algorithm with two
 changes. First, the potential of a cell is that of a plane wave between its two lowest neighbors, instead of one
-neighbor plus a step. So paths are not bound to rows, columns and diagonals (Konolige's gradient method). Second, three
-unsorted queues replace a sorted one: the cells of this round, those of the next round, and those that are postponed
-because they cost more than a threshold. The threshold rises when the first two are empty. So cells may be visited
-before their potential is final; they are queued again when a neighbor can lower it.
+neighbor plus a step. So paths are not restricted to rows, columns and diagonals (Konolige's gradient method). Second,
+three unsorted queues replace a sorted one. They contain the cells of this round, the cells of the next round, and cells
+that are postponed because they cost more than a threshold. The threshold rises when the first two queues are empty. So
+a cell may be visited before its potential is final. It is queued again when a neighbor can lower its potential.
 
 Cells are numbered row by row. Positions are (x, y) in cells, with whole numbers at cell centers. Costs of crossing are
 whole numbers from 1 to 255, or BLOCKED. All cells at the border of the map are blocked.
 
-A wave over a large map takes longer than a tick may. So it can spread one portion at a time. The result does not depend
-on the portions, because they end between two rounds.
+A wave over a large map takes longer than the time of one tick. So it can spread one portion at a time. The result does
+not depend on the portions, because they end between two rounds.
 
 Source: ros-planning/navigation, navfn/src/navfn.cpp; global_planner/src/dijkstra.cpp and gradient_path.cpp; Konolige,
 A Gradient Method for Realtime Robot Control (IROS 2000).
-Differences: there is no limit for waiting cells, cycles, or the length of a path, at which ROS gives up or drops
-cells. A path never squeezes between two blocked cells that meet at a corner. If the slope leads nowhere, the path goes
-from cell to cell until it is lower than ever before, so that a path is found whenever one exists.
+Differences: the numbers of waiting cells, cycles and path points are not limited. At its limits, ROS gives up or drops
+cells. A path never passes between two blocked cells that meet at a corner. If the slope does not lead down, the path
+goes from cell to cell until it is lower than ever before, so that a path is found whenever one exists.
 """
 
 from collections import deque
@@ -40,7 +40,7 @@ Points = NDArray[np.float32]
 BLOCKED = 0
 UNREACHED = np.float32(1.0e10)
 MAX_STEPS_WITHOUT_DESCENT = 8
-"""Steps that a path may follow the slope without getting lower than before."""
+"""Number of steps that a path may follow the slope without getting lower than before."""
 
 
 class Workspace:
@@ -52,7 +52,7 @@ class Workspace:
         potential: (rows * cols,).
         waiting: (rows * cols,) True while a cell waits in a queue.
         queues: (3, rows * cols) waiting cells.
-        users: planners that use it: the first one now, the others after it.
+        users: searches that use the workspace. The first one uses it now, and the others wait.
     """
 
     def __init__(self, rows: int, cols: int) -> None:
@@ -106,30 +106,31 @@ def wave_value(
         gap, lowest = -gap, across
     if gap >= cost or not quadratic:
         return np.float32(lowest + cost)
-    # A plane wave between the two lower neighbors, by navfn's quadratic approximation.
+    # This is navfn's quadratic approximation of a plane wave between the two lower neighbors.
     d = gap / cost
     return np.float32(lowest + cost * np.float32(-0.2301 * d * d + 0.5307 * d + 0.7040))
 
 
 @njit(cache=True)
 def value_of(potential: Potential, cell: int, cols: int, cost: int, quadratic: bool) -> np.float32:
-    """Do the same for a cell given by its number, which must not be at the border."""
+    """Do the same as `wave_value` for the cell with this number. The cell must not be at the border."""
     left, right, below, above = potential[cell - 1], potential[cell + 1], potential[cell - cols], potential[cell + cols]
     return np.float32(wave_value(left, right, below, above, np.float32(cost), quadratic))
 
 
 @njit(cache=True)
 def _lowered(value: np.float32, rank: np.float32, cost: int) -> bool:
-    """Return True if a neighbor with this value and cost may become lower from a cell of this rank.
+    """Return True if a cell of this rank may lower the potential of a neighbor with this value and cost.
 
-    Its new value would be at least the rank plus 0.7 of its own cost, the factor of a diagonal wave in `wave_value`.
+    The neighbor's new value would be at least the rank plus 0.7 of the neighbor's cost. The factor is that of a
+    diagonal wave in `wave_value`.
     """
     return bool(cost != BLOCKED and value > rank + np.float32(0.707106781 * cost))
 
 
 @njit(cache=True)
 def _push(queues: Cells, queue: int, length: int, waiting: NDArray[np.bool_], cell: np.uint64) -> int:
-    """Put a cell into one of the queues unless it waits already. Return the new length of the queue."""
+    """Put a cell into one of the queues unless it is already waiting. Return the new length of the queue."""
     if waiting[cell]:
         return length
     waiting[cell] = True
@@ -141,7 +142,7 @@ def _push(queues: Cells, queue: int, length: int, waiting: NDArray[np.bool_], ce
 def _begin(
     potential: Potential, costs: CellCosts, waiting: NDArray[np.bool_], queue: Cells, cols: int, seeds: Cells
 ) -> int:
-    """Put the neighbors of the seeds into a queue. Return its length."""
+    """Put the neighbors of the seeds into a queue. Return the queue's length."""
     length = 0
     for seed in seeds:
         for step in (1, -1, -cols, cols):
@@ -176,20 +177,19 @@ def _spread_on(
         costs: (rows * cols,) cost of crossing a cell.
         waiting: (rows * cols,) True for the cells in the queues.
         queues: (3, rows * cols) cells of this round, of the next round, and postponed ones.
-        lengths: (3,) lengths of the queues, changed in place. The second is 0.
+        lengths: (3,) lengths of the queues, changed in place. The second length is 0.
         cols: number of columns.
         target: cell at which to stop; -1 for the whole map.
         attraction: as in `spread`.
-        limit: cells of at most this cost are first.
-        increment: step by which the limit rises.
+        limit: cells of at most this cost are visited first. increment: step by which the limit rises.
         quadratic: as in `spread`.
         portion: number of cells to visit.
 
     Returns:
-        The new limit, and whether the wave goes on.
+        The new limit, and True if the wave continues.
     """
-    # Invariant: `waiting` is True exactly for the cells in the queues, and each of them is in one queue once. So no
-    # queue ever holds more cells than the map has.
+    # Invariant: `waiting` is True exactly for the cells in the queues, and each of them is in only one queue, once. So
+    # no queue ever contains more cells than the map has.
     current, following, later = 0, 1, 2
     n_current, n_following, n_later = lengths[0], 0, lengths[2]
     target_row, target_col = target // cols, target % cols
@@ -200,8 +200,8 @@ def _spread_on(
     while goes_on and visited < portion:
         visited += n_current
         for i in range(n_current):
-            # First release all cells of this round, then visit them: a visit may put another one of them into a queue
-            # again.
+            # First mark all cells of this round as not waiting, then visit them. The reason is that a visit may put
+            # another cell of this round into a queue again.
             waiting[queues[current, i]] = False
         for i in range(n_current):
             cell = np.uint64(queues[current, i])
@@ -216,7 +216,8 @@ def _spread_on(
                 row, col = cell // width, cell % width
                 away = elementary.hypot(float(col) - target_col, float(row) - target_row)
                 rank += np.float32(np.float32(away) * attraction)
-            # navfn's A* compares neighbors with this rank as well. So cells that were reached are seldom visited again.
+            # As in navfn's A*, neighbors are also compared with this rank. So cells that were reached are seldom
+            # visited again.
             near = rank < limit
             queue, n = (following, n_following) if near else (later, n_later)
             if _lowered(left, rank, costs[cell - one]):
@@ -234,16 +235,17 @@ def _spread_on(
         current, following = following, current
         n_current, n_following = n_following, 0
         if n_current == 0:
-            # All cells below the threshold are done. It rises, and the postponed cells are next.
+            # All cells below the threshold are done. The threshold rises, and the postponed cells are next.
             limit += np.float32(increment)
             current, later = later, current
             n_current, n_later = n_later, 0
         # As in ROS, the wave stops at the end of the round in which it reaches the target.
         goes_on = n_current > 0 and not (target >= 0 and potential[target] < UNREACHED)
     if goes_on:
-        # Move them to the queues where the next call expects them.
+        # Move the waiting cells to the queues where the next call expects them.
         this, put_off = queues[current, :n_current].copy(), queues[later, :n_later].copy()
-        # One by one: for slices of possibly different shapes, numba would compile an error message, for about a second.
+        # Copy the cells one by one. For slices of possibly different shapes, numba would compile an error message,
+        # which takes about a second.
         for i in range(n_current):
             queues[0, i] = this[i]
         for i in range(n_later):
@@ -262,17 +264,17 @@ def spread(
     quadratic: bool,
     portion: int,
 ) -> Iterator[None]:
-    """Spread a wave, cheap cells first, until it reaches the target or ends.
+    """Spread a wave, cheap cells first, until it reaches the target or all cells that can be reached.
 
     Args:
-        space: prepared workspace; the potential is set at the seeds, UNREACHED elsewhere.
-        seeds: cells whose neighbors are first.
+        space: prepared workspace. The potential is set at the seeds, and UNREACHED elsewhere. seeds: cells where the
+        wave begins. Their neighbors are visited first.
         target: cell at which to stop; -1 for the whole map.
-        attraction: cost per cell of the straight line to the target, which A* adds to choose the next cells; or 0.
-        threshold: cells of at most this cost are first.
+        attraction: cost per cell of the straight line to the target. A* adds it to choose the next cells. 0 without A*.
+        threshold: cells of at most this cost are visited first.
         increment: step by which the threshold rises.
         quadratic: True if the wave spreads equally in all directions, False if along rows and columns.
-        portion: number of cells to visit at a time, plus the rest of a round.
+        portion: number of cells to visit at a time. The round in which this number is reached is finished.
 
     Yields:
         Between two portions.
@@ -317,9 +319,9 @@ def _mixed(a: np.float32, b: np.float32, share: np.float32) -> np.float32:
 
 @njit(cache=True)
 def _lowest_beside(potential: Potential, cell: int, cols: int) -> tuple[int, bool]:
-    """Return the lowest of a cell and its eight neighbors, and whether the wave reached all of them.
+    """Return the lowest of a cell and its eight neighbors, and True if the wave reached all of them.
 
-    A diagonal neighbor does not count if the wave reached neither of the two cells at the corner between.
+    A diagonal neighbor does not count if the wave reached neither of the two cells on both sides of the diagonal.
     """
     lowest, value, inside = cell, potential[cell], True
     for up in (-cols, 0, cols):
@@ -344,8 +346,7 @@ def descend(potential: Potential, cols: int, x: float, y: float, end_x: float, e
     Args:
         potential: (rows * cols,).
         cols: number of columns of the map.
-        x: x of the first place; the wave must have reached its nearest cell.
-        y: y of the first place.
+        x: x of the first place. The wave must have reached the nearest cell. y: y of the first place.
         end_x: x of the start of the wave.
         end_y: y of the start of the wave.
 
@@ -373,10 +374,10 @@ def descend(potential: Potential, cols: int, x: float, y: float, end_x: float, e
             best, since_best, by_cells = potential[cell], 0, False
         else:
             since_best += 1
-            # The path runs in circles: go down from cell to cell until it is lower than ever.
+            # The path goes in circles, so go down from cell to cell until it is lower than ever before.
             by_cells = by_cells or since_best > MAX_STEPS_WITHOUT_DESCENT
         lowest, inside = _lowest_beside(potential, cell, cols)
-        # Interpolated slopes may lead back and forth between two positions: treat this like a place without slope.
+        # Interpolated slopes may lead back and forth between two positions. Treat this like a place without a slope.
         swings = n > 2 and path[n - 1, 0] == path[n - 3, 0] and path[n - 1, 1] == path[n - 3, 1]
         step_x = step_y = np.float32(0.0)
         if inside and not swings and not by_cells:
@@ -388,7 +389,7 @@ def descend(potential: Potential, cols: int, x: float, y: float, end_x: float, e
             step_y = _mixed(_mixed(ay, by, dx), _mixed(cy, ey, dx), dy)
         if step_x == 0.0 and step_y == 0.0:
             if lowest == cell:
-                # The bottom: one of the cells where the wave began.
+                # This is the bottom: one of the cells where the wave began.
                 break
             cell = lowest
             dx = dy = np.float32(0.0)
@@ -414,7 +415,7 @@ def descend(potential: Potential, cols: int, x: float, y: float, end_x: float, e
 
 @njit(cache=True)
 def descend_by_cells(potential: Potential, cols: int, x: float, y: float, end_x: float, end_y: float) -> Points:
-    """Do the same from cell to cell: each is the lowest of the eight cells around the previous one."""
+    """Do the same as `descend`, but from cell to cell. Each cell is the lowest of the eight around the previous one."""
     path = [(np.float32(x), np.float32(y))]
     cell = round(y) * cols + round(x)
     end = round(end_y) * cols + round(end_x)

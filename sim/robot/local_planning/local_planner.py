@@ -201,7 +201,7 @@ class LocalPlanner(ABC):
         backs_up = self._body.margin == WALL_MARGIN or (
             self._came is not None and abs(wrap_angle(pose.theta - self._came)) < BACK_ALONG
         )
-        # A robot that has turned away from an obstacle must not back up into it.
+        # Try the last direction first, so that a robot does not return to an obstacle that it has left.
         for speed in (self._escape_speed, -self._escape_speed):
             if speed < 0.0 and not backs_up:
                 continue
