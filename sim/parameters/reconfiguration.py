@@ -100,7 +100,7 @@ def _types(hint: object) -> tuple[object, ...]:
 
 
 def reconfigurable() -> Iterator[str]:
-    """Return the paths of all parameters of a robot's software that may change while it runs, in declaration order."""
+    """Return the paths of those parameters of a robot's software that may change while it runs, as declared."""
     return (parameter.path for parameter in live_parameters())
 
 

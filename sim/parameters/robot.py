@@ -26,9 +26,9 @@ _LASER = ObstacleParameters(
     explained_distance=0.2,
     clear_between_beams=True,
 )
-# With at most 1000 particles, the error is about as small as with 5000 (2.1 and 2.0 cm on tours of the office). # Our
+# With at most 1000 particles, the error is about as small as with 5000 (2.1 and 2.0 cm on tours of the office). Our
 # lasers have a noise of 2 cm, while amcl assumes 20 cm. A sigma of 10 cm instead of 20 cm reduces the error on these
-# tours # from 3.2 to 2.1 cm, and among eight robots from 3.4 to 1.6 cm.
+# tours from 3.2 to 2.1 cm, and among eight robots from 3.4 to 1.6 cm.
 _AMCL = AmclParameters(max_particles=1000, kld_err=0.05, laser_max_beams=60, laser_sigma_hit=0.1)
 _INFLATION = InflationParameters(inflation_radius=0.5)
 

@@ -7,7 +7,7 @@ from sim.parameters.declaration import live, param
 
 @dataclass(frozen=True, slots=True)
 class OdometryNoise:
-    """Odometry noise: random errors, drawn in each tick (Probabilistic Robotics, table 5.6), and wrong scales."""
+    """Odometry noise: random errors in each tick (Probabilistic Robotics, table 5.6), and errors of scale."""
 
     alpha1: float = live(0.02, "noise of rotation per rotation", minimum=0, maximum=10)
     alpha2: float = live(0.02, "noise of rotation per meter driven", minimum=0, maximum=10)

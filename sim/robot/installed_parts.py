@@ -13,8 +13,10 @@ from sim.robot.navigator.recovery import RecoveryFactory
 class InstalledParts:
     """Factories of installed parts, by name. If a part fails, it raises `PartFailed` and no other exception.
 
-    Attributes: localizers: factories of localizers. planners: factories of global planners. recoveries: factories of
-        recovery behaviors.
+    Attributes:
+    localizers: factories of localizers.
+    planners: factories of global planners.
+    recoveries: factories of recovery behaviors.
     """
 
     localizers: Mapping[str, LocalizerFactory] = field(default_factory=dict)

@@ -1,1 +1,1 @@
-"""Layered costmaps: the cost for a robot of being in a place."""
+"""Layered costmaps: costs of all places for a robot."""

@@ -1,4 +1,4 @@
-"""A costmap of a robot, built from its parameters.
+"""Costmap of a robot, built from the robot's parameters.
 
 Source: ros-planning/navigation, costmap_2d/src/costmap_2d_ros.cpp.
 """
@@ -23,18 +23,19 @@ from sim.robot.costmap.static import StaticLayer
 
 
 class Costmap2D:
-    """A costmap with the enabled layers among static, obstacle, robots and inflation, in this order.
+    """A costmap with these layers, if enabled, in this order: static, obstacle, robots, inflation.
 
     Args:
-        parameters: parameters of costmap_2d; those of a local costmap make one that moves with the robot.
-        body: (n, 2) corners of the robot's true body, base frame, meters; used if the parameters have no footprint.
-        grid: the map on whose cells it lies; its origin must not be rotated.
+        parameters: parameters of costmap_2d. With those of a local costmap, the costmap moves with the robot.
+        body: (n, 2) corners of the robot's true body, base frame, meters. They are used if the parameters have no
+            footprint.
+        grid: the map. The costmap has the same cells. The map's origin must not be rotated.
 
     Attributes:
         footprint: (n, 2) padded corners, base frame, meters.
         inscribed_radius: inscribed radius of the padded footprint, meters.
         circumscribed_radius: circumscribed radius of the padded footprint, meters.
-        obstacles: layer of what the laser has seen.
+        obstacles: layer of the obstacles that the laser has seen.
     """
 
     def __init__(self, parameters: CostmapParameters, body: FloatArray, grid: OccupancyGrid) -> None:
@@ -45,14 +46,14 @@ class Costmap2D:
         self._build(parameters)
 
     def _build(self, parameters: CostmapParameters) -> None:
-        """Build the costmap; only the layer of the robots is kept."""
+        """Build the costmap again. Keep only the layer of the robots."""
         grid = self._grid
         self._parameters = parameters
         self.footprint = pad(_corners(parameters, self._body), parameters.footprint_padding)
         self.inscribed_radius, self.circumscribed_radius = radii(self.footprint)
         self._shape: tuple[int, int] | None = None
         if isinstance(parameters, LocalCostmapParameters):
-            # A rounding error above a whole number of cells must not add a cell.
+            # Rounding errors must not change the number of cells.
             self._shape = (
                 int(parameters.height / grid.resolution + 1e-9),
                 int(parameters.width / grid.resolution + 1e-9),
@@ -73,7 +74,7 @@ class Costmap2D:
         self._layered = self._empty(self._layers)
 
     def _empty(self, layers: Sequence[CostmapLayer]) -> LayeredCostmap:
-        """Make a costmap of this one's size, in which at most the walls are written yet."""
+        """Make a costmap of the same size that contains at most the walls."""
         track = self._parameters.track_unknown_space
         return LayeredCostmap(self._grid, layers, self._shape, track, self._walls)
 
@@ -98,11 +99,11 @@ class Costmap2D:
 
     @property
     def frame(self) -> CostFrame:
-        """Place of the costs in the map."""
+        """Frame of the costs in the map."""
         return self._layered.frame
 
     def observe(self, seen: CostmapObservation) -> None:
-        """Process a scan: it marks at once, and clears at the update rate of the costmap."""
+        """Process a scan. It marks immediately, and clears at the update rate of the costmap."""
         self._roll(seen.base_in_map.x, seen.base_in_map.y)
         tick = seen.scan.tick
         clears = not 0 < tick - self._cleared < self._clear_ticks
@@ -118,7 +119,7 @@ class Costmap2D:
         """Update the costs for a robot at this map point.
 
         Returns:
-            The windows that were written, in cells of the static map; they may overlap.
+            The windows that were written, in cells of the static map. They may overlap.
         """
         self._roll(x, y)
         return self._layered.update()
@@ -128,7 +129,7 @@ class Costmap2D:
         return self._composed([layer for layer in self._layers if layer is not self._robots])
 
     def without_observations(self) -> Costs:
-        """Return (rows, cols) costs without the other robots and without laser marks; not to be written to."""
+        """Return (rows, cols) costs without the other robots and without laser marks. They must not be changed."""
         if self._walls is not None:
             return self._walls
         blank = self.obstacles.copied()
@@ -145,10 +146,10 @@ class Costmap2D:
     def as_updated(
         self, x: float, y: float, neighbours: Sequence[Neighbour], pending: CostmapObservation | None = None
     ) -> tuple[Costs, CostFrame]:
-        """Return the costs, and their frame, as an update now would make them, without changing the costmap.
+        """Return the costs and their frame as they would be after an update. The costmap does not change.
 
         Args:
-            x: x of the robot in the map; also y.
+            x: position of the robot in the map, with `y`.
             neighbours: the other robots.
             pending: a scan that the update would process.
 
@@ -197,7 +198,7 @@ def _enabled(
 def _walls_of(parameters: CostmapParameters, grid: OccupancyGrid, inscribed_radius: float) -> Costs:
     """Return (rows, cols) costs of a costmap that covers the map, before any scan or broadcast.
 
-    All robots with the same parameters share them, so they must not be written to.
+    All robots with the same parameters share these costs, so they must not be changed.
     """
     obstacles = ObstacleLayer(
         parameters.obstacle_layer, grid, np.empty((0, 2)), parameters.track_unknown_space, explained_by_walls=False

@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 Costs = NDArray[np.uint8]
-"""(rows, cols), row 0 and column 0 at the costmap's origin."""
+"""(rows, cols) costs, with row 0 and column 0 at the costmap's origin."""
 
 FREE = 0
 INSCRIBED = 253
-"""Cost of cells where the robot's center would touch an obstacle for any heading."""
+"""Cost of cells where the robot, if its center is there, touches an obstacle for any heading."""
 LETHAL = 254
 """Cost of cells with an obstacle."""
 UNKNOWN = 255
@@ -25,7 +25,7 @@ MAX_CHANGES = 100
 
 
 class CostFrame(NamedTuple):
-    """Place of a costmap: map coordinates of the outer corner of cell (0, 0), and the side of a cell, meters."""
+    """Frame of a costmap: map coordinates of the outer corner of cell (0, 0), and the side of a cell, meters."""
 
     x: float
     y: float
@@ -33,7 +33,10 @@ class CostFrame(NamedTuple):
 
 
 class Window(NamedTuple):
-    """A rectangle of cells, without the upper ends; empty if an end is not above its beginning."""
+    """A rectangle of cells, without the end row and the end column.
+
+    It is empty if an end is not above its beginning.
+    """
 
     row: int
     col: int
@@ -42,11 +45,11 @@ class Window(NamedTuple):
 
     @property
     def empty(self) -> bool:
-        """True if it contains no cell."""
+        """True if the window contains no cell."""
         return self.row_end <= self.row or self.col_end <= self.col
 
     def of(self, costs: Costs, origin: tuple[int, int] = (0, 0)) -> Costs:
-        """Return a view of the part of an array in this window; `origin` is the first cell of the array."""
+        """Return a view of the part of an array that is in this window; `origin` is the first cell of the array."""
         row, col = origin
         return costs[self.row - row : self.row_end - row, self.col - col : self.col_end - col]
 
@@ -60,7 +63,7 @@ class Window(NamedTuple):
         )
 
     def union(self, other: "Window") -> "Window":
-        """Return the smallest rectangle around both."""
+        """Return the smallest rectangle around both windows."""
         if self.empty:
             return other
         if other.empty:
@@ -73,7 +76,7 @@ class Window(NamedTuple):
         )
 
     def clipped(self, other: "Window") -> "Window":
-        """Return the common part of both."""
+        """Return the common part of both windows."""
         return Window(
             max(self.row, other.row),
             max(self.col, other.col),
@@ -92,7 +95,7 @@ class Changes:
         """Add a window."""
         self._windows.append(window)
         if len(self._windows) > MAX_CHANGES:
-            # The windows were not taken for a long time: one window around all of them suffices.
+            # The windows were not taken for a long time. So one window around all of them is enough.
             self._windows = [functools.reduce(Window.union, self._windows)]
 
     def take(self) -> tuple[Window, ...]:

@@ -12,12 +12,12 @@ from sim.numerics.float_array import FloatArray
 
 
 def of_radius(radius: float) -> FloatArray:
-    """Return (16, 2) corners of the polygon that costmap_2d uses for a round robot."""
+    """Return (16, 2) corners of the polygon that costmap_2d uses for round robots."""
     return radius * np.array([elementary.cos_sin(i * 2 * math.pi / 16) for i in range(16)])
 
 
 def pad(footprint: FloatArray, padding: float) -> FloatArray:
-    """Move every corner outward by `padding` meters along each axis; a coordinate that is 0 stays.
+    """Move every corner outward by `padding` meters along each axis. Coordinates that are 0 do not change.
 
     Args:
         footprint: (n, 2) corners in the base frame, meters.
@@ -33,7 +33,7 @@ def radii(footprint: FloatArray) -> tuple[float, float]:
     """Return the inscribed and circumscribed radius about the base frame's origin, meters.
 
     Args:
-        footprint: (n, 2) corners in order; the last is connected to the first.
+        footprint: (n, 2) corners in order. The last one is connected to the first one.
     """
     following = np.roll(footprint, -1, axis=0)
     edges = following - footprint

@@ -1,4 +1,4 @@
-"""The robot's footprint on a costmap: its corners, its radius, and the costs under its outline.
+"""The robot's footprint on a costmap: corners, radius, and costs under the outline.
 
 Source: ros-planning/navigation, costmap_2d/src/footprint.cpp and base_local_planner/src/costmap_model.cpp.
 """
@@ -71,12 +71,13 @@ def footprint_cost(costs: Costs, frame: CostFrame, footprint: FloatArray, x: flo
         costs: (rows, cols).
         frame: frame of the costs in the map.
         footprint: (n, 2) corners in the base frame.
-        x: x of the base in the map, meters; also y, and theta in radians.
+        x: pose of the base in the map, with `y` and `theta`; meters, radians.
 
     Returns:
         FREE to INSCRIBED, or COLLIDES.
     """
-    # Corners are placed one by one, without an array as in `in_cells`: this runs for each pose of each trajectory.
+    # Corners are placed one by one, without the array of `in_cells`, because this runs for each pose of each
+    # trajectory.
     c, s = elementary.cos_sin(theta)
     n = footprint.shape[0]
     last_x, last_y = footprint[n - 1, 0], footprint[n - 1, 1]

@@ -1,13 +1,14 @@
 """The inflation layer: costs that fall with the distance from the nearest obstacle.
 
-The squared distance of a cell to the nearest lethal cell separates: it is the minimum over all columns of the squared
-steps to this column plus the squared steps within it to its nearest lethal cell. So columns are swept once up and once
-down, and then each row takes its minimum over the columns within reach.
+The squared distance of a cell to the nearest lethal cell can be computed in two steps. First, each column is swept once
+up and once down. This gives, for each cell, the squared steps to the nearest lethal cell in its own column. Second, in
+each row, the squared steps to another column are added to that column's value. The minimum of the sums, over all
+columns within reach, is the squared distance.
 
 Source: ros-planning/navigation, costmap_2d/plugins/inflation_layer.cpp and include/costmap_2d/inflation_layer.h;
 Felzenszwalb, Huttenlocher, Distance Transforms of Sampled Functions (2012), for columns first and then rows.
-Difference: distances are exact, from cell center to cell center. ROS passes the nearest obstacle from cell to cell, and
-sometimes misses a nearer one.
+Difference: distances are exact, from cell center to cell center. ROS propagates the nearest obstacle from cell to cell,
+and sometimes misses a nearer obstacle.
 """
 
 import math
@@ -45,7 +46,7 @@ def _columns_away(costs: Costs, row: int, row_end: int, left: int, right: int, r
     """Return (row_end - row, right - left) squared distances of cells to the nearest lethal one in their columns."""
     away = np.empty((row_end - row, right - left), np.float32)
     last = np.full(right - left, np.float32(1e4))
-    # Rows since the last lethal cell; 1e4 stands for none, because its square is beyond any reach.
+    # Number of rows since the last lethal cell; 1e4 if there is none, because its square is beyond any reach.
     for r in range(max(0, row - reach), row_end):
         line = costs[r, left:right]
         for c in range(right - left):
@@ -70,13 +71,13 @@ def _columns_away(costs: Costs, row: int, row_end: int, left: int, right: int, r
 def _inflate(
     costs: Costs, table: Costs, inflate_unknown: bool, row: int, col: int, row_end: int, col_end: int
 ) -> None:  # fmt: skip
-    """Raise every cell of a window to the cost that its nearest lethal cell requires.
+    """Raise the cost of every cell of a window according to its distance to the nearest lethal cell.
 
     Args:
         costs: (rows, cols).
         table: (k * k + 1,) cost for each squared distance in cells; k is the reach.
         inflate_unknown: True if unknown cells accept any cost, not only that of the inscribed radius.
-        row: first row of the window; also col, row_end and col_end. Within `costs`.
+        row: first row of the window, with `col`, `row_end` and `col_end`. The window is within `costs`.
     """
     reach = int(math.sqrt(table.shape[0] - 1))
     farthest = np.float32(table.shape[0])
@@ -94,8 +95,8 @@ def _inflate(
         for c in range(width):
             best[c] = line[reach + c]
         for step in range(1, reach + 1):
-            # Steps outside, cells inside: the inner loops run along the row without branches, so that they are
-            # vectorized.
+            # Steps are in the outer loop and cells in the inner loops. The inner loops run along the row without
+            # branches, so the compiler can vectorize them.
             squared = np.float32(step * step)
             before, behind = line[reach - step : reach - step + width], line[reach + step : reach + step + width]
             for c in range(width):
@@ -127,7 +128,7 @@ class InflationLayer:
     """
 
     def __init__(self, parameters: InflationParameters, resolution: float, inscribed_radius: float) -> None:
-        # Whole cells, rounded up: the last cell may be a little farther away than the radius.
+        # The reach is rounded up to whole cells, so the last cell may be a little farther away than the radius.
         self.reach = math.ceil(parameters.inflation_radius / resolution)
         self._inflate_unknown = parameters.inflate_unknown
         distances = np.sqrt(np.arange(self.reach * self.reach + 1)) * resolution
@@ -137,7 +138,7 @@ class InflationLayer:
         )
 
     def bounds(self) -> tuple[Window, ...]:
-        """Return no windows: the layer only follows the changes of previous layers."""
+        """Return no windows, because this layer changes only where previous layers change."""
         return ()
 
     def extents(self) -> tuple[Window, ...]:

@@ -1,11 +1,11 @@
-"""A costmap made of layers, updated in two passes over the changed parts.
+"""Costmap made of layers, updated in two passes over the changed parts.
 
-First every layer reports the windows that it has changed (the bounds). Then every layer writes its costs there, in
-order. So an update of a costmap without changes takes no time, at any size.
+First every layer reports the windows that it has changed (the bounds). Then every layer in turn writes its costs into
+these windows. So an update of a costmap without changes takes no time, whatever its size.
 
 Source: ros-planning/navigation, costmap_2d/src/layered_costmap.cpp.
-Difference: separate changes stay separate, while ROS draws one rectangle around all of them. Ten robots in different
-places of a map are ten small windows.
+Difference: separate changes are written separately, while ROS writes one rectangle around all of them. For ten robots
+in different places of a map, ten small windows are written.
 """
 
 from collections.abc import Sequence
@@ -20,22 +20,22 @@ from sim.robot.costmap.costs import FREE, UNKNOWN, CostFrame, Costs, Window
 
 
 class CostmapLayer(Protocol):
-    """A source of costs. Windows are in cells of the static map, and may reach outside of it.
+    """A source of costs. Windows are in cells of the static map, and may extend beyond the map.
 
     Attributes:
-        reach: distance in cells around another layer's change within which the costs of this layer may change too.
+        reach: distance, in cells, from another layer's change within which the costs of this layer may also change.
     """
 
     reach: int
 
     def bounds(self) -> tuple[Window, ...]:
-        """Return the windows in which its costs have changed since the last call."""
+        """Return the windows in which this layer's costs have changed since the last call."""
 
     def extents(self) -> tuple[Window, ...]:
-        """Return windows that contain all its costs that differ from those of a new layer."""
+        """Return windows that contain all costs of this layer that differ from the costs of a new layer."""
 
     def write(self, costs: Costs, origin: tuple[int, int], window: Window) -> None:
-        """Write its costs into a window. Writing twice has the same result as writing once.
+        """Write this layer's costs into a window. Writing twice has the same result as writing once.
 
         Args:
             costs: (rows, cols) of the whole costmap, with the costs of previous layers.
@@ -52,12 +52,12 @@ def _cells(window: NDArray[np.int64], reach: int) -> int:
 
 @njit(cache=True)
 def _apart(changes: NDArray[np.int64], reach: int, bounds: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Grow changed windows by the reach, and merge those that are cheaper to write as one.
+    """Grow changed windows by the reach, and merge windows if one large window is cheaper to write.
 
     Args:
-        changes: (n, 4) row, col, row_end, col_end of each.
-        reach: distance in cells by which a change reaches beyond itself.
-        bounds: (4,) window to which all are clipped.
+        changes: (n, 4) row, col, row_end and col_end of each window.
+        reach: distance in cells within which a change has an effect.
+        bounds: (4,) window to which all windows are clipped.
 
     Returns:
         (m, 4) windows, none of them empty.
@@ -79,13 +79,13 @@ def _apart(changes: NDArray[np.int64], reach: int, bounds: NDArray[np.int64]) ->
             for side in range(2):
                 union[side] = min(window[side], apart[k, side])
                 union[side + 2] = max(window[side + 2], apart[k, side + 2])
-            # Writing a window reads costs around it, as far as the reach. So the rim counts as work.
+            # Writing a window also reads the costs around it, within the reach. So the rim counts as work.
             if _cells(union, reach) <= _cells(window, reach) + _cells(apart[k], reach):
                 count -= 1
                 for later in range(k, count):
                     for side in range(4):
                         apart[later, side] = apart[later + 1, side]
-                # The larger window may now be worth merging with earlier ones, so start again.
+                # It may now be cheaper to merge the larger window with earlier ones, so start again.
                 window, k = union, 0
             else:
                 k += 1
@@ -96,15 +96,15 @@ def _apart(changes: NDArray[np.int64], reach: int, bounds: NDArray[np.int64]) ->
 
 
 class LayeredCostmap:
-    """Costs on the cells of a map, or on a rectangle of them that moves with the robot.
+    """Costs on the cells of a map, or on a rectangle of its cells that moves with the robot.
 
     Args:
-        grid: the map; its origin must not be rotated.
+        grid: the map. Its origin must not be rotated.
         layers: layers in the order in which they write.
         shape: rows and columns of a rolling window. If None, the costmap covers the map.
         track_unknown_space: True if cells that no layer writes are unknown; False if they are free.
-        ready: (rows, cols) costs of new layers, for a costmap that covers the map; not changed. Then only later changes
-            are written. If None, the first update writes all.
+        ready: (rows, cols) costs of new layers, for a costmap that covers the map. This array is not changed. With it,
+            updates write only later changes. If None, the first update writes all costs.
     """
 
     def __init__(
@@ -129,7 +129,7 @@ class LayeredCostmap:
 
     @property
     def costs(self) -> Costs:
-        """(rows, cols) costs of the last update. The array is allocated on first use."""
+        """(rows, cols) costs of the last update. The array is allocated at the first use."""
         if self._costs is None:
             ready = self._ready
             self._costs = np.full(self._shape, self._default, np.uint8) if ready is None else ready.copy()
@@ -137,14 +137,14 @@ class LayeredCostmap:
 
     @property
     def frame(self) -> CostFrame:
-        """Place of the costmap in the map."""
+        """Frame of the costmap in the map."""
         row, col = self.origin
         x, y = self._corner
         return CostFrame(x + col * self._resolution, y + row * self._resolution, self._resolution)
 
     @property
     def window(self) -> Window:
-        """Cells of the static map that it covers."""
+        """Cells of the static map that the costmap covers."""
         row, col = self.origin
         return Window(row, col, row + self._shape[0], col + self._shape[1])
 
@@ -158,10 +158,10 @@ class LayeredCostmap:
             )
 
     def update(self) -> tuple[Window, ...]:
-        """Update the costs: all of them in a rolling costmap, otherwise the changed parts.
+        """Update the costs: all costs of a rolling costmap, otherwise only the changed parts.
 
         Returns:
-            The windows that were written, in cells of the static map; they may overlap.
+            The windows that were written, in cells of the static map. They may overlap.
         """
         changes = [window for layer in self._layers for window in layer.bounds()]
         windows = (self.window,) if self._rolling or self._all_due else self._around(changes)
@@ -170,21 +170,22 @@ class LayeredCostmap:
         return windows
 
     def compose(self) -> None:
-        """Write the costs of all layers into a costmap in which so far only the `ready` costs are written."""
+        """Write the costs of all layers into a costmap that contains only the `ready` costs so far."""
         changes = [window for layer in self._layers for window in layer.extents()]
         self.write((self.window,) if self._rolling or self._all_due else self._around(changes))
         self._all_due = False
 
     def _around(self, changes: Sequence[Window]) -> tuple[Window, ...]:
-        """Return the windows to write if these have changed."""
+        """Return the windows to write if these windows have changed."""
         apart = _apart(np.array(changes, np.int64).reshape(-1, 4), self._reach, np.array(self.window))
         return tuple(Window(*window) for window in apart.tolist())
 
     def write(self, windows: Sequence[Window]) -> None:
-        """Write the costs of these windows again; each must be within the costmap. Bounds of layers are not used."""
+        """Write the costs of these windows again. They must be within the costmap. Bounds of layers are not used."""
         for window in windows:
             window.of(self.costs, self.origin)[:] = self._default
-        # One layer after the other: a layer reads around a window, and the other windows must already be written there.
+        # Layers are in the outer loop: a layer reads costs around a window, so previous layers must have written all
+        # windows before.
         for layer in self._layers:
             for window in windows:
                 layer.write(self.costs, self.origin, window)

@@ -20,9 +20,9 @@ def line(row: int, col: int, row_end: int, col_end: int, longest: int) -> NDArra
     """Return (n, 2) rows and columns from one cell toward another, both included (Bresenham).
 
     Args:
-        row: row of the first cell; also col.
-        row_end: row of the last cell; also col_end.
-        longest: maximum length of the line, cells; the line is cut there.
+        row: row of the first cell; `col` is its column.
+        row_end: row of the last cell; `col_end` is its column.
+        longest: maximum length of the line, cells. A longer line is cut.
     """
     dr, dc = abs(row_end - row), abs(col_end - col)
     step_r = 1 if row_end > row else -1
@@ -52,7 +52,7 @@ def line(row: int, col: int, row_end: int, col_end: int, longest: int) -> NDArra
 def clear_line(
     costs: Costs, row: int, col: int, row_end: int, col_end: int, longest: int, changed: NDArray[np.int64]
 ) -> None:  # fmt: skip
-    """Write FREE to the cells of `line`, all of them on the costmap, without making the list.
+    """Write FREE to the cells of `line`, without making an array of them. All cells must be on the costmap.
 
     Args:
         costs: (rows, cols), contiguous.
@@ -60,7 +60,7 @@ def clear_line(
         changed: (4,) window, which grows by the cells that change.
     """
     width = costs.shape[1]
-    # One index instead of two makes this loop, which dominates the clearing of scans, faster.
+    # One index instead of two makes this loop faster. It takes most of the time for clearing by scans.
     flat = costs.reshape(costs.size)
     dr, dc = abs(row_end - row), abs(col_end - col)
     step_r = width if row_end > row else -width
@@ -91,7 +91,7 @@ def include(changed: NDArray[np.int64], row: int, col: int) -> None:
 
 @njit(cache=True)
 def fill_convex(costs: Costs, corners: FloatArray, cost: int) -> bool:
-    """Give this cost to all cells of a convex polygon, including its outline; cells outside the costmap are ignored.
+    """Give this cost to all cells of a convex polygon, including its outline. Cells off the costmap are ignored.
 
     Args:
         costs: (rows, cols).
@@ -99,12 +99,12 @@ def fill_convex(costs: Costs, corners: FloatArray, cost: int) -> bool:
         cost: FREE to UNKNOWN.
 
     Returns:
-        True if any of them had another cost.
+        True if one of these cells had another cost.
     """
     rows, cols = costs.shape
     changes = False
     first = math.floor(corners[:, 0].min())
-    # The lowest and highest row of the outline in each column. In a convex polygon all rows between them are inside.
+    # Lowest and highest row of the outline in each column. In a convex polygon, all rows between them are inside.
     lows = np.full(math.floor(corners[:, 0].max()) - first + 1, np.iinfo(np.int64).max)
     highs = np.full(lows.shape[0], np.iinfo(np.int64).min)
     n = corners.shape[0]

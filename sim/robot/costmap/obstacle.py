@@ -3,14 +3,14 @@
 Every cell has a mark: LETHAL, FREE or UNKNOWN. A scan is processed in three steps. First it clears: the cells that a
 beam passed before its end become free (ray tracing by Bresenham's lines). Then it marks: the cell where a beam ended
 becomes lethal. Finally the cells under the robot become free. Clearing comes first, so that a beam that grazes an
-obstacle does not clear what another beam of the same scan marks. A mark stays until a later scan looks through it. So
-the robot remembers what it does not see at present.
+obstacle does not clear cells that another beam of the same scan marks. A mark remains until a later scan looks through
+it. So the robot remembers obstacles that it does not see at present.
 
 Source: ros-planning/navigation, costmap_2d/plugins/obstacle_layer.cpp.
-Differences: with `explained_distance`, readings that the map or another robot explains do not mark; otherwise every
+Differences: with `explained_distance`, readings that the map or another robot explains do not mark. Otherwise every
 error of localization would thicken the walls, and every passing robot would leave a trail. `clear_between_beams` clears
-cells between two beams far away, which no beam would ever clear. A beam that hit nothing never marks. A scan marks at
-once, while ROS keeps the last scan for the next update.
+distant cells between two beams, which no beam would ever clear. A beam that hit nothing never marks. A scan marks
+immediately, while ROS keeps the last scan for the next update.
 """
 
 import copy
@@ -36,7 +36,7 @@ OVERWRITE = 0
 MAXIMUM = 1
 
 NOWHERE: NDArray[np.bool_] = np.empty((0, 0), np.bool_)
-"""Array without any wall."""
+"""Array without walls."""
 NOWHERE.setflags(write=False)
 
 TILE = 64
@@ -44,10 +44,10 @@ TILE = 64
 
 
 class Sweep(NamedTuple):
-    """A scan in the form for kernels: the laser's pose in the map, and direction and reading of each beam.
+    """A scan for compiled kernels: the laser's pose in the map, and direction and reading of each beam.
 
     Attributes:
-        x: x of the laser in the map, meters; also y, and theta in radians.
+        x: pose of the laser in the map, with `y` and `theta`; meters, radians.
         angle_min: angle of the first beam, in the laser's frame.
         angle_increment: angle from one beam to the next.
         ranges: (beams,) meters; NaN if unknown, +inf if nothing was hit.
@@ -64,12 +64,13 @@ class Sweep(NamedTuple):
 
 
 class KnownObstacles(NamedTuple):
-    """Known walls and robots. Readings near them do not mark.
+    """Known walls and robots. Readings near them do not mark obstacles.
 
     Attributes:
         distance: distance within which a reading is explained, meters.
-        near_walls: (rows, cols) of the static map, True within this distance of a wall.
-        row: row of the marks' cell (0, 0) in the static map; also col.
+        near_walls: (rows, cols) of the static map; True within this distance of a wall.
+        row: row of the marks' cell (0,
+        0) in the static map; `col` is its column.
         discs: (n, 3) x, y and radius of the other robots, meters.
     """
 
@@ -89,7 +90,7 @@ def _rays(
     readings, rays = np.empty(ranges.shape[0]), np.empty((ranges.shape[0], 2))
     for i in range(ranges.shape[0]):
         reading = float(ranges[i])
-        # Other numbers are not readings; laser_geometry ignores them as well.
+        # Other numbers are not readings. laser_geometry ignores them, too.
         valid = range_min <= reading < range_max or reading == np.inf
         readings[i] = reading if valid else np.nan
         angle = theta + angle_min + i * angle_increment
@@ -98,7 +99,7 @@ def _rays(
 
 
 class CostmapObservation:
-    """A scan with the poses needed to use it. Both costmaps of a robot process the same one.
+    """A scan with the poses that are needed to use it. Both costmaps of a robot process the same object.
 
     Args:
         base_in_map: pose of the robot during the scan.
@@ -106,7 +107,7 @@ class CostmapObservation:
         discs: (n, 3) x, y and radius of the other robots, meters.
 
     Attributes:
-        sweep: the scan in the form for kernels.
+        sweep: the scan for kernels.
     """
 
     def __init__(self, base_in_map: Pose2, scan: Scan, discs: FloatArray) -> None:
@@ -129,8 +130,9 @@ def _clear_along_beams(
         marks: (rows, cols).
         frame: frame of the marks in the map.
         sweep: the scan.
-        farthest: length of beams that hit nothing, meters; 0 ignores them.
-        raytrace_range: meters.
+        farthest: length of beams that hit nothing, meters. If 0, these beams are ignored.
+        raytrace_range: maximum
+        distance that is cleared, meters.
         changed: (4,) window, which grows by the cells that change.
     """
     rows, cols = marks.shape
@@ -153,14 +155,14 @@ def _clear_along_beams(
         if y < frame.y:
             x, y = sweep.x + a * (frame.y - sweep.y) / b, frame.y
         if x > right:
-            # 1 mm inside the border, as in ROS: the border itself would be outside of the last cell.
+            # End 1 mm inside the border, as in ROS, because the border itself is outside the last cell.
             x, y = right - 0.001, sweep.y + b * (right - sweep.x) / a
         if y > top:
             x, y = sweep.x + a * (top - sweep.y) / b, top - 0.001
         row_end, col_end = math.floor((y - frame.y) / size), math.floor((x - frame.x) / size)
         if row_end < 0 or col_end < 0 or row_end >= rows or col_end >= cols:
             continue
-        # Nearby, several beams end in the same cell: clear the line to it only once.
+        # Near the laser, several beams end in the same cell. Clear the line to it only once.
         if row_end != last_row or col_end != last_col:
             clear_line(marks, row, col, row_end, col_end, longest, changed)
             last_row, last_col = row_end, col_end
@@ -172,8 +174,8 @@ def _clear_between_beams(
 ) -> None:
     """Clear lethal cells that two neighboring beams both see past. Arguments as for `_clear_along_beams`.
 
-    Far away, neighboring beams are more than a cell apart. No beam passes a cell between them, so ray tracing would
-    leave its mark forever, for example where a person walked by.
+    Far away, neighboring beams are more than a cell apart. No beam passes through a cell between them, so ray tracing
+    would leave the cell's mark forever, for example where a person walked by.
     """
     rows, cols = marks.shape
     size = frame.resolution
@@ -188,14 +190,15 @@ def _clear_between_beams(
             distance = elementary.hypot(dx, dy)
             if distance > raytrace_range:
                 continue
-            # Bearing of the cell in numbers of beams: the cell is between the beams with the nearest whole numbers.
+            # Bearing of the cell as a fractional beam index. The cell is between the beams with the two nearest
+            # indices.
             ahead = (elementary.atan2(dy, dx) - sweep.theta - sweep.angle_min) / sweep.angle_increment
             whole_turn = math.tau / abs(sweep.angle_increment)
             ahead -= math.floor(ahead / whole_turn) * whole_turn
             before = int(ahead)
             behind = before + 1
             if behind == beams and beams >= whole_turn - 0.5:
-                # The laser sees all around: its first beam follows its last.
+                # The laser sees all around, so its first beam follows its last beam.
                 behind = 0
             if behind >= beams:
                 continue
@@ -215,10 +218,10 @@ def _mark(
     known: KnownObstacles,
     changed: NDArray[np.int64],
 ) -> bool:
-    """Make cells lethal where beams end within obstacle_range, unless something known explains the reading.
+    """Make cells lethal where beams end within obstacle_range, unless a known wall or robot explains the reading.
 
     Returns:
-        True if any of them was not lethal before.
+        True if one of these cells was not lethal before.
     """
     rows, cols = marks.shape
     marked = False
@@ -231,7 +234,8 @@ def _mark(
         if row < 0 or col < 0 or row >= rows or col >= cols or marks[row, col] == LETHAL:
             continue
         if known.distance > 0.0:
-            # First the map's walls, then the other robots. The distance includes errors in the poses of all robots.
+            # Check the map's walls first, then the other robots. The distance allows for errors in the poses of all
+            # robots.
             r, c = row + known.row, col + known.col
             in_map = r >= 0 and c >= 0 and r < known.near_walls.shape[0] and c < known.near_walls.shape[1]
             explained = in_map and known.near_walls[r, c]
@@ -253,11 +257,11 @@ def _mark(
 def _clear_footprint(
     marks: Costs, frame: CostFrame, footprint: FloatArray, x: float, y: float, theta: float, changed: NDArray[np.int64]
 ) -> None:  # fmt: skip
-    """Clear the cells under the robot: (n, 2) corners in the base frame, at the pose (x, y, theta) in the map."""
+    """Clear the cells under a robot with (n, 2) corners in the base frame, at the pose (x, y, theta) in the map."""
     corners = in_cells(footprint, frame, x, y, theta)
     left, right = math.floor(corners[:, 0].min()), math.floor(corners[:, 0].max())
     low, high = math.floor(corners[:, 1].min()), math.floor(corners[:, 1].max())
-    # As in ROS: a footprint that is not completely on the costmap clears nothing.
+    # As in ROS, a footprint that is not completely on the costmap clears nothing.
     if low < 0 or left < 0 or high >= marks.shape[0] or right >= marks.shape[1]:
         return
     if fill_convex(marks, corners, FREE):
@@ -269,7 +273,7 @@ def _clear_footprint(
 def _combine(
     costs: Costs, row: int, col: int, marks: Costs, first: int, left: int, rows: int, cols: int, overwrite: bool
 ) -> None:  # fmt: skip
-    """Write marks from (first, left) over costs from (row, col), or only raise the costs; `rows` by `cols` cells."""
+    """Write `rows` by `cols` marks from (first, left) over costs from (row, col), or only raise the costs."""
     for r in range(rows):
         source, target = marks[first + r, left : left + cols], costs[row + r, col : col + cols]
         for c in range(cols):
@@ -280,7 +284,7 @@ def _combine(
 
 @njit(cache=True)
 def _tiles_other_than(marks: Costs, mark: int) -> NDArray[np.int64]:
-    """Return (n, 2) rows and columns of the tiles that contain any other mark, row by row."""
+    """Return (n, 2) rows and columns of the tiles that contain a mark other than `mark`, row by row."""
     rows, cols = (marks.shape[0] + TILE - 1) // TILE, (marks.shape[1] + TILE - 1) // TILE
     tiles = np.empty((rows * cols, 2), np.int64)
     count = 0
@@ -289,7 +293,7 @@ def _tiles_other_than(marks: Costs, mark: int) -> NDArray[np.int64]:
             tile = marks[i * TILE : (i + 1) * TILE, j * TILE : (j + 1) * TILE]
             other = False
             for r in range(tile.shape[0]):
-                # No branch within a row, so that the compiler can compare many cells at once.
+                # There is no branch within a row, so that the compiler can compare many cells at once.
                 differing = 0
                 for c in range(tile.shape[1]):
                     differing |= tile[r, c] ^ mark
@@ -304,12 +308,12 @@ def _tiles_other_than(marks: Costs, mark: int) -> NDArray[np.int64]:
 
 @njit(cache=True)
 def _any_lethal(marks: Costs, row: int, col: int, standing: NDArray[np.int64]) -> bool:
-    """Return True if a mark in a window is lethal; otherwise make the window empty.
+    """Return True if a mark in a window is lethal. Otherwise make the window empty.
 
     Args:
-        marks: (rows, cols).
-        row: row of the marks' cell (0, 0) in the static map; also col.
-        standing: (4,) a window of the static map.
+    marks: (rows, cols).
+    row: row of the marks' cell (0, 0) in the static map; `col` is its column.
+    standing: (4,) window of the static map.
     """
     for r in range(max(0, standing[0] - row), min(marks.shape[0], standing[2] - row)):
         for c in range(max(0, standing[1] - col), min(marks.shape[1], standing[3] - col)):
@@ -329,21 +333,22 @@ def _observe(
     footprint: FloatArray, x: float, y: float, theta: float,
     standing: NDArray[np.int64], changed: NDArray[np.int64],
 ) -> None:  # fmt: skip
-    """Process a scan, in one call with plain arguments, because passing tuples takes longer than clearing and marking.
+    """Process a scan. All arguments are plain, because passing tuples takes longer than clearing and marking.
 
     Args:
         marks: (rows, cols).
-        grid_x: x of the static map's cell (0, 0), meters; also grid_y, and size, the side of a cell.
-        row: row of the marks' cell (0, 0) in the static map; also col.
-        laser_x: see `Sweep`, also for the next six.
+        grid_x: x of the static map's cell (0, 0), meters, with `grid_y`; `size` is the side of a cell.
+        row: row of the marks' cell (0, 0) in the static map; `col` is its column.
+        laser_x: see `Sweep`, also for the next six
+        arguments.
         range_max: length of beams that hit nothing, if these are valid, meters.
-        sources: (s, 5) for each source: whether it clears, whether beams that hit nothing are valid, its
-            raytrace_range, whether it marks, its obstacle_range.
+        sources: (s, 5) for each source: 1 if it clears, 1 if beams that hit nothing are valid, its raytrace_range, 1 if
+            it marks, its obstacle_range.
         clears: True if the space in front of the readings is cleared.
-        clears_between: True if the space between beams is cleared as well.
-        explained_distance: see `KnownObstacles`, also for the next two.
-        footprint: (n, 2) padded corners of the robot, base frame; (0, 2) if the cells under it are not cleared.
-        x: x of the robot in the map; also y, and theta.
+        clears_between: True if the space between beams is also cleared.
+        explained_distance: see `KnownObstacles`, also for the next two arguments.
+        footprint: (n, 2) padded corners of the robot, base frame; (0, 2) if the cells under the robot are not cleared.
+        x: pose of the robot in the map, with `y` and `theta`.
         standing: (4,) window of the static map, which grows to contain all lethal marks.
         changed: (4,) window of the marks, which grows by the cells that change.
     """
@@ -357,7 +362,7 @@ def _observe(
             if clears_between and _any_lethal(marks, row, col, standing):
                 _clear_between_beams(marks, frame, sweep, farthest, sources[i, 2], changed)
     for i in range(sources.shape[0]):
-        # All sources have cleared before the first marks (see the module).
+        # All sources have cleared before the first source marks (see the module's docstring).
         if sources[i, 3] != 0.0 and _mark(marks, frame, sweep, sources[i, 4], known, changed):
             new = standing[2] <= standing[0] or standing[3] <= standing[1]
             for side in range(2):
@@ -370,25 +375,26 @@ def _observe(
 
 
 def _window(changed: NDArray[np.int64], row: int, col: int) -> Window:
-    """Return the changed window in cells of the static map; (row, col) is the marks' cell (0, 0) there."""
+    """Return the changed window in cells of the static map. There, (row, col) is the marks' cell (0, 0)."""
     first, left, end, right = changed.tolist()
     return Window(first + row, left + col, end + row, right + col)
 
 
 class ObstacleLayer:
-    """Marks of what the laser has seen.
+    """Layer with marks of the obstacles and the free space that the laser has seen.
 
     Args:
         parameters: parameters of costmap_2d.
-        grid: the map on whose cells it marks.
-        footprint: (n, 2) padded corners of the robot, base frame; the cells under it are free.
+        grid: the map. The marks have the same cells.
+        footprint: (n, 2) padded corners of the robot, base frame. The
+        cells under it are free.
         track_unknown_space: value of the costmap, used if the layer's own is None.
         shape: rows and columns of a rolling costmap. If None, the layer covers the map.
         explained_by_walls: True if the costmap shows the map's walls, so that readings near them need no mark.
 
     Attributes:
         marks: (rows, cols) LETHAL for obstacles, FREE for seen free space, otherwise UNKNOWN.
-        explained_range: distance from the laser beyond which no disc is needed to explain a reading, meters.
+        explained_range: distance from the laser beyond which discs are not needed to explain readings, meters.
     """
 
     reach = 0
@@ -412,7 +418,7 @@ class ObstacleLayer:
             self._near_walls = NOWHERE
         own = parameters.track_unknown_space
         self._default = UNKNOWN if (track_unknown_space if own is None else own) else FREE
-        # numpy's zeros use no memory until they are overwritten.
+        # An array from `np.zeros` uses no memory until it is overwritten.
         blank = np.zeros if self._default == FREE else np.ones
         self.marks: Costs = blank(shape or grid.cells.shape, dtype=np.uint8)
         if self._default != FREE:
@@ -438,8 +444,9 @@ class ObstacleLayer:
 
     @property
     def any_marks(self) -> bool:
-        """True if any mark is lethal."""
-        # Only marking grows `_standing`. A check notices here when the last mark has been cleared.
+        """True if a mark is lethal."""
+        # `_standing` grows by marking, but clearing does not shrink it. So check whether its last mark has been
+        # cleared.
         return bool(_any_lethal(self.marks, *self._origin, self._standing))
 
     @property
@@ -449,7 +456,10 @@ class ObstacleLayer:
         return Window(row, col, row + self.marks.shape[0], col + self.marks.shape[1])
 
     def roll(self, origin: tuple[int, int]) -> None:
-        """Move with a rolling costmap, which now starts at this cell of the static map. Marks outside are lost."""
+        """Move the marks with a rolling costmap, which now starts at this cell of the static map.
+
+        Marks outside are lost.
+        """
         if origin == self._origin:
             return
         moved: Costs = np.full_like(self.marks, self._default)

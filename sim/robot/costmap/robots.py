@@ -1,4 +1,4 @@
-"""The layer of the other robots (the GridLayer of the 2016 study): their bodies at the broadcast poses, their paths."""
+"""Layer of the other robots (the GridLayer of the 2016 study): bodies at the broadcast poses, and paths."""
 
 import math
 from collections.abc import Sequence
@@ -18,7 +18,10 @@ from sim.robot.costmap.footprint_cost import circumscribed_radius, in_cells
 from sim.robot.costmap.lines import line
 
 MIN_MOTION = 0.05
-"""Change of pose below which no update is needed, meters; the limit in radians is twice this number."""
+"""Change of position below which no update is needed, meters.
+
+For the heading, the limit in radians is twice this number.
+"""
 
 
 _NO_PATH: FloatArray = np.empty((0, 2))
@@ -26,7 +29,7 @@ _NO_PATH: FloatArray = np.empty((0, 2))
 
 @njit(cache=True)
 def _fill(costs: Costs, corners: FloatArray, row: int, col: int, row_end: int, col_end: int) -> None:
-    """Make the cells of a window lethal if their center is in a polygon (even-odd rule).
+    """Make those cells of a window lethal that have their center in a polygon (even-odd rule).
 
     Args:
         corners: (n, 2) column and row, in cells of `costs`.
@@ -76,7 +79,7 @@ def neighbours_reaching(
             # Usually all robots share the same array.
             footprint = other.footprint
             radius = circumscribed_radius(footprint)
-            # A small margin, so that rounding excludes none.
+            # A small margin, so that rounding excludes no robot.
             reach = radius + 1e-6
             from_x, to_x, from_y, to_y = left - reach, right + reach, low - reach, high + reach
         pose = other.base_in_map
@@ -87,7 +90,7 @@ def neighbours_reaching(
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _DrawnRobot:
-    """A robot as drawn: its pose; corners and path, as columns and rows in the map; the window around both."""
+    """A robot as drawn: pose, corners and path (columns and rows in the map), and the window around both."""
 
     x: float
     y: float
@@ -135,7 +138,7 @@ class RobotsLayer:
     def reaching(self, window: Window, neighbours: Sequence[Neighbour]) -> Sequence[Neighbour]:
         """Return the robots that may write into a window of the map's cells."""
         if self._parameters.path_length > 0.0:
-            # A path may lead far away from its body.
+            # A path may lead far away from the robot's body.
             return neighbours
         frame = self._frame
         left, right = frame.x + window.col * frame.resolution, frame.x + window.col_end * frame.resolution
@@ -204,7 +207,7 @@ class RobotsLayer:
         """Return the robots that are drawn in a window, in the order of their first broadcasts."""
         seen = list(self._seen.values())
         if self._windows is None:
-            # Large teams write many windows, and each window concerns few of the robots. So select them in one array
+            # Large teams write many windows, and each window contains few robots. So select the robots by one array
             # operation.
             self._windows = np.array([one.window for one in seen], np.int64).reshape(-1, 4).T
         row, col, row_end, col_end = self._windows

@@ -1,4 +1,4 @@
-"""The layer of the walls: the given map.
+"""Layer of the walls in the given map.
 
 Source: ros-planning/navigation, costmap_2d/plugins/static_layer.cpp.
 """
@@ -31,7 +31,7 @@ def _costs_of(parameters: StaticParameters, grid: OccupancyGrid) -> Costs:
 
 
 class StaticLayer:
-    """The walls of a map. This layer writes nothing outside of the map.
+    """Layer of a map's walls. It writes nothing outside the map.
 
     Args:
         parameters: parameters of costmap_2d.
@@ -53,7 +53,7 @@ class StaticLayer:
         return ()
 
     def write(self, costs: Costs, origin: tuple[int, int], window: Window) -> None:
-        """Write the map's costs within the map. With use_maximum they only raise what other layers wrote."""
+        """Write the map's costs within the map. With use_maximum, they only raise the costs of previous layers."""
         known = window.clipped(Window(0, 0, *self._costs.shape))
         if known.empty:
             return

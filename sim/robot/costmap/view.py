@@ -1,4 +1,4 @@
-"""A costmap as others see it."""
+"""Costmap for readers outside the navigator."""
 
 from dataclasses import dataclass
 
@@ -13,7 +13,7 @@ class CostmapView:
     """The costs of a grid at one moment.
 
     Attributes:
-        tick: its time.
+        tick: time of the costs.
         origin: pose of the grid's first corner, map frame.
         resolution: side of a cell, meters.
         costs: (rows, cols) uint8, read-only, see `sim.robot.costmap.costs`; row 0 is the lowest.

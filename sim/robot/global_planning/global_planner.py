@@ -77,8 +77,9 @@ def _astar_on(
 ) -> tuple[FloatArray, NDArray[np.int64]]:
     """Continue A* from the (n,) waiting cells, with their ranks, until `portion` cells have been visited.
 
-    Returns: Ranks and numbers of the cells that then wait, in the heap's order. They are empty if the target is met or
-        all cells are visited.
+    Returns:
+        Ranks and numbers of the cells that then wait, in the heap's order. They are empty if the target is met or all
+        cells are visited.
     """
     queue = [(ranks[i], cells[i]) for i in range(ranks.size)]
     visited = 0
@@ -192,7 +193,7 @@ class GlobalPlanner:
         return np.column_stack([points, orientations(points, mode, window, start, goal)])
 
     def _seeds(self, space: Workspace, x: float, y: float) -> NDArray[np.uint32]:
-        """Set the potential where the wave begins: the robot's cell, and if `exact` the three other cells around it."""
+        """Set the potential where the wave begins: in the robot's cell and, if `exact`, in three cells around it."""
         rows, cols = space.shape
         row, col = round(y), round(x)
         start = row * cols + col

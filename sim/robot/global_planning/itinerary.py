@@ -45,8 +45,10 @@ class Itinerary:
     """Points that a robot plans to pass, each with a time.
 
     Attributes:
-        points: (m, 2) points in the map, meters. A wait is the same point twice. times: (m,) ascending, seconds. Before
-        the first time the robot stands at the first point, after the last time at the last point. unhindered_from: time
+        points: (m, 2) points in the map, meters. A wait is the same point twice.
+        times: (m,) ascending, seconds. Before the first time the robot stands at the first point, after the last time
+            at the last point.
+        unhindered_from: time
         from which on the robot drives as it would without other robots. Before, it makes way for them.
     """
 
@@ -86,7 +88,7 @@ def itineraries_of(neighbours: Sequence[Neighbour]) -> OtherItineraries:
 
 
 def relevant_neighbours(neighbours: Sequence[Neighbour], x: float, y: float, distance: float) -> list[Neighbour]:
-    """Return the neighbors that may come within `distance` meters of a place: all but those standing farther away."""
+    """Return all neighbors except those that stand more than `distance` meters away from a place."""
     # A small margin, so that rounding excludes no neighbor.
     reach = distance + 1e-6
     return [
@@ -127,8 +129,8 @@ def _shares(counts: NDArray[np.int64]) -> FloatArray:
 def start_time(now: float, x: float, y: float, others: OtherItineraries, separation: float) -> float:
     """Return the time at which the itinerary of a robot that stands at (x, y) may begin.
 
-    The time is `now`, unless another robot is late and still has to pass here. Then the itinerary begins before that
-    robot's time.
+    The time is `now`, unless another robot is late and still has to pass here. Then it is the time of that robot's
+    present point. So, by time, this robot was here before that robot.
     """
     earliest = now
     for k in range(others.starts.shape[0] - 1):
@@ -305,7 +307,7 @@ def executable(points: FloatArray, times: FloatArray, others: OtherItineraries, 
 
 @njit(cache=True)
 def _driven(points: FloatArray, times: FloatArray, others: OtherItineraries, separation: float) -> NDArray[np.int64]:
-    """Return the (k + 1,) points that this robot and k others reach by right of way, as indices into all points."""
+    """Return the (k + 1,) indices of the last points that this robot and k others reach by right of way."""
     own = points.shape[0]
     count = others.starts.shape[0]
     all_points = np.concatenate((points, others.points))

@@ -53,7 +53,8 @@ ROOM_TO_TURN = 0.08
 class BlockedByRobots:
     """Result if a path exists, but other robots block it.
 
-    Attributes: wanted_path: (m, 2) map points of the blocked path.
+    Attributes:
+        wanted_path: (m, 2) map points of the blocked path.
     """
 
     wanted_path: FloatArray
@@ -67,8 +68,10 @@ class _Attempt:
     """State of a planning attempt. On large maps, an attempt takes several ticks.
 
     Attributes:
-        start: pose of the robot when the attempt began. goal: the goal. found: results of finished searches, by the
-        costs that they used. search: the present search, and the costs that it uses.
+        start: pose of the robot when the attempt began.
+        goal: the goal.
+        found: results of finished searches, by the costs that they used.
+        search: the present search, and the costs that it uses.
     """
 
     start: Pose2
@@ -155,7 +158,7 @@ class ItineraryPlanner:
     def plan(
         self, start: Pose2, goal: Pose2, time: float, others: OtherItineraries
     ) -> Itinerary | BlockedByRobots | PlanRefusal | None:
-        """Plan an itinerary to a goal that keeps clear of all others: the planner's path, or else the quickest one.
+        """Plan an itinerary that keeps clear of all others: the planner's path, or else the quickest itinerary.
 
         Args:
             start: pose of the base.

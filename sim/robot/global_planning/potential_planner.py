@@ -59,7 +59,8 @@ class PotentialPlanner:
     """Global planner that uses a potential over the costmap.
 
     Args:
-        method: functions in which planners differ. space: workspace, used if it fits the costmap. Nothing is kept in it
+        method: functions in which planners differ.
+        space: workspace, used if it fits the costmap. Nothing is kept in it
         between plans, so planners may share it. A search waits for searches that began before it. If None, the planner
         makes its own workspace.
     """
@@ -90,7 +91,7 @@ class PotentialPlanner:
         return space.potential.reshape(rows, cols).copy()
 
     def descend(self, potential: Potential, frame: CostFrame, place: Pose2, start: Pose2) -> FloatArray | None:
-        """Return (m, 2) points from a place down to the start of a `potential` (frame, meters); None if unreached."""
+        """Return (m, 2) points from a place down to the start of a `potential`, meters; None if it is not reached."""
         rows, cols = potential.shape
         (x, y), (end_x, end_y) = _position(frame, place), _position(frame, start)
         if not (0 <= round(y) < rows and 0 <= round(x) < cols) or potential[round(y), round(x)] >= UNREACHED:

@@ -44,8 +44,9 @@ CellNumbers = NDArray[np.int32]
 class BusyBins(NamedTuple):
     """Time bins in which other robots come near cells, for compiled kernels.
 
-    Attributes: row: (rows, cols) row of `busy` for each cell of the coarse grid; -1 if no robot ever comes near. busy:
-        (n, bins) True if another robot comes near during a bin.
+    Attributes:
+        row: (rows, cols) row of `busy` for each cell of the coarse grid; -1 if no robot ever comes near.
+        busy: (n, bins) True if another robot comes near during a bin.
     """
 
     row: CellNumbers
@@ -292,7 +293,7 @@ def _search(
     if to_go[start_row, start_col] == np.inf:
         return np.empty((0, 4))
     # Number the safe intervals of all cells. The states from first[cell] to first[cell + 1] - 1 are the intervals of a
-    # cell, in the # order of time. Interval k lasts from opens[k] to closes[k]. An interval that lasts to the end of
+    # cell, in the order of time. Interval k lasts from opens[k] to closes[k]. An interval that lasts to the end of
     # the last bin never closes.
     first = np.zeros(rows * cols + 1, np.int64)
     for cell in range(rows * cols):

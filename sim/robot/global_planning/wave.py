@@ -97,7 +97,7 @@ def prepare(
 def wave_value(
     left: np.float32, right: np.float32, below: np.float32, above: np.float32, cost: np.float32, quadratic: bool
 ) -> np.float32:
-    """Return the potential of a cell from those of its four neighbors and its own cost of crossing."""
+    """Return the potential of a cell, from the potentials of its four neighbors and its own cost of crossing."""
     across = left if left < right else right
     along = below if below < above else above
     gap = across - along
@@ -181,7 +181,8 @@ def _spread_on(
         cols: number of columns.
         target: cell at which to stop; -1 for the whole map.
         attraction: as in `spread`.
-        limit: cells of at most this cost are visited first. increment: step by which the limit rises.
+        limit: cells of at most this cost are visited first.
+        increment: step by which the limit rises.
         quadratic: as in `spread`.
         portion: number of cells to visit.
 
@@ -267,7 +268,8 @@ def spread(
     """Spread a wave, cheap cells first, until it reaches the target or all cells that can be reached.
 
     Args:
-        space: prepared workspace. The potential is set at the seeds, and UNREACHED elsewhere. seeds: cells where the
+        space: prepared workspace. The potential is set at the seeds, and UNREACHED elsewhere.
+        seeds: cells where the
         wave begins. Their neighbors are visited first.
         target: cell at which to stop; -1 for the whole map.
         attraction: cost per cell of the straight line to the target. A* adds it to choose the next cells. 0 without A*.
@@ -346,7 +348,8 @@ def descend(potential: Potential, cols: int, x: float, y: float, end_x: float, e
     Args:
         potential: (rows * cols,).
         cols: number of columns of the map.
-        x: x of the first place. The wave must have reached the nearest cell. y: y of the first place.
+        x: x of the first place. The wave must have reached the nearest cell.
+        y: y of the first place.
         end_x: x of the start of the wave.
         end_y: y of the start of the wave.
 

@@ -147,8 +147,10 @@ def wall_clearance(
     """Return the distance from a robot's outline to the nearest wall, meters; 0 outside the map.
 
     Args:
-        clearance: see Surroundings. frame: see Surroundings. outline: (m, 2) points along the outline, base frame. x:
-        pose of the base in the map, with `y` and `theta`.
+        clearance: see Surroundings.
+        frame: see Surroundings.
+        outline: (m, 2) points along the outline, base frame.
+        x: pose of the base in the map, with `y` and `theta`.
     """
     c, s = elementary.cos_sin(theta)
     rows, cols = clearance.shape
@@ -309,8 +311,10 @@ def safe(
     Args:
         around: the surroundings at this pose.
         footprint: (n, 2) padded corners of the robot.
-        outline: (m, 2) points along the footprint. x: pose of the base in the map, with `y` and `theta`. v: velocity of
-        the robot, m/s; `w` is its angular velocity, rad/s. wanted_v: the command, with `wanted_w`.
+        outline: (m, 2) points along the footprint.
+        x: pose of the base in the map, with `y` and `theta`.
+        v: velocity of the robot, m/s; `w` is its angular velocity, rad/s.
+        wanted_v: the command, with `wanted_w`.
         hold: time between two commands, including latency, seconds.
         acc_lim_x: braking limit, m/s^2; `acc_lim_theta` is the limit for turns, rad/s^2.
         margin: distance to keep from walls, meters.

@@ -50,8 +50,9 @@ class _Samples(NamedTuple):
     """Commands to try, and settings of their rollouts.
 
     Attributes:
-        v: (k,) velocities, m/s; `w` has (m,) angular velocities, rad/s. least_v: commands slower than both `least_v`
-        and `least_w` are not tried. only_v: required sign of v; 0 allows both. `only_w` is the same for w.
+        v: (k,) velocities, m/s; `w` has (m,) angular velocities, rad/s.
+        least_v: commands slower than both `least_v` and `least_w` are not tried.
+        only_v: required sign of v; 0 allows both. `only_w` is the same for w.
         at_once: True if a command's velocity is reached immediately.
         sim_time: see DwaPlannerParameters, also for the other fields.
     """

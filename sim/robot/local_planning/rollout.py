@@ -36,7 +36,8 @@ class RobotBody(NamedTuple):
         roomy: footprint enlarged by the part of COMFORT that its padding does not cover.
         outline: (m, 2) points along the footprint.
         inscribed: inscribed radius of the footprint, meters; `circumscribed` is the circumscribed one.
-        cost_scaling_factor: parameter of the costmap's inflation, like `inflation_radius`. acc_lim_x: limit of
+        cost_scaling_factor: parameter of the costmap's inflation, like `inflation_radius`.
+        acc_lim_x: limit of
         acceleration and braking, m/s^2; `acc_lim_theta` is the limit for turns, rad/s^2.
         period: time between two commands, seconds.
         hold: time between two commands plus latency, seconds.
@@ -126,7 +127,9 @@ def trajectory_cost(
 
     Args:
         costs: (rows, cols) local costmap.
-        frame: frame of the costmap in the map. now: pose and velocities of the robot. wanted_v: the command, with
+        frame: frame of the costmap in the map.
+        now: pose and velocities of the robot.
+        wanted_v: the command, with
         `wanted_w`.
         body: shape and limits of the robot.
         sim_time: duration, seconds.
@@ -247,7 +250,8 @@ def best_safe_command(
 
     Args:
         costs: (rows, cols) local costmap.
-        frame: frame of the costmap in the map. tried: the commands. Their scores are overwritten.
+        frame: frame of the costmap in the map.
+        tried: the commands. Their scores are overwritten.
         n: number of commands.
         around: walls and neighbors that the robot may hit.
         body: shape and limits of the robot.

@@ -115,7 +115,7 @@ def _best(
     costs: Costs, frame: CostFrame, grid: MapGrids, path: FloatArray, around: Surroundings, body: RobotBody,
     now: MotionState, samples: _Samples, weights: _Weights,
 ) -> tuple[float, float, float]:  # fmt: skip
-    """Return the best safe command (v, w), and its score minus that of standing still. If there is none: infinite."""
+    """Return the best safe command (v, w), and its score minus that of standing still; infinite without a command."""
     cols = costs.shape[1]
     by_time = weights.heading_time >= 0.0
     free = surely_free(body, 1.0)

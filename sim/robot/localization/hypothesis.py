@@ -231,7 +231,8 @@ class CloudFilter:
             reached: present odometry pose.
             view: the scan.
             noise: random numbers of this cloud.
-            searching: share of the next generation that is drawn from the whole map. besides: pose; poses near it are
+            searching: share of the next generation that is drawn from the whole map.
+            besides: pose; poses near it are
             excluded from the search.
         """
         parameters = self._parameters

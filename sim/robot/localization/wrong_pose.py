@@ -110,7 +110,8 @@ class GaussianEvidence(NamedTuple):
         matches: logarithm of the number of matches since the pose was set or found, from 0.
         deviation: see `ParticleEvidence`.
         turn_deviation: see `ParticleEvidence`.
-        drive_noise: logarithm of the factor by which the noise of distances exceeds the parameters. turn_noise: the
+        drive_noise: logarithm of the factor by which the noise of distances exceeds the parameters.
+        turn_noise: the
         same for turns.
     """
 

@@ -1,4 +1,4 @@
-"""Clearing of move_base: recovery behaviors, run one after the other, and their commands."""
+"""State "clearing" of move_base: recovery behaviors, run one after the other, and their commands."""
 
 import math
 from collections.abc import Callable, Mapping, Sequence
@@ -18,15 +18,15 @@ from sim.robot.part_failure import PartFailed
 
 
 class ClearingCycle:
-    """Clearing of one robot's move_base.
+    """State "clearing" of one robot's move_base.
 
     Args:
-        execution: execution of its goal.
-        controller: controller of the robot.
-        costmaps: costmaps of the robot.
-        rotated: the map.
-        recoveries: installed recovery behaviors, by name.
-        seed: random seed of recovery behaviors.
+    execution: execution of the robot's goal.
+    controller: controller of the robot.
+    costmaps: costmaps of the robot.
+    rotated: the map.
+    recoveries: installed recovery behaviors, by name.
+    seed: random seed of recovery behaviors.
     """
 
     def __init__(
@@ -46,7 +46,7 @@ class ClearingCycle:
         self._seed = seed
 
     def recover(self, tick: int, pose: Pose2, why: Callable[[Goal], NoPath]) -> None:
-        """Try the next recovery behavior. If none is left, give the goal up."""
+        """Try the next recovery behavior. If no behavior is left, give the goal up."""
         self._execution.oscillation.restart(tick)
         self._execution.progress.restart_stay()
         self._execution.progress.restart_patience(tick)
@@ -81,7 +81,7 @@ class ClearingCycle:
             self._behave(state, state.behavior, tick, pose, twist, bodies)
 
     def _turn(self, state: Clearing, pose: Pose2, twist: Twist, bodies: Sequence[Neighbour]) -> None:
-        """Choose a command for one full turn in place, as far as that is safe."""
+        """Choose a command for one full turn in place, as far as the turn is safe."""
         drive = self._controller.rotate_recovery(pose, twist, bodies)
         left = state.turn_left - abs(drive.command.angular) * self._controller.control_ticks * TICK
         if left > 0.0 and not drive.stuck:
@@ -99,7 +99,7 @@ class ClearingCycle:
         twist: Twist,
         bodies: Sequence[Neighbour],
     ) -> None:
-        """Choose the command of an installed recovery behavior, as far as that is safe."""
+        """Choose the command of an installed recovery behavior. If it is not safe, the robot stands."""
         controller, seconds = self._controller, (tick - state.began) * TICK
         scan = None if controller.pending is None else controller.pending.scan
         controller.update_costmap(pose, bodies)

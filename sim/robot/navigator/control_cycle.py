@@ -1,4 +1,4 @@
-"""Controlling of move_base: a command along the itinerary whenever one is due."""
+"""State "controlling" of move_base: a command along the itinerary whenever a command is due."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -12,11 +12,11 @@ from sim.robot.navigator.states import Controlling
 
 
 class ControlCycle:
-    """Controlling of one robot's move_base.
+    """State "controlling" of one robot's move_base.
 
     Args:
-        execution: execution of its goal.
-        controller: controller of the robot.
+    execution: execution of the robot's goal.
+    controller: controller of the robot.
     """
 
     def __init__(self, execution: GoalExecution, controller: Controller) -> None:

@@ -1,6 +1,6 @@
 """The controller of move_base: the local planner with its costmap.
 
-It also makes turns that follow no path: the recovery rotation, and the search of a lost robot.
+It also makes turns without a path: the recovery rotation, and the turns of a lost robot.
 """
 
 import math
@@ -23,13 +23,16 @@ from sim.robot.navigator.scan_obstacles import may_turn, room_ahead, seen_around
 LOOK_AHEAD = 1.75
 """Maximum length of path given to the local planner, meters."""
 RIM_MARGIN = 0.25
-"""Distance between the end of this path and the local costmap's border, meters. The robot drives toward that end until
-the next update."""
+"""Minimum distance between the end of this path and the local costmap's border, meters. Until the next update, the
+robot drives toward this end."""
 
 SEARCH_TURN = 0.5
-"""Angle between a lost robot's heading and the heading that it turns to, radians; its angular velocity in rad/s."""
+"""Angle between a lost robot's heading and the heading to which it turns, radians.
+
+Its number is also the angular velocity, rad/s.
+"""
 SEARCH_SPEED = 0.1
-"""Velocity at which it drives on if it cannot turn, m/s."""
+"""Velocity at which a lost robot drives on if it cannot turn, m/s."""
 
 
 class Controller:
@@ -38,7 +41,7 @@ class Controller:
     Args:
         parameters: parameters of this robot's software.
         static: the map.
-        costmaps: costmaps of the robot; the navigator updates the global one for obstacles seen by the laser.
+        costmaps: costmaps of the robot. The navigator itself updates the global one for obstacles seen by the laser.
         robot: index of the robot in the team.
 
     Attributes:
@@ -70,10 +73,10 @@ class Controller:
         return local_planner(self._parameters, costmap.footprint, costmap.costs.shape, self.control_ticks * TICK)
 
     def configure(self, parameters: RobotParameters) -> None:
-        """Continue with these parameters; the costmaps are already configured.
+        """Continue with these parameters. The costmaps are already configured.
 
-        If the parameters change the planner, it starts as with a new itinerary; it forgets, for example, that it was
-        turning.
+        If the parameters change the planner, the planner starts as with a new itinerary. For example, it forgets that
+        the robot was turning.
         """
         before = self._parameters
         self._use(parameters)
@@ -93,11 +96,11 @@ class Controller:
         return (tick - self._robot) % _ticks(self._parameters.local_costmap.update_frequency) < self.control_ticks
 
     def keep_scan(self, seen: CostmapObservation) -> None:
-        """Keep a scan for the costmap's next update. As in ROS, the last one before the update counts."""
+        """Keep a scan for the costmap's next update. As in ROS, only the last scan before the update is used."""
         self.pending = seen
 
     def update_costmap(self, pose: Pose2, neighbours: Sequence[Neighbour]) -> None:
-        """Update the costmap with the last scan and the other robots."""
+        """Update the costmap by the last scan and the other robots."""
         if self.pending is not None:
             self.costmap.observe(self.pending)
             self.pending = None
@@ -127,9 +130,9 @@ class Controller:
         return self.planner.turn(pose, twist, pose.theta + 0.5 * math.pi, self.surroundings(pose, neighbours))
 
     def look_around(self, twist: Twist, scan: Scan) -> Twist:
-        """Turn slowly to see more. Without room to turn, drive on slowly; without room for that, stand.
+        """Turn slowly to see more. If there is no room to turn, drive on slowly. If there is no room ahead, stand.
 
-        A lost robot may trust its laser, but no map.
+        A lost robot can rely on its laser, but not on maps.
 
         Args:
             twist: velocity of the robot.
@@ -140,13 +143,12 @@ class Controller:
             drive = self.planner.turn(IDENTITY, twist, SEARCH_TURN, around)
             if not drive.stuck:
                 return drive.command
-        # For the planner, all scans come from the same place. An obstacle that blocked a turn in this scan must not
-        # block it
-        # forever.
+        # For the planner, all scans come from the same place. An obstacle that blocks a turn in this scan must not
+        # block turns forever.
         self.planner.reset()
         ahead = Twist(SEARCH_SPEED, 0.0)
-        # The tolerance of `safe` for a robot near a wall adds up to a collision here, because noise makes the wall seem
-        # farther away in some scans. So the whole margin must be free ahead.
+        # Near a wall, `safe` tolerates small approaches. Here they could add up to a collision, because noise makes the
+        # wall seem farther away in some scans. So the whole margin must be free ahead.
         free = room_ahead(scan, self.costmap.footprint) > WALL_MARGIN
         return ahead if free and self.planner.safe(IDENTITY, twist, ahead, around) else STANDSTILL
 

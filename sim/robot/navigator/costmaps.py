@@ -16,14 +16,14 @@ from sim.robot.navigator.stale_neighbours import StaleNeighbours
 
 
 class CostmapPublisher:
-    """Publishes one costmap of one robot, without changing the costmap.
+    """Publisher of one costmap of one robot. It does not change the costmap.
 
     Args:
         costmap: the costmap.
         publish_frequency: Hz; 0: never.
-        turned: its map, in the grid's frame.
-        robot: index of the robot in the team, because robots take turns.
-        at_once: True to publish it at the first opportunity as well, even with a low frequency.
+        turned: map of the robot, in the grid's frame.
+        robot: index of the robot in the team. Robots take turns in publishing.
+        at_once: True to publish the costmap also at the first opportunity, even with a low frequency.
     """
 
     def __init__(
@@ -36,7 +36,7 @@ class CostmapPublisher:
         self.configure(publish_frequency)
 
     def configure(self, publish_frequency: float) -> None:
-        """Publish it at this frequency from now on, Hz."""
+        """Publish the costmap at this frequency from now on, Hz."""
         self._period = max(1, round(TICKS_PER_SECOND / publish_frequency)) if publish_frequency > 0.0 else 0
 
     def due(self, tick: int) -> bool:
@@ -50,13 +50,14 @@ class CostmapPublisher:
     def show(
         self, tick: int, pose: Pose2, neighbours: Sequence[Neighbour], pending: CostmapObservation | None
     ) -> CostmapView:
-        """Return the costmap as an update in this tick would make it.
+        """Return the costmap as it would be after an update in this tick.
 
         Args:
             tick: the present tick.
-            pose: pose where the robot believes it is.
+            pose: pose estimate of the robot.
             neighbours: the other robots.
-            pending: a scan that the costmap has not processed yet.
+            pending: a scan that the costmap has not
+            processed yet.
         """
         self._first = False
         costs, frame = self._costmap.as_updated(pose.x, pose.y, neighbours, pending)
@@ -70,8 +71,9 @@ class Costmaps:
 
     Args:
         parameters: parameters of this robot's software.
-        footprint: (n, 2) corners of its body, base frame, meters.
-        turned: the map, and its change of frames.
+        footprint: (n, 2) corners of the robot's body, base frame, meters.
+        turned: the map, with the conversion to the
+        grid's frame.
         robot: index of the robot in the team.
 
     Attributes:
@@ -83,7 +85,7 @@ class Costmaps:
         whole, around = parameters.global_costmap, parameters.local_costmap
         self.global_costmap = Costmap2D(whole, footprint, turned.grid)
         self.local_costmap = Costmap2D(around, footprint, turned.grid)
-        # The global costmap is published seldom, so publish it once at the beginning for viewers.
+        # The global costmap is published seldom. So it is also published at the beginning, for viewers.
         self._whole_display = CostmapPublisher(
             self.global_costmap, whole.publish_frequency, turned, robot, at_once=True
         )
@@ -98,7 +100,7 @@ class Costmaps:
 
     @property
     def explained_range(self) -> float:
-        """Distance from the laser beyond which no robot's body is needed to explain a reading, meters."""
+        """Distance from the laser beyond which robots are not needed to explain readings, meters."""
         return max(self.global_costmap.obstacles.explained_range, self.local_costmap.obstacles.explained_range)
 
     def clear(self) -> None:
@@ -112,19 +114,20 @@ class Costmaps:
         self.local_costmap.obstacles.clear_outside(x, y, side)
 
     def next_due(self, tick: int) -> int | None:
-        """Return the next tick in which either is to be published. If None, neither is ever published."""
+        """Return the next tick in which one of the costmaps is to be published. If None, they are never published."""
         dues = (self._whole_display.next_due(tick), self._around_display.next_due(tick))
         return min((due for due in dues if due is not None), default=None)
 
     def shown(
         self, tick: int, pose: Pose2, stale: StaleNeighbours, pending: CostmapObservation | None
     ) -> tuple[CostmapView | None, CostmapView | None]:
-        """Return the global and the local costmap; None for one that is not due.
+        """Return the global and the local costmap, with None for a costmap that is not due.
 
         Args:
             tick: the present tick.
-            pose: pose where the robot believes it is.
-            stale: the other robots, those that broadcast and those that are remembered.
+            pose: pose estimate of the robot.
+            stale: the other robots: those that broadcast, and those that are
+            remembered.
             pending: a scan that the local costmap has not processed yet.
         """
         whole, around = self._whole_display, self._around_display

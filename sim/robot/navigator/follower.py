@@ -1,6 +1,6 @@
 """Following an itinerary: from the robot's position to the next command.
 
-The local planner gets the path ahead as far as the right of way and obstacles seen by the laser allow.
+The local planner gets the path ahead, as far as the robot has the right of way and the laser sees no obstacle.
 """
 
 import math
@@ -33,15 +33,15 @@ from sim.robot.navigator.controller import Controller
 from sim.robot.navigator.transitions import check_transition
 
 HALT_DISTANCE = 0.12
-"""Distance at which a robot waits before a point that must not be passed, meters."""
+"""Distance at which a robot waits before a point that it must not pass, meters."""
 TURN_BACK_DISTANCE = 0.06
-"""Distance by which a path must approach again before it counts as turning back, meters."""
+"""Distance by which a path must come nearer again to count as turning back, meters."""
 YIELD_TIME = 0.5
-"""Minimum time before such a point at which a robot slows down, seconds."""
+"""Minimum time before a point that it must not pass at which a robot slows down, seconds."""
 STUCK_TIMEOUT = 2.0
-"""Seconds for which a robot may be held up, except by right of way, before it plans again."""
+"""Seconds without progress, for other reasons than the right of way, after which a robot plans again."""
 QUEUE_TIMEOUT = 20.0
-"""Seconds for which it may be held up by right of way before it plans again."""
+"""Seconds without progress because of the right of way after which a robot plans again."""
 
 NO_POSES: FloatArray = np.empty((0, 3))
 NO_TIMES: FloatArray = np.empty(0)
@@ -49,21 +49,21 @@ NO_TIMES: FloatArray = np.empty(0)
 
 @dataclass(frozen=True, slots=True)
 class Following:
-    """The robot drives along the itinerary, or waits for its right of way."""
+    """State in which the robot drives along the itinerary, or waits for its right of way."""
 
 
 @dataclass(frozen=True, slots=True)
 class AtEnd:
-    """The robot is at the last point. It stops, and turns to the heading there."""
+    """State in which the robot is at the last point. It stops, and turns to the heading there."""
 
 
 @dataclass(frozen=True, slots=True)
 class Escaping:
-    """The robot backs up, because no command leads on.
+    """State in which the robot backs up, because no command makes progress.
 
     Attributes:
-        begun: pose where it began.
-        then: state in which it continues.
+    begun: pose where the robot began to back up.
+    then: state in which the robot continues.
     """
 
     begun: Pose2
@@ -82,7 +82,7 @@ TRANSITIONS: set[tuple[type[FollowerState], FollowerEvent, type[FollowerState]]]
     (Escaping, "escaped", Following),  # Turn to the path, and drive on.
     (Escaping, "escaped", AtEnd),
 }
-"""All changes of a follower's state; a new one is Following."""
+"""All changes of a follower's state. A new follower is in state Following."""
 
 
 @frozen()
@@ -93,10 +93,11 @@ class FollowerOutput:
         command: the velocity command.
         local_plan: (k, 3) map poses along its trajectory.
         arrived: True if the robot stands at the end of the itinerary.
-        waiting: True while it waits for its right of way.
-        waits_for: robot that it waits for, because of its itinerary or body.
-        blocked_by_others: True while others keep it from driving farther.
-        valid: True for a command that leads on, or if there is a good reason to wait.
+        waiting: True while the robot waits for its right of way.
+        waits_for: other robot for which this one waits, because of that robot's itinerary or body.
+        blocked_by_others: True while other robots keep this one from driving farther.
+        valid: True for a command with
+        progress, or if there is a good reason to wait.
     """
 
     command: Twist
@@ -112,20 +113,22 @@ STANDING = FollowerOutput(STANDSTILL, NO_POSES)
 
 
 class Follower:
-    """Follows one itinerary.
+    """Follower of one itinerary.
 
     Args:
         controller: controller that chooses the commands.
         itinerary_planner: planner that made the itinerary.
         tick: the present tick.
-        itinerary: its first point is at the robot.
-        heading: heading of the pose at its last point.
+        itinerary: itinerary that begins at the robot's position.
+        heading: heading of the pose at the itinerary's last
+        point.
         turns_at_end: True if the robot must turn to this heading.
-        before: follower of the itinerary that this one replaces while the robot drives on. Its maneuvers, and those of
-            the local planner, continue. Otherwise a robot with ten plans per second would begin to back up ten times.
+        before: previous follower, if its itinerary is replaced while the robot drives on. Maneuvers of this follower
+            and of the local planner then continue. Otherwise a robot with ten plans per second would start to back up
+            ten times per second.
 
     Attributes:
-        ahead: (m, 3) poses still to be passed, their (m,) times, and their length in meters.
+        ahead: (m, 3) poses that the robot has not passed yet, their (m,) times, and the length of this path in meters.
     """
 
     def __init__(
@@ -155,24 +158,24 @@ class Follower:
             self._state = replace(before._state, then=Following())
 
     def _pass(self, index: int) -> None:
-        """Record that this point of the itinerary is reached."""
+        """Record that the robot has reached this point of the itinerary."""
         self._index = index
         self.ahead = (self._poses[index:], self._itinerary.times[index:], float(self._left[index]))
 
     def _came_on(self, tick: int) -> None:
-        """Record that the robot is not held up at present."""
+        """Record that the robot is making progress."""
         self._held_up_since = tick
-        # True if something other than right of way has held it up since then.
+        # True if, since then, something other than the right of way has stopped the robot.
         self._stuck = False
 
     @property
     def time(self) -> float:
-        """Time of the reached point of the itinerary."""
+        """Time of the itinerary's point that the robot has reached."""
         return float(self._itinerary.times[self._index])
 
     @property
     def hindered(self) -> bool:
-        """True before the point of the itinerary from which it continues as it would without other robots."""
+        """True before the point from which on the itinerary is as it would be without other robots."""
         return self.time < self._itinerary.unhindered_from
 
     @property
@@ -190,13 +193,13 @@ class Follower:
         return self._itinerary_planner.obstructed(self.ahead[0][:, :2])
 
     def step(self, tick: int, pose: Pose2, twist: Twist, neighbours: Sequence[Neighbour]) -> FollowerOutput:
-        """Return the command that leads on.
+        """Return the next command along the itinerary.
 
         Args:
-            tick: the present tick, with a command due.
-            pose: pose where the robot believes it is.
-            twist: its velocity.
-            neighbours: last states of the other robots.
+        tick: the present tick, in which a command is due.
+        pose: pose estimate of the robot.
+        twist: velocity of the robot.
+        neighbours: last states of the other robots.
         """
         if self._controller.update_due(tick) or self._held_up_since == tick:
             self._controller.update_costmap(pose, neighbours)
@@ -241,7 +244,7 @@ class Follower:
     def _drive_on(
         self, tick: int, pose: Pose2, twist: Twist, neighbours: Sequence[Neighbour], around: Surroundings
     ) -> FollowerOutput:
-        """Drive as far as right of way and obstacles allow."""
+        """Drive as far as the right of way and obstacles allow."""
         controller, itinerary = self._controller, self._itinerary
         separation = self._itinerary_planner.separation_driven
         last = _as_far_as(self._left, self._index, controller.reach)
@@ -264,12 +267,12 @@ class Follower:
             self._enter("no command", escaping := Escaping(pose, Following()))
             return self._escape(escaping, pose, twist, around)
         if drive.command.linear == 0.0 and drive.command.angular != 0.0:
-            # Turning toward the path is progress, although it reaches no further point.
+            # Turning toward the path is progress, although the robot reaches no further point.
             self._came_on(tick)
         return self._output(drive)
 
     def _escape(self, state: Escaping, pose: Pose2, twist: Twist, around: Surroundings) -> FollowerOutput:
-        """Move away from the place where no command led on, then turn toward the path."""
+        """Move away from the place where no command made progress, then turn toward the path."""
         planner, begun = self._controller.planner, state.begun
         drive = planner.escape(pose, twist, around)
         limits = planner.limits
@@ -293,7 +296,8 @@ class Follower:
     def _drivable_stretch(self, pose: Pose2, allowed: int, yields: bool) -> tuple[FloatArray | None, float, bool]:
         """Return the part of the path to drive along now, or None if the robot has to wait.
 
-        Also return the time before its end at which to slow down, in seconds, and whether an obstacle ends it.
+        Also return the time before the end of this part at which the robot slows down, seconds, and True if an obstacle
+        ends the part.
         """
         points, costmap = self._itinerary.points[self._index : allowed + 1], self._controller.costmap
         count, stopped, turns = _drivable(points, costmap.costs, costmap.frame, pose.x, pose.y)
@@ -310,7 +314,7 @@ class Follower:
 
 @njit(cache=True)
 def _as_far_as(left: FloatArray, index: int, reach: float) -> int:
-    """Return the last path point within `reach` meters along it from point `index`; `left` has remaining lengths."""
+    """Return the last point within `reach` meters along the path from point `index`; `left` has remaining lengths."""
     last = index
     while last + 1 < left.shape[0] and left[index] - left[last + 1] <= reach:
         last += 1
@@ -321,12 +325,12 @@ def _as_far_as(left: FloatArray, index: int, reach: float) -> int:
 def _drivable(points: FloatArray, costs: Costs, frame: CostFrame, x: float, y: float) -> tuple[int, bool, bool]:
     """Count those of (m, 2) points that the local planner may get at once for a robot at (x, y).
 
-    Where the path turns back, to a waiting place and on again, they end at the turning point, because the local planner
-    aims at the last point. They also end before the first point, at least HALT_DISTANCE away, that is within an
+    If the path turns back, for example at a waiting place, the points end at the turn, because the local planner drives
+    toward the last point. They also end before the first point that is at least HALT_DISTANCE away, and is within an
     obstacle's inscribed radius or outside the costmap.
 
     Returns:
-        Their number; whether an obstacle ends them; whether a turning point ends them.
+        Number of the points; True if an obstacle ends them; True if a turn ends them.
     """
     farthest = 0.0
     end, turns = points.shape[0], False

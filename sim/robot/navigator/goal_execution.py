@@ -25,12 +25,12 @@ from sim.robot.navigator.transitions import check_transition
 
 
 class GoalExecution:
-    """State machine of one robot's move_base; `states` has its states and transitions.
+    """State machine of one robot's move_base. The states and transitions are in `states`.
 
     Args:
         move_base: parameters.
         circumscribed: circumscribed radius of the robot, meters.
-        planner: planner of itineraries; its search stops when the robot stops.
+        planner: planner of itineraries. Its search stops when the robot stops.
 
     Attributes:
         move_base: parameters.
@@ -65,7 +65,7 @@ class GoalExecution:
 
     def restart(self, tick: int) -> None:
         """Start all clocks, for a new goal or for a robot that is revived."""
-        # In its first tick a robot has received no broadcasts yet. It would plan out of turn.
+        # In its first tick, a robot has received no broadcasts yet. So it would plan out of turn.
         self.next_plan = tick + 1
         self.progress = GoalProgress(tick)
         self.recovery.restart()
@@ -74,7 +74,7 @@ class GoalExecution:
             self.enter("recovery ended", self.state.then)
 
     def go(self, goal: Goal, tick: int) -> None:
-        """Accept a goal after a tick. The present goal ends as Cancelled."""
+        """Accept a goal after this tick. The present goal ends as Cancelled."""
         self.cancel()
         self.goal = goal
         self.restart(tick + 1)
@@ -87,14 +87,14 @@ class GoalExecution:
             self.end(Cancelled(self.goal))
 
     def replan(self, tick: int) -> None:
-        """Plan again to the present goal after a tick, because the robot's pose was set."""
+        """Plan again to the present goal after this tick, because the robot's pose was set."""
         self.stop("replan requested")
         now = max(tick, self.progress.began)
         self.next_plan = now + 1
         self.progress.restart_distance(now)
 
     def enter(self, event: Event, state: State) -> None:
-        """Change the state according to TRANSITIONS; in a recovery rotation, change the state that follows it."""
+        """Change the state according to TRANSITIONS. During a recovery rotation, change the state that follows it."""
         now = self.state
         if isinstance(now, Clearing) and event != "recovery ended" and isinstance(state, Idle | Planning | Controlling):
             state = replace(now, then=state)
@@ -106,7 +106,7 @@ class GoalExecution:
         return Idle(wanted) if self.goal is None else Planning(wanted, waits_for)
 
     def stop(self, event: Event, state: State | None = None) -> None:
-        """Stop the robot, drop its itinerary, and stop the search for another one."""
+        """Stop the robot, drop its itinerary, and stop the search for another itinerary."""
         self.command = STANDSTILL
         self._planner.give_up()
         if not isinstance(self.state, Lost):

@@ -9,8 +9,8 @@ from sim.robot.global_planning.path import PlanRefusalCode
 NoPathReason = (
     PlanRefusalCode | Literal["blocked_by_obstacle", "stuck", "lost"] | Literal["gave_up", "called_off", "unanswered"]
 )
-"""Cause for giving a goal up. The last three concern navigators of real robots: one gave up for its own reasons,
-another client withdrew the goal, or the navigator did not answer."""
+"""Cause for giving a goal up. The last three are for navigators of real robots: the navigator gave up for its own
+reasons, another client withdrew the goal, or the navigator did not answer."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,18 +30,18 @@ class Goal:
 
 @dataclass(frozen=True, slots=True)
 class GoalReached:
-    """The base stands at the goal, within the goal tolerances."""
+    """Result of a goal: the base stands at the goal, within the goal tolerances."""
 
     goal: Goal
 
 
 @dataclass(frozen=True, slots=True)
 class NoPath:
-    """The goal was given up.
+    """Result of a goal that was given up.
 
     Attributes:
-        reason: the cause as a code, stable for programs.
-        sentence: the cause for people.
+    reason: code of the cause for programs; it never changes.
+    sentence: the cause for people.
     """
 
     goal: Goal
@@ -51,7 +51,7 @@ class NoPath:
 
 @dataclass(frozen=True, slots=True)
 class Cancelled:
-    """The goal was withdrawn, or replaced by another one."""
+    """Result of a goal that was withdrawn, or replaced by another goal."""
 
     goal: Goal
 

@@ -1,13 +1,16 @@
-"""Making way: a robot waits for one with the right of way, drives aside for it, or drives around it."""
+"""Making way: a robot waits for another one with the right of way, drives aside for it, or drives around it."""
 
 from sim.common.observations import TICKS_PER_SECOND
 
 PAUSE = 1.0
-"""Seconds without a reason to make way that do not yet end it, because a robot in a queue advances in small steps."""
+"""Seconds without a reason after which making way ends.
+
+They bridge pauses, because robots in a queue advance in small steps.
+"""
 
 
 class MakingWay:
-    """The robot for which another one makes way, without short pauses."""
+    """Memory of the robot for which another one makes way. Short pauses are bridged."""
 
     def __init__(self) -> None:
         self._robot: int | None = None
@@ -16,11 +19,11 @@ class MakingWay:
 
     @property
     def pauses(self) -> bool:
-        """True if there was no reason to make way in the last tick, so that it may soon end."""
+        """True if there was no reason to make way in the last tick, so that making way may end soon."""
         return self._robot is not None and self._reason is None
 
     def go_on(self, tick: int) -> None:
-        """Make way in one more tick for the same reason as in the last one, if there was any."""
+        """Make way for one more tick, for the same reason as in the last tick, if there was a reason."""
         if self._reason is not None:
             self._tick = tick
 
@@ -29,8 +32,9 @@ class MakingWay:
 
         Args:
             tick: the present tick.
-            robot: the robot for which it makes way in this tick, or None.
-            has_goal: True for a robot with a goal, which may have to make way again immediately.
+            robot: the robot for which this one makes way in this tick, or None.
+            has_goal: True if this robot has a
+            goal. It may have to make way again immediately.
         """
         self._reason = robot
         if robot is not None:

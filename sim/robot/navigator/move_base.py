@@ -1,18 +1,19 @@
 """The navigator: from a goal to velocity commands (move_base).
 
 The navigator plans to a goal (`global_planning.itinerary_planner`) and follows the plan as far as the right of way
-reaches (`navigator.follower`). The goal ends as GoalReached, NoPath or Cancelled. If standing robots leave no path, the
-robot broadcasts the path that it wants. Those of them that rest, or have younger goals, drive aside. The robot plans
-immediately around an obstacle that it sees on its path. If no path is left, it waits and then tries the recovery
-behaviors. In any case, a goal is given up if its remaining path has not become shorter for PROGRESS_TIMEOUT seconds. So
-every goal ends in bounded time. `navigator.states` has the states, and the table of all transitions.
+allows (`navigator.follower`). The goal ends as GoalReached, NoPath or Cancelled. If standing robots leave no path, the
+robot broadcasts the path that it wants. Robots on this path drive aside if they rest or have younger goals. If the
+robot sees an obstacle on its path, it immediately plans around the obstacle. If there is no path, it waits and then
+tries the recovery behaviors. In any case, a goal is given up if its remaining path has not become shorter for
+PROGRESS_TIMEOUT seconds. So every goal ends in bounded time. `navigator.states` contains the states and the table of
+all transitions.
 
 Source: ros-planning/navigation, move_base/src/move_base.cpp.
-Differences: plans and commands are made in the tick when they are due, without threads. But the search for a path on a
-large map takes several ticks, with a part of the map in each. Robots take turns in planning. A goal that is impossible
-on the map alone is given up without recovery. While a robot waits for its right of way, it does not count as
-oscillating, and controller_patience does not run. A robot that drives in one place for STAY_TIMEOUT seconds tries a
-recovery behavior even with `oscillation_timeout: 0`.
+Differences: plans and commands are made in the tick when they are due, without threads. Only the search for a path on a
+large map takes several ticks, with a part of the map in each. Robots take turns in planning. If the map alone has no
+path to a goal, the goal is given up without recovery. While a robot waits for its right of way, it does not count as
+oscillating, and the time of controller_patience does not run. A robot that drives in one place for STAY_TIMEOUT seconds
+tries a recovery behavior even with `oscillation_timeout: 0`.
 """
 
 from collections.abc import Mapping, Sequence
@@ -66,11 +67,11 @@ class Navigator:
 
     Args:
         parameters: parameters of this robot's software.
-        footprint: (n, 2) corners of its body, base frame, meters.
+        footprint: (n, 2) corners of the robot's body, base frame, meters.
         static: the map.
         robot: index of the robot in the team.
-        space: workspace for plans, which may be shared, because it keeps nothing between plans. If None, it makes its
-            own.
+        space: workspace for plans. It may be shared, because nothing is kept in it between plans. If None, the
+            navigator makes its own workspace.
         seed: random seed of recovery behaviors.
         recoveries: installed recovery behaviors, by name.
         planners: installed global planners, by name.
@@ -132,7 +133,7 @@ class Navigator:
         self._costmaps.clear()
 
     def configure(self, parameters: RobotParameters) -> None:
-        """Continue with these parameters (ROS: dynamic_reconfigure). Goal, plan and obstacles seen stay."""
+        """Continue with these parameters (ROS: dynamic_reconfigure). Keep goal, plan and seen obstacles."""
         before = self._parameters
         if parameters == before:
             return
@@ -146,13 +147,13 @@ class Navigator:
         self._execution.configure(parameters.move_base, self._costmaps.global_costmap.circumscribed_radius)
 
     def make_plan(self, base_in_map: Pose2, start: Pose2, goal: Pose2, tolerance: float) -> FloatArray | PlanRefusal:
-        """Make a plan on request (ROS: move_base/make_plan), without any effect on the robot.
+        """Make a plan on request (ROS: move_base/make_plan). The robot does not change.
 
         Args:
-            base_in_map: pose where the robot believes it is.
+            base_in_map: pose estimate of the robot.
             start: pose at the beginning.
             goal: pose at the end.
-            tolerance: meters by which the end may miss an unreachable goal, along x and along y.
+            tolerance: meters along x and along y by which the plan may miss a goal that is unreachable.
 
         Returns:
             (m, 3) poses in the map, or the reason why no plan exists.
@@ -161,7 +162,7 @@ class Navigator:
         place = turned.pose_in_grid(base_in_map)
         costs, frame = self._costmaps.global_costmap.as_updated(place.x, place.y, self._stale.known(self._tick))
         adds = self._parameters.move_base.make_plan_add_unreachable_goal
-        # In its own workspace, because a search may be running in the other one.
+        # Use another workspace, because a search may be running in the usual one.
         start, goal = turned.pose_in_grid(start), turned.pose_in_grid(goal)
         try:
             poses = make_plan(self._planner(self._parameters), costs, frame, start, goal, tolerance, adds)
@@ -188,11 +189,12 @@ class Navigator:
 
         Args:
             tick: the present tick.
-            base_in_map: pose where the robot believes it is.
-            twist: its velocity, by odometry.
+            base_in_map: pose estimate of the robot.
+            twist: velocity of the robot, by odometry.
             scan: scan of the laser, if it was due.
             neighbours: broadcasts of the other robots in the last tick.
-            lost: True if the pose is not reliable. Then a robot with a goal looks around until it is.
+            lost: True if the pose is not
+            reliable. A robot with a goal then looks around until the pose is reliable.
         """
         execution = self._execution
         if tick != self._tick + 1:
@@ -224,10 +226,10 @@ class Navigator:
         return self._report(tick, pose)
 
     def next_due(self, tick: int, neighbours: Sequence[Neighbour]) -> int:
-        """Return the first tick in which another step would do more than repeat the output, without a scan.
+        """Return the next tick in which a step is needed even without a scan. Before it, the output would not change.
 
-        If this cannot be determined, it is the next tick. Requests, and changes of the team, make a step due
-        immediately.
+        If this tick cannot be determined, return the next tick. Requests, and changes of the team, make a step
+        necessary immediately.
 
         Args:
             tick: tick of the last step.
@@ -252,12 +254,12 @@ class Navigator:
         return min((one for one in due if one is not None), default=tick + TICKS_PER_SECOND)
 
     def skip(self, tick: int) -> None:
-        """Record a tick in which no step was due."""
+        """Record a tick without a step."""
         self._tick = tick
         self._making_way.go_on(tick)
 
     def rejoin(self, neighbours: Sequence[Neighbour]) -> None:
-        """Process broadcasts of the last tick, in which no step was due: some may be the last ones of their robots."""
+        """Process the broadcasts of the last tick, which had no step. Some may be the last ones of their robots."""
         self._stale.update(self._tick, self._rotated.neighbours_in_grid(neighbours))
 
     @property
@@ -267,7 +269,10 @@ class Navigator:
 
     @property
     def _team(self) -> int:
-        """Ticks between two turns to plan; the same for all robots that broadcast, so no two plan at the same time."""
+        """Ticks between two turns to plan.
+
+        They are equal for all robots that broadcast, so no two plan simultaneously.
+        """
         return 1 + max(self._robot, self._stale.highest_robot)
 
     def _report(self, tick: int, pose: Pose2) -> Navigation:
@@ -302,7 +307,7 @@ class Navigator:
         )
 
     def _look_around(self, tick: int, twist: Twist, scan: Scan | None) -> None:
-        """Look around. The goal waits until the robot is localized again, but not forever."""
+        """Look around. The goal waits until the robot is localized again, but only for a limited time."""
         execution = self._execution
         if not isinstance(execution.state, Lost):
             # Obstacles seen from a wrong pose were marked in wrong places.

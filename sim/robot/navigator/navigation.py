@@ -20,17 +20,19 @@ class Navigation:
         goal: the present goal.
         state: state of move_base: "planning" waits for a plan, "controlling" follows it, "clearing" runs a recovery
             behavior.
-        plan: (m, 3) map poses still to be driven, starting with the robot's; empty without a goal. Broadcast to the
-            team.
-        times: (m,) times of these poses, also broadcast; empty with a plan that is only wanted.
+        plan: (m, 3) map poses of the remaining path, starting with the robot's pose; empty without a goal. The robot
+            broadcasts it.
+        times: (m,) times of these poses, also broadcast. They are empty if other robots block the plan and are asked to
+            clear it.
         local_plan: (k, 3) map poses along the trajectory of the command.
         result: result of a goal that ended in this tick.
         remaining: remaining length of the plan, meters.
-        claim: priority of the robot that wants the plan, if it is only wanted.
+        claim: priority of the robot that wants the plan, if others are asked to clear it.
         global_costmap: costs for plans, in ticks when they are published.
         local_costmap: costs for commands, in ticks when they are published.
-        waits_for: robot that this one lets go first, if it stands because of one.
-        makes_way_for: robot with the right of way, while this one waits for it, drives aside or drives around it.
+        waits_for: other robot that goes first, if this one stands because of it.
+        makes_way_for: other robot with the
+        right of way, while this one waits for it, drives aside or drives around it.
         fault: failure of an installed planner or recovery behavior in this tick; empty without one.
     """
 

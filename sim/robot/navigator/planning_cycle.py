@@ -1,4 +1,4 @@
-"""Planning of move_base: when a plan is due, its consequences, and which robot goes first."""
+"""State "planning" of move_base: times of plans, their consequences, and the order in which robots go."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -29,21 +29,21 @@ from sim.robot.navigator.states import Clearing, Controlling, Event, Idle, Plann
 PLAN_RETRY = 0.5
 """Seconds between planning attempts."""
 HELD_UP_RETRY = 2.0
-"""Seconds between planning attempts of a robot that is held up."""
+"""Seconds between planning attempts of a robot without progress."""
 CLEARING_TIMEOUT = 60.0
 """Seconds for which a robot waits for others to clear its path."""
 
 
 class PlanningCycle:
-    """Planning of one robot's move_base.
+    """State "planning" of one robot's move_base.
 
     Args:
-        execution: execution of its goal.
-        planner: planner of itineraries.
-        controller: controller for the followers of itineraries.
-        clearing: recovery behaviors.
-        rotated: the map.
-        robot: index of the robot in the team.
+    execution: execution of the robot's goal.
+    planner: planner of itineraries.
+    controller: controller for the followers of itineraries.
+    clearing: recovery behaviors.
+    rotated: the map.
+    robot: index of the robot in the team.
     """
 
     def __init__(
@@ -61,11 +61,11 @@ class PlanningCycle:
         self._clearing = clearing
         self._rotated = rotated
         self._robot = robot
-        # True if the robot continues with its present itinerary in case the present search finds none.
+        # True if the robot continues with its present itinerary if the present search finds no other one.
         self._keeps = False
 
     def run(self, tick: int, pose: Pose2, neighbours: Sequence[Neighbour]) -> None:
-        """Plan, in this robot's turn, if there is something to plan for."""
+        """Plan if it is this robot's turn, and if a plan is needed."""
         if self._execution.goal is not None and self._execution.progress.timed_out(tick):
             self._execution.end(self._execution.given_up(self._execution.goal))
         # A search that takes several ticks keeps the purpose for which it began.
@@ -99,7 +99,7 @@ class PlanningCycle:
         return tick - self._execution.progress.last_valid > patience * TICKS_PER_SECOND
 
     def _replans(self, tick: int) -> bool:
-        """Return True if a plan is due although the present one is good."""
+        """Return True if a plan is due although the present plan is valid."""
         rate = self._execution.move_base.planner_frequency
         return rate > 0.0 and tick - self._execution.progress.planned >= TICKS_PER_SECOND / rate
 
@@ -134,14 +134,14 @@ class PlanningCycle:
                 self._refuse(tick, pose, goal, planned)
 
     def _defers_to(self, target: Pose2, neighbours: Sequence[Neighbour]) -> int | None:
-        """Return a robot with an older goal and a wanted path over this goal; it should go first."""
+        """Return a robot that should go first: its goal is older, and its wanted path leads over this robot's goal."""
         own = Claim(self._execution.progress.began, self._robot)
         older = (other for other in neighbours if other.claim is not None and other.claim < own)
         place = target.array()[:2]
         return next((other.robot for other in older if self._planner.obstructs(place, other.path)), None)
 
     def _ask(self, tick: int, goal: Goal, path: FloatArray, heading: float, neighbours: Sequence[Neighbour]) -> None:
-        """Ask the robots that stand in a path to clear it. After CLEARING_TIMEOUT, give up."""
+        """Ask the robots that stand on a path to clear it. After CLEARING_TIMEOUT, give up."""
         planner, progress = self._planner, self._execution.progress
         wanted = WantedPath(headings(path, heading), Claim(progress.began, self._robot))
         self._execution.stop("blocked by robots", Planning(wanted, planner.first_obstructing(neighbours, path)))
@@ -184,7 +184,7 @@ class PlanningCycle:
             self._execution.progress.note_way_given(tick, asking.robot)
             self._follow("asked to clear", tick, away, pose.theta, asking.robot, gives_way=True)
             return
-        # Resting robots around it block its path. It asks them on behalf of the other robot, with the same priority.
+        # Resting robots block this robot's path. It asks them on behalf of the other robot, with that robot's priority.
         movers = itineraries_of_moving(neighbours)
         away = self._planner.refuge(pose, asking.path, self._time(tick, pose, movers), movers)
         if away is not None or self._execution.goal is None:
@@ -199,7 +199,10 @@ class PlanningCycle:
 
     @property
     def _driven_on(self) -> Controlling | None:
-        """The present state if the robot drives on while its plan is replaced, as with a planner_frequency above 0."""
+        """The present state if the robot drives on while its plan is replaced, e.g.
+
+        with a planner_frequency above 0.
+        """
         state = self._execution.state
         often = self._execution.move_base.planner_frequency > 0.0
         return state if often and isinstance(state, Controlling) and not state.gives_way else None

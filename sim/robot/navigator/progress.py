@@ -7,15 +7,15 @@ from sim.common.observations import TICKS_PER_SECOND
 from sim.robot.global_planning.itinerary import ITINERARY_SPEED
 
 PROGRESS_TIMEOUT = 120.0
-"""Seconds, in addition to those for its longest path, within which the remaining path must become shorter than ever
-before. Otherwise the goal is given up, so every goal ends."""
+"""Time within which the remaining path must become shorter than ever before, seconds, in addition to the time for the
+goal's longest path. Otherwise the goal is given up, so every goal ends."""
 PROGRESS_DISTANCE = 0.5
-"""Meters by which it must become shorter."""
+"""Meters by which the remaining path must become shorter."""
 STAY_TIMEOUT = 20.0
 """Seconds of driving within STAY_DISTANCE of one place after which a recovery behavior is due, even if
-`oscillation_timeout` is 0. The slowest robots of other labs drive 0.1 m/s."""
+`oscillation_timeout` is 0. It allows for the slowest robots of other labs, which drive 0.1 m/s."""
 STAY_DISTANCE = 0.5
-"""Metres."""
+"""Distance from one place for STAY_TIMEOUT, meters."""
 GIVE_WAY_TIME = 5.0
 """Seconds for which a robot that gave way lets the other one plan first."""
 
@@ -27,8 +27,8 @@ class GoalProgress:
         tick: tick at which the goal was accepted.
 
     Attributes:
-        began: that tick.
-        planned: last tick in which a plan was tried.
+        began: tick at which the goal was accepted.
+        planned: last tick in which the robot tried to plan.
         last_valid: last tick with a valid command, or with a good reason to wait.
     """
 
@@ -48,11 +48,11 @@ class GoalProgress:
         self._planning_since, self._retries = tick, 0
 
     def note_others_arriving(self, tick: int) -> None:
-        """Record that robots will still arrive on the path. They can be asked to clear it only then."""
+        """Record that robots will still arrive on the path. Only after their arrival they can be asked to clear it."""
         self._planning_since = tick
 
     def count_retry(self) -> int:
-        """Count a refused plan, and return the number of consecutive ones."""
+        """Count a refused plan, and return the number of consecutive refused plans."""
         self._retries += 1
         return self._retries
 
@@ -69,14 +69,14 @@ class GoalProgress:
         self._longest = max(self._longest, length)
 
     def watch(self, tick: int, remaining: float) -> bool:
-        """Record the remaining meters of path. Return True if the robot is nearer to the goal than ever."""
+        """Record the remaining meters of the path. Return True if the robot is nearer to the goal than ever before."""
         if remaining >= self._shortest - PROGRESS_DISTANCE:
             return False
         self._shortest, self._shortest_tick = remaining, tick
         return True
 
     def timed_out(self, tick: int) -> bool:
-        """Return True if the robot has not come nearer for too long."""
+        """Return True if the robot has not come nearer to the goal for too long."""
         return tick - self._shortest_tick > (PROGRESS_TIMEOUT + self._longest / ITINERARY_SPEED) * TICKS_PER_SECOND
 
     def restart_stay(self) -> None:
@@ -92,7 +92,7 @@ class GoalProgress:
 
     @property
     def stays(self) -> bool:
-        """True if the robot has driven for long, but stayed in one place."""
+        """True if the robot has driven for a long time, but remained in one place."""
         return self._stayed > STAY_TIMEOUT * TICKS_PER_SECOND
 
     def note_way_given(self, tick: int, robot: int) -> None:
@@ -100,7 +100,7 @@ class GoalProgress:
         self._gave_way = tick, robot
 
     def yields_to(self, tick: int) -> int | None:
-        """Return the robot that should plan first, because this one has just given way to it."""
+        """Return the robot that should plan first, because this robot has just given way to it."""
         if self._gave_way is None or tick - self._gave_way[0] >= GIVE_WAY_TIME * TICKS_PER_SECOND:
             return None
         return self._gave_way[1]

@@ -1,9 +1,9 @@
-"""Recovery behaviors, which a navigator tries one after the other before it gives a goal up.
+"""Recovery behaviors. A navigator tries them one after the other before it gives a goal up.
 
 Source: ros-planning/navigation, move_base/src/move_base.cpp (loadDefaultRecoveryBehaviors, executeCycle),
 clear_costmap_recovery, rotate_recovery.
-Difference: the list starts again only when the robot has come nearer to its goal, not as soon as a plan exists.
-Otherwise a robot between two closed doors would drive back and forth forever.
+Difference: the list starts again only after the robot has come nearer to its goal, while in ROS it starts again as soon
+as a plan exists. In ROS, a robot between two closed doors would drive back and forth forever.
 """
 
 import math
@@ -26,12 +26,13 @@ class RecoverySituation:
 
     Attributes:
         seconds: simulated time since the behavior began.
-        base_in_map: pose where the robot believes it is.
-        twist: its velocity, by odometry.
-        goal_in_map: pose of the goal; None if the robot makes room for another one without a goal.
+        base_in_map: pose estimate of the robot.
+        twist: velocity of the robot, by odometry.
+        goal_in_map: pose of the
+        goal; None if the robot has no goal, but makes room for another robot.
         scan: the last scan that the local costmap has not processed yet, or None.
         costs: (rows, cols) local costmap.
-        frame: its frame in the map.
+        frame: frame of the local costmap in the map.
         footprint: (n, 2) padded corners of the body, base frame, meters.
     """
 
@@ -49,7 +50,10 @@ class RunningRecovery(Protocol):
     """A running recovery behavior (nav_core::RecoveryBehavior, one command at a time)."""
 
     def command(self, now: RecoverySituation) -> Twist | None:
-        """Return the next command, or None at the end. If a command leaves no room to stop, the robot stands."""
+        """Return the next command; None if the behavior has ended.
+
+        If a command leaves no room to stop, the robot stands.
+        """
 
 
 class RecoveryFactory(Protocol):
@@ -59,7 +63,7 @@ class RecoveryFactory(Protocol):
         """Start the behavior, and return it.
 
         Args:
-            seed: random seed, different for each robot and each time.
+            seed: random seed, different for each robot and each start.
         """
         ...
 
@@ -70,7 +74,7 @@ class RecoveryProgress:
 
     Attributes:
         tried: number of behaviors that were tried since the last progress.
-        names: all behaviors, in order.
+        names: names of all behaviors, in their order.
     """
 
     tried: int
@@ -82,8 +86,8 @@ class RecoveryBehaviours:
 
     Args:
         parameters: parameters of move_base.
-        circumscribed: circumscribed radius of the robot, meters; the side of the aggressive reset's square is four
-            times as long.
+        circumscribed: circumscribed radius of the robot, meters. The side of the square in the aggressive reset is four
+            times this radius.
     """
 
     def __init__(self, parameters: MoveBaseParameters, circumscribed: float) -> None:
@@ -107,7 +111,7 @@ class RecoveryBehaviours:
 
     @property
     def progress(self) -> RecoveryProgress:
-        """The behaviors, and the number of those that were tried."""
+        """Names of the behaviors, and the number of those that were tried."""
         return RecoveryProgress(self._next, tuple(self._names))
 
     def next(self) -> str | None:
@@ -118,16 +122,16 @@ class RecoveryBehaviours:
         return self._names[self._next - 1]
 
     def reset_side(self, behaviour: str) -> float:
-        """Return the side of the square around the robot that a reset leaves unchanged, meters; 0 for a rotation."""
+        """Return the side of the square around the robot that a reset does not change, meters; 0 for a rotation."""
         return self._squares.get(behaviour, 0.0)
 
 
 class OscillationDetector:
-    """Detects that a robot that tries to move stays in its place.
+    """Detector of robots that try to move, but remain in one place.
 
     Args:
-        timeout: seconds after which it counts as oscillating; 0: never.
-        distance: distance that counts as motion, meters.
+    timeout: seconds after which a robot counts as oscillating. If 0, it never does.
+    distance: distance that counts as motion, meters.
     """
 
     def __init__(self, timeout: float, distance: float) -> None:
@@ -136,16 +140,16 @@ class OscillationDetector:
         self.configure(timeout, distance)
 
     def configure(self, timeout: float, distance: float) -> None:
-        """Continue with these parameters, from the last mark."""
+        """Continue with these parameters and the last mark."""
         self._ticks = timeout * TICKS_PER_SECOND if timeout > 0.0 else math.inf
         self._distance = distance
 
     def restart(self, tick: int) -> None:
-        """Restart the time from now on."""
+        """Restart the time."""
         self._since = tick
 
     def watch(self, tick: int, pose: Pose2) -> bool:
-        """Record the robot's pose. Return True if it has moved on since the last mark."""
+        """Record the robot's pose. Return True if it has moved since the last mark."""
         if self._mark is not None and self._mark.distance(pose) < self._distance:
             return False
         self._mark, self._since = pose, tick

@@ -1,7 +1,7 @@
-"""Maps with a rotated origin: a robot plans on them in the grid's own frame.
+"""Maps with a rotated origin: a robot plans in the frame of the grid.
 
-Cells are squares along the axes of that frame, so all parts of a navigator work in it. Only here, poses change frames
-on their way in and out. If the origin is not rotated, nothing changes.
+The sides of cells are parallel to the axes of this frame, so all parts of a navigator use it. Only this module converts
+poses between the two frames. If the origin is not rotated, nothing changes.
 """
 
 from collections.abc import Sequence
@@ -14,13 +14,13 @@ from sim.numerics.float_array import FloatArray
 
 
 class RotatedMap:
-    """Converts poses from the map's frame to a frame along the axes of its cells, and back.
+    """Converter of poses from the map's frame to a frame along the axes of the map's cells, and back.
 
     Args:
         static: the map.
 
     Attributes:
-        grid: the same cells in that frame.
+        grid: the same cells in the second frame.
     """
 
     def __init__(self, static: OccupancyGrid) -> None:
@@ -34,7 +34,7 @@ class RotatedMap:
         return self._map_in_grid.compose(in_map) if self._turned else in_map
 
     def neighbours_in_grid(self, in_map: Sequence[Neighbour]) -> Sequence[Neighbour]:
-        """Convert the broadcasts of others from the map's frame to the grid's."""
+        """Convert the broadcasts of other robots from the map's frame to the grid's."""
         if not self._turned:
             return in_map
         return [

@@ -1,4 +1,7 @@
-"""Obstacles around a lost robot, from its last scan alone, because it may trust no map. All in the base frame."""
+"""Obstacles around a lost robot, in the base frame.
+
+They are from the last scan alone, because the robot cannot rely on maps.
+"""
 
 import math
 
@@ -12,13 +15,16 @@ from sim.robot.costmap.costs import CostFrame
 from sim.robot.local_planning.braking import WALL_MARGIN, Surroundings
 
 _REACH = 1.2
-"""Distance from the base within which obstacles matter, meters: for turning in place and a slow step forward."""
+"""Distance from the base within which obstacles matter, meters.
+
+It is enough for turns in place and a slow step forward.
+"""
 _RESOLUTION = 0.025
 _NO_BODIES = np.empty((0, 0, 2))
 
 
 def _end_points(scan: Scan) -> FloatArray:
-    """Return (beams, 2) end points of beams, base frame; beams that met nothing end at the laser's maximum range."""
+    """Return (beams, 2) end points of beams, base frame. Beams that met nothing end at the laser's maximum range."""
     mount, ranges = scan.mount, scan.ranges.astype(np.float64)
     ranges = np.where(ranges < mount.range_max, ranges, mount.range_max)
     angles = mount.angles()
@@ -28,7 +34,7 @@ def _end_points(scan: Scan) -> FloatArray:
 
 
 def seen_around(scan: Scan, corners: int) -> Surroundings:
-    """Return the obstacles that a scan shows near the robot as surroundings, with its base at the origin.
+    """Return the obstacles that a scan shows near the robot. The base is at the origin.
 
     Args:
         scan: the latest scan.
@@ -50,8 +56,8 @@ def seen_around(scan: Scan, corners: int) -> Surroundings:
 def may_turn(scan: Scan, radius: float) -> bool:
     """Return True if the space behind the robot, which the laser does not see, leaves room to turn.
 
-    A straight wall behind the robot extends to both sides, where the outermost beams end on it. So the worst case is a
-    wall along the line between the ends of these two beams.
+    A straight wall behind the robot extends to both sides, so the outermost beams end on it. In the worst case, the
+    wall is on the line between the ends of these two beams.
 
     Args:
         scan: the latest scan.
@@ -66,7 +72,7 @@ def may_turn(scan: Scan, radius: float) -> bool:
 
 
 def room_ahead(scan: Scan, footprint: FloatArray) -> float:
-    """Return the distance straight ahead to the first obstacle in a scan, meters; inf if it shows none.
+    """Return the distance straight ahead to the first obstacle in a scan, meters; inf if there is no obstacle.
 
     Args:
         scan: the latest scan.

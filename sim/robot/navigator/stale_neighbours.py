@@ -1,8 +1,8 @@
 """Stale neighbors: team mates that no longer broadcast, at their last reported poses.
 
-A robot that dies in a doorway stays there. The others remember its last known pose. Plans use it until STALE_TIMEOUT,
-and later only if the laser sees the robot, which may have been removed. Braking uses it until the laser looks through
-the place where it stood.
+A robot that dies in a doorway stays there. The others remember its last known pose. Plans avoid this pose until
+STALE_TIMEOUT. Later, they avoid the robot only if the laser sees it, because it may have been removed. Braking avoids
+the pose until the laser looks through the place where the robot stood.
 """
 
 import math
@@ -31,7 +31,7 @@ _ROBOT = attrgetter("robot")
 
 @njit(cache=True)
 def _looks_through(angles: FloatArray, ranges: NDArray[np.float32], bearing: float, away: float) -> bool:
-    """Return True if any of (m,) beams, radians, reaches beyond the core of a body `away` meters away."""
+    """Return True if one of (m,) beams passes through the core of a body that would be `away` meters away."""
     beyond = np.float32(away + CORE_RADIUS)
     for i in range(angles.shape[0]):
         off = abs((angles[i] - bearing + math.pi) % math.tau - math.pi)
@@ -45,8 +45,8 @@ class _StaleNeighbour(NamedTuple):
 
     Attributes:
         since: first tick without a broadcast.
-        moving: its last state, without its path.
-        standing: the same state at standstill.
+        moving: last state of the robot, without its path.
+        standing: the same state with velocity 0.
     """
 
     since: int
@@ -63,7 +63,10 @@ class StaleNeighbours:
         self._stale: dict[int, _StaleNeighbour] = {}
 
     def update(self, tick: int, neighbours: Sequence[Neighbour]) -> None:
-        """Process the broadcasts of this tick. Robots that have been missing since the last tick become stale."""
+        """Process the broadcasts of this tick.
+
+        Robots that did broadcast in the last tick, but not in this one, become stale.
+        """
         robots = list(map(_ROBOT, neighbours))
         if robots != self._robots:
             for neighbour in self._current:
@@ -97,7 +100,7 @@ class StaleNeighbours:
         return [*self._current, *self.remembered(tick)] if self._stale else self._current
 
     def remembered(self, tick: int) -> list[Neighbour]:
-        """Return the stale robots that plans keep clear of, at standstill."""
+        """Return the stale robots that plans keep clear of, with velocity 0."""
         fresh = STALE_TIMEOUT * TICKS_PER_SECOND
         return [stale.standing for stale in self._stale.values() if tick - stale.since <= fresh]
 

@@ -1,7 +1,7 @@
 """The states of move_base, and the transitions between them.
 
 Source: ros-planning/navigation, move_base/include/move_base/move_base.h (MoveBaseState).
-Differences: a robot without a goal is Idle; a robot that is not localized is Lost.
+Differences: a robot without a goal is in state Idle, and a robot that is not localized is in state Lost.
 """
 
 from dataclasses import dataclass
@@ -19,7 +19,7 @@ class WantedPath:
     """A path that other robots are asked to clear.
 
     Attributes:
-        poses: (m, 3) in the map.
+        poses: (m, 3) poses in the map.
         claim: priority of the robot that wants the path.
     """
 
@@ -29,10 +29,10 @@ class WantedPath:
 
 @dataclass(frozen=True, slots=True)
 class Idle:
-    """The robot stands without a goal.
+    """State in which the robot stands without a goal.
 
     Attributes:
-        wanted: path on which it would make way, for a robot that has asked for this.
+        wanted: path on which the robot would make way for another robot that has asked for this.
     """
 
     wanted: WantedPath | None = None
@@ -40,11 +40,11 @@ class Idle:
 
 @dataclass(frozen=True, slots=True)
 class Planning:
-    """The robot stands, and has no plan to its goal yet.
+    """State in which the robot stands and has no plan to its goal yet.
 
     Attributes:
-        wanted: path to its goal, or path on which it would make way, if other robots block it.
-        waits_for: robot that goes first.
+        wanted: path that other robots block: to the robot's goal, or to a place where it would make way.
+        waits_for: other robot that goes first.
     """
 
     wanted: WantedPath | None = None
@@ -53,14 +53,14 @@ class Planning:
 
 @frozen()
 class Controlling:
-    """The robot follows an itinerary.
+    """State in which the robot follows an itinerary.
 
     Attributes:
         follower: follower of the itinerary.
-        gives_way: True if the itinerary leads away from another robot's path, with or without a goal of its own.
+        gives_way: True if the itinerary leads away from another robot's path. The robot may have a goal or not.
         output: output of the follower's last step.
-        makes_way_for: robot with the right of way, from whose path the itinerary leads away, or for which it waits or
-            makes a detour.
+        makes_way_for: other robot with the right of way. The itinerary leads away from its path, waits for it, or makes
+            a detour around it.
     """
 
     follower: Follower
@@ -71,11 +71,11 @@ class Controlling:
 
 @dataclass(frozen=True, slots=True)
 class Clearing:
-    """The robot turns once around to see more (rotate_recovery), or runs an installed recovery behavior.
+    """State in which the robot turns once around to see more (rotate_recovery), or runs an installed recovery behavior.
 
     Attributes:
         turn_left: remaining turn, radians.
-        then: state in which it continues.
+        then: state in which the robot continues.
         behavior: the installed behavior. If None, the robot turns.
         began: tick in which the behavior began.
     """
@@ -88,7 +88,7 @@ class Clearing:
 
 @dataclass(frozen=True, slots=True)
 class Lost:
-    """The robot is not localized. With a goal, it looks around."""
+    """State in which the robot is not localized. If it has a goal, it looks around."""
 
 
 State = Idle | Planning | Controlling | Clearing | Lost
@@ -114,14 +114,14 @@ TRANSITIONS: set[tuple[type[State], Event, type[State]]] = {
     # Idle: no goal; the robot stands.
     (Idle, "goal received", Planning),  # Plan as soon as it is this robot's turn.
     (Idle, "asked to clear", Controlling),  # Drive to a refuge off the other robot's path.
-    (Idle, "asked to clear", Idle),  # If there is no refuge, ask the robots around to clear a path to one.
-    (Idle, "no longer asked", Idle),  # Stop asking them.
-    (Idle, "replan requested", Idle),  # Ask them no longer.
+    (Idle, "asked to clear", Idle),  # If there is no refuge, ask nearby robots to clear a path to one.
+    (Idle, "no longer asked", Idle),  # Stop asking nearby robots.
+    (Idle, "replan requested", Idle),  # Stop asking nearby robots.
     (Idle, "lost", Lost),  # Forget the obstacles seen by the laser.
     # PLANNING: the robot stands, and plans whenever it is its turn (`planning_cycle`).
-    (Planning, "plan made", Controlling),  # Follow it.
+    (Planning, "plan made", Controlling),  # Follow the plan.
     (Planning, "deferred", Planning),  # The goal is on the path of a robot with an older goal, which goes first.
-    (Planning, "blocked by robots", Planning),  # Ask them to clear the path; give up after CLEARING_TIMEOUT.
+    (Planning, "blocked by robots", Planning),  # Ask the robots to clear the path; give up after CLEARING_TIMEOUT.
     (Planning, "plan refused", Planning),  # Try again; after planner_patience try a recovery behavior, then give up.
     (Planning, "asked to clear", Controlling),
     (Planning, "asked to clear", Planning),
@@ -142,7 +142,7 @@ TRANSITIONS: set[tuple[type[State], Event, type[State]]] = {
     (Controlling, "goal ended", Idle),  # Reached, given up or cancelled.
     (Controlling, "lost", Lost),
     # CLEARING: a recovery behavior, or reset of costmaps (`clearing_cycle`).
-    (Clearing, "command due", Clearing),  # Continue the turn or the behavior, as far as that is safe.
+    (Clearing, "command due", Clearing),  # Continue the turn or the behavior, as far as it is safe.
     (Clearing, "asked to clear", Clearing),  # Give way after the turn.
     (Clearing, "recovery ended", Idle),
     (Clearing, "recovery ended", Planning),
@@ -154,4 +154,7 @@ TRANSITIONS: set[tuple[type[State], Event, type[State]]] = {
     (Lost, "located", Idle),
     (Lost, "located", Planning),
 }
-"""All changes of the state, with the actions. A goal that arrives while the robot gives way or is lost waits."""
+"""All changes of the state, with the actions as comments.
+
+A goal that arrives while the robot gives way or is lost has to wait.
+"""

@@ -6,10 +6,10 @@ from collections.abc import Set
 def check_transition(
     table: Set[tuple[type[object], str, type[object]]], state: object, event: str, following: object
 ) -> None:
-    """Raise RuntimeError unless a transition table has this transition.
+    """Raise RuntimeError unless a transition table contains this transition.
 
     Args:
-        table: all transitions: state, event, next state.
+        table: all transitions, each with state, event and next state.
         state: the present state.
         event: cause of the change.
         following: the next state.
