@@ -310,7 +310,7 @@ class _Sources:
         return self._take("odometry", (topics, (ODOM_FRAME,)), (edges, ()))
 
     def _estimate(self, odometry: _Taken) -> tuple[_Taken, _Taken | None]:
-        """Return its estimated poses. If its odometry has corrections map -> odom, return no poses, but them."""
+        """Return its estimated poses. If its odometry has corrections map -> odom, return these instead of poses."""
         if self._named.estimate is not None:
             return self._by_name("estimate", self._named.estimate), None
         frame = frame_name(odometry.poses.frame)

@@ -79,7 +79,7 @@ class AbstractHuntEnv(TeamEnvironment):
         self._opening = HuntOpening.of(self._setting, self._times)
         self._hunt: AbstractHunt | None = None
         self._starts = self._setting.map.starts[: self.study.robots]
-        # Numbers of each robot while it stands in a room, and while it drives between two rooms in some ticks.
+        # Numbers of each robot while it stands in a room, and while it drives between two rooms for a number of ticks.
         self._standing: dict[tuple[int, int], BodyNumbers] = {}
         self._straight: dict[tuple[int, int, int, int], tuple[BodyNumbers, BodyNumbers]] = {}
 

@@ -77,7 +77,7 @@ class AbstractMove(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class HuntOpening:
-    """Beginning of every hunt of a study. Only the seed and the treasures differ between hunts.
+    """Beginning of a study's hunts. It is the same for all seeds, except for the seed itself and the treasures.
 
     Attributes:
         game: state in which the caller commands all robots.

@@ -65,7 +65,7 @@ def records_of(
     Args:
         design: the experiment.
         entries: entries of its log.
-        root: folder of the experiment. If None, the folder that contains its file.
+        root: folder of the experiment. If None, it is the folder that contains the experiment's file.
         last: number of the last event that counts. If None, all events count. Later withdrawals still apply.
 
     Raises:
