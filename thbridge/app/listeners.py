@@ -138,6 +138,6 @@ async def listeners(
             callbacks.shown(foxglove.start(LOCALHOST, options.foxglove))
             listening.append(foxglove)
         if options.bag is not None:
-            # Last, so that no recording is started if a port is taken.
+            # The recording starts last, so that it does not start if a port is taken.
             listening.append(opened.enter_context(build_writer(setting, options.bag)))
         yield listening

@@ -87,7 +87,7 @@ class HuntOutcome:
         wall_seconds: real time from the start to the end of the game.
         collisions: number of times that a robot touched a wall or another robot.
         bag: the recording.
-        games: all games in order, if the participant played several; the figures above are those of the last.
+        games: all games in order, if the participant played several games; the figures above are for the last game.
         robots: figures of each robot over the whole run.
     """
 
@@ -184,7 +184,7 @@ async def play(
         HuntUnfinished: it was stopped, or the game was not over in time; what was recorded is complete.
     """
     async with AsyncExitStack() as opened:
-        # First, so that no recording is started if the MAVLink ports cannot be opened.
+        # The MAVLink ports are opened first, so that no recording is started if they cannot be opened.
         links = await _links(options.mavlink, opened, callbacks)
         if options.rate > 0.0:
             rehearse(setting)
@@ -247,7 +247,7 @@ class _Hunt:
             opened.push_async_callback(self._server.stop)
             await self._listen()
             left = self._options.left
-            # A window has asked people already, and sends their consent as soon as it joins.
+            # A window has already asked people for consent, and sends the consent as soon as it joins.
             await _consent(self._desk, left, _ignore if left is not None else _log.warning)
 
     async def record(self, opened: AsyncExitStack, callbacks: StartupCallbacks) -> None:
@@ -282,7 +282,7 @@ class _Hunt:
         if options.inputs is not None:
             meter = options.meter or PaceMeter()
             self._inputs = opened.enter_context(closing(InputLog(options.inputs, opening, meter, self.pacer)))
-            # Before all other recorders: what they record follows from the inputs.
+            # The log of inputs comes before all other recorders, because what they record follows from the inputs.
             recorders.insert(0, self._inputs)
         self._recording.begin(recorders, log)
 
@@ -332,7 +332,7 @@ class _Hunt:
     def tick(self, progress: Callable[[TickRecord], None]) -> bool:
         """Run one tick; return True while the hunt continues."""
         now = self._step()
-        # Not logged for a participant in this process: the window or terminal shows these refusals.
+        # Refusals of a participant in this process are not logged, because the window or terminal shows them.
         inside = self._programs.participant
         refusals = (each for each in now.refusals if inside is None or each.program != inside.name)
         self._troubles.note(refusals, now.utterances)

@@ -59,7 +59,7 @@ class _Facts:
 
     def argue(self, name: str, line: int, remedy: str = "delete one of them") -> None:
         if not name.isprintable():
-            # It would be printed unchanged, and could control the terminal.
+            # The name would be printed unchanged, and could control the terminal.
             self.fail(line, f"the name {_start(name)} has characters that cannot be printed", "choose other characters")
         elif name in self._arguments:
             self.fail(line, f"the argument {name} is defined twice, first in line {self._arguments[name]}", remedy)

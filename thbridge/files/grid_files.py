@@ -204,7 +204,7 @@ def _image_of(map_yaml: Path, written: str) -> Path | None:
 
 def pose_of(x: float, y: float, yaw: float) -> Pose2:
     """Return a pose with its heading from -pi to less than pi."""
-    # Wrapping rounds, so an angle that needs no wrapping is not changed.
+    # Wrapping causes rounding errors, so an angle that needs no wrapping is not changed.
     return Pose2(x, y, yaw if -math.pi <= yaw < math.pi else wrap_angle(yaw))
 
 

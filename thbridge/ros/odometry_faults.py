@@ -173,7 +173,7 @@ def _example(fault: RecordedFault, begin_ns: int) -> str:
 
 
 def sound_odometry(samples: Iterable[OdometrySample], max_speed: float | None) -> SoundOdometry:
-    """Remove odometry that cannot be true, and join what was reset.
+    """Remove odometry that cannot be true, and join the parts before and after resets.
 
     Args:
         samples: samples in the order of recording.
@@ -189,7 +189,7 @@ def sound_odometry(samples: Iterable[OdometrySample], max_speed: float | None) -
 def sound_poses(
     received: NDArray[np.int64], stamps: NDArray[np.int64], poses: FloatArray, max_speed: float | None = None
 ) -> SoundOdometry:
-    """Remove poses that cannot be true, and join what was reset.
+    """Remove poses that cannot be true, and join the parts before and after resets.
 
     Args:
         received: (n,) times of recording, nanoseconds, in their order.

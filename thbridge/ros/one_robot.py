@@ -237,7 +237,7 @@ class RobotPublisher:
 
 
 def _moved(pose: Pose2, corners: FloatArray) -> list[tuple[float, float]]:
-    """Compute `Pose2.transform` of (v, 2) points, bit-identical; for so few points, one by one is faster."""
+    """Compute `Pose2.transform` of (v, 2) points, bit-identical; for few points, this loop is faster."""
     c, s = elementary.cos_sin(pose.theta)
     return [(pose.x + c * x - s * y, pose.y + s * x + c * y) for x, y in corners.tolist()]
 

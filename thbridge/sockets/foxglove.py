@@ -1,8 +1,8 @@
 """Foxglove server: shows a running session in Foxglove. Every message is the same as in a bag.
 
 Foxglove reads ROS 1's messages and definitions, so nothing is converted. It can only watch: its messages have no
-effect. Sockets and clients belong to foxglove-sdk, on threads of its own. A client that reads too slowly loses its
-oldest pending messages.
+effect. foxglove-sdk handles sockets and clients, on its own threads. A client that reads too slowly loses its oldest
+pending messages.
 
 Source: the Foxglove WebSocket protocol, `ros1` messages with `ros1msg` schemas.
 """

@@ -58,7 +58,7 @@ class ReconnectingClient(ABC):
         backoff: delays between two attempts.
         segment: bytes that are read at a time.
         key: key to present to the server; None for no key, which only servers of this machine accept.
-        may_be_plain: True presents a key without a fingerprint unencrypted to servers of this machine.
+        may_be_plain: True if a key without a fingerprint may be sent to servers of this machine without encryption.
     """
 
     def __init__(

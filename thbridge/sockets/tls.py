@@ -80,7 +80,7 @@ async def begin_connection(
     try:
         encrypted = tls is not None and await _begins_tls(accepted)
     except (OSError, asyncio.CancelledError):
-        accepted.close()  # Only here; later the transport closes it.
+        accepted.close()  # Closed only here; later the transport closes it.
         raise
     if encrypted:
         await loop.connect_accepted_socket(
@@ -105,7 +105,7 @@ async def _begins_tls(accepted: socket.socket) -> bool:
                 await readable.wait()
     finally:
         loop.remove_reader(accepted)
-    # Also after a timeout, because this event loop may have been blocked while the byte arrived.
+    # Check also after a timeout, because this event loop may have been blocked while the byte arrived.
     with contextlib.suppress(BlockingIOError):
         return accepted.recv(1, socket.MSG_PEEK) == _HANDSHAKE
     return False

@@ -326,7 +326,8 @@ def refusal(line: str, reason: str) -> WatchRefusal:
 
 
 def _object(line: str) -> dict[str, object] | None:
-    # Not Python's own parser, which accepts NaN, infinities, and numbers so large that they become infinite.
+    # Python's own parser is not used, because it accepts NaN, infinities, and numbers so large that they become
+    # infinite.
     try:
         value: object = msgspec.json.decode(line.encode())
     except (msgspec.DecodeError, RecursionError, UnicodeEncodeError):

@@ -152,7 +152,7 @@ def read_setting(
             by_position = path == place.costs if model is None else model is CostModel.POSITION
     talk = study.dialogue
     games = () if talk.games is None else (beside / talk.games,)
-    # Read only if needed, because reading takes 0.2 s.
+    # The rulebook is read only if needed, because reading it takes 0.2 s.
     if talk.condition is not DialogueCondition.SCRIPT or (talk.games, talk.words, talk.language) != (None, None, "en"):
         # For a missing folder, the error names the line of the study. For faults in an existing folder, it names the
         # lines of the folder's own files.
@@ -290,7 +290,7 @@ class StudyKeys:
         written = self._written
         if written is None or attrgetter(_field(key))(written.value) != attrgetter(_field(key))(self._study):
             return fault
-        # An unknown name is a fault of the study alone, so the searched folder is left out.
+        # An unknown name is a fault of the study alone, so the message does not name the searched folder.
         unknown = fault.path.parent == self._resources.root
         problem = fault.problem if unknown else f"{fault.path}: {fault.problem}"
         return written.fault(key, problem, fault.remedy)

@@ -41,7 +41,8 @@ class ClientMessages:
         if isinstance(found, InvalidMessage):
             return found
         number, stamp = next(self._goals), self._not_ahead(found.stamp_ns)
-        if isinstance(found.pose, InvalidMessage):  # Passed on without a pose, because the client waits for a result.
+        if isinstance(found.pose, InvalidMessage):
+            # The goal is passed on without a pose, because the client waits for a result.
             return GoalRequest(robot, found.goal_id, stamp, None, number, found.pose.sentence)
         return GoalRequest(robot, found.goal_id, stamp, found.pose, number)
 

@@ -405,7 +405,7 @@ class Comparison:
             return None
         if topic.msgtype != was.msgtype or types.plain_definition(topic.msgtype).md5 != was.md5:
             return self._difference(was.topic, was.stamp_ns, f"its type {was.msgtype} is that of another release")
-        # Only here, because it decodes both messages, and nearly all messages are equal as bytes.
+        # Done only here, because it decodes both messages, and nearly all messages are already equal as bytes.
         recorded = reworded(topic.msgtype, was.data, data)
         if data == recorded:
             self.reworded += 1

@@ -49,7 +49,7 @@ class LoggedTick:
         tick: its number.
         inputs: inputs that acted in it, in order.
         digest: digest of poses and score after it; empty if the line has none.
-        pace: real time up to it; None in logs of earlier releases, and after the end of the game.
+        pace: real time up to the tick; None in logs of earlier releases, and after the end of the game.
     """
 
     tick: int
@@ -101,7 +101,7 @@ class InputLog:
 
         Raises:
             BadFile: it cannot be written.
-            GameDiffers: the tick is not the one that was logged.
+            GameDiffers: the tick differs from the logged tick.
         """
         digest = _digest(record) if record.tick % TICKS_PER_SECOND == 0 else ""
         was_over, self._over = self._over, record.game is not None and record.game.ended is not None

@@ -33,7 +33,7 @@ _TEAMS = ((DialogueCondition.SCRIPT, 1, ()), *((condition, 3, (0,)) for conditio
 
 
 class _OnTrial:
-    """Player that collects the faults of a participant, and compares its time with that of a built-in one."""
+    """Player that collects the faults of a participant, and compares its time with a built-in participant's."""
 
     def __init__(self, trial: PluginTrial, title: str, tried: InstalledParticipant, built_in: Bot) -> None:
         self._trial = trial
@@ -65,7 +65,7 @@ def try_participant(name: str, seed: int, seconds: float) -> PluginTrial:
         BadFile: there is no such participant; see `installed_participant`.
     """
     trial = PluginTrial("participant")
-    # A study with arguing robots, because it reads all files that any of the games needs.
+    # The study has arguing robots, because then all files are read that any of the games needs.
     study = Study(templates="everyday-things", seed=seed, dialogue=DialogueSection(DialogueCondition.COLLABORATOR))
     setting = read_setting(study, Path())
     for condition, robots, stuck in _TEAMS:

@@ -95,7 +95,7 @@ def _make(path: Path, now: str) -> None:
     secret = key.private_bytes(
         serialization.Encoding.PEM, serialization.PrivateFormat.PKCS8, serialization.NoEncryption()
     )
-    # If another program is creating one now, that one stays: keys may already have its fingerprint.
+    # If another program is creating a certificate now, that certificate stays: keys may already have its fingerprint.
     with (
         suppress(FileExistsError),
         whole_file(path, "choose another folder", exclusive=True, folders=True, mode=0o600) as file,

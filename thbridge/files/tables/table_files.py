@@ -146,7 +146,7 @@ class TableFiles:
 def _write_parquet(path: Path, pieces: Iterator[pa.Table]) -> Iterator[None]:
     """Write a file, yielding after each piece."""
     first = next(pieces)
-    # Dictionaries of numbers would need most of the time and memory, and make files larger.
+    # Dictionary encoding of numbers would need most of the time and memory, and make files larger.
     words = [f"{each.name}{_ELEMENTS.get(each.type, '')}" for each in first.schema if _has_words(each.type)]
     with parquet.ParquetWriter(
         path, first.schema, compression="zstd", use_dictionary=words, data_page_size=_PAGE_BYTES
@@ -162,7 +162,7 @@ def _write_parquet(path: Path, pieces: Iterator[pa.Table]) -> Iterator[None]:
 
 def _packed(table: pa.Table) -> memoryview:
     sink = pa.BufferOutputStream()
-    # Threads would have their own heaps, which do not return memory.
+    # Arrow's threads would have their own heaps, which do not return memory.
     options = ipc.IpcWriteOptions(compression="lz4", use_threads=False)
     with ipc.new_stream(sink, table.schema, options=options) as stream:
         stream.write_table(table)

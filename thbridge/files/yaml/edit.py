@@ -191,7 +191,8 @@ class _Edit:
         while depth > 1 and _only_child(node_at(self._tree, steps[: depth - 1])):
             depth -= 1
         text = self._text
-        # From the innermost outwards: text farther back is removed first, so that positions before it stay valid.
+        # Removal goes from the innermost level outwards: text farther back is removed first, so that positions before
+        # it stay valid.
         if self._inside_flow(steps[:depth]):
             return self._dropped_from_flow(steps[:depth])
         if depth == len(steps):

@@ -354,7 +354,8 @@ class _Reader:
                 self.wrong(name.line, place, f"written twice, first in line {first}", "Keep one of the two")
             else:
                 self.lines[place] = name.line
-                # Faults of the section with the defaults were already reported; this one is read for its own faults.
+                # Faults of the section with the defaults were already reported; this section is read for its own
+                # faults.
                 defaults = cast("DataclassInstance", like) if isinstance(like, into) else None
                 values[int(name.text)] = self.section(child, into, place, defaults)
         return _WRONG if _WRONG in values.values() else values
@@ -429,9 +430,10 @@ def _named(node: Section, into: type, defaults: "DataclassInstance | None") -> M
 
 
 def _handed_down(node: Section, into: type) -> Section:
-    """Return the section with entries moved to its parts where ROS does so; they replace the parts' own entries.
+    """Return the section with some entries moved to its parts, as in ROS; they replace the parts' own entries.
 
-    If the section itself also has the name, the part's own value stays: a whole study in a recording has both.
+    If both the section and the part have a field of this name, and both values are written, the part's own value stays.
+    A complete study in a recording has both values.
     """
     # costmap_2d does this with parameters of a costmap that its layers read (costmap_2d_ros.cpp, resetOldParameters).
     passed_on = cast(Mapping[str, str], getattr(into, "passed_on", {}))

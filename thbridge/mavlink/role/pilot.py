@@ -153,7 +153,7 @@ class Pilot:
         room = None if outline is None else Room(outline.room)
         if outline is None or room is None or (robot.bound_for is None and robot.at == room):
             cell_of = self._setup.floor.grid.cell_of
-            # A robot can always stay in its own cell, whatever the map shows there.
+            # A robot can always stay in its own cell, even if the map shows a wall there.
             is_here = cell_of(target.x, target.y) == cell_of(here.x, here.y)
             denied = None if is_here else self._setup.out_of_reach(self._robot, target.x, target.y)
             return denied or self._trips.begin(_goal_pose(target, here), None, here, state)

@@ -13,7 +13,7 @@ from thbridge.mavlink.wire.dialect import mav
 
 
 class Mode(StrEnum):
-    """Flight mode of a vehicle, with its name for people as value."""
+    """Flight mode of a vehicle; the value is the mode's name for people."""
 
     HOLD = "HOLD"
     GUIDED = "GUIDED"

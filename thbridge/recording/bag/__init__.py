@@ -1,1 +1,1 @@
-"""ROS 1 bags: writing that loses little when programs are killed or disks are full, reading, and repair."""
+"""ROS 1 bags: reading, repair, and writing that loses little when programs are killed or disks are full."""

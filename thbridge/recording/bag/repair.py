@@ -46,8 +46,8 @@ def reindex(path: Path) -> RepairResult:
 
     The result for `NAME.bag` and `NAME.bag.active` is `NAME.bag`, and the old file becomes `NAME.orig.bag`. Every
     complete message is recovered, also those of a chunk that is cut off, and those after an unreadable record or chunk.
-    A connection without a definition gets the definition with its md5 sum, or that of its type's name if its first
-    message fits. The old file stays until the new one is complete.
+    A connection without a definition gets the known definition with its md5 sum. If there is none, it gets the known
+    definition of its type's name, if its first message fits. The old file stays until the new one is complete.
 
     Raises:
         BadFile: it is not a ROS 1 bag, a file would be overwritten, or the disk is full.

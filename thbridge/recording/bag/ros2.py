@@ -144,7 +144,7 @@ def _repack(path: Path, bag: Path) -> None:
     so_far = UnpackedBytes(size_of(path))
     with path.open("rb") as file:
         for schema, channel, message in make_reader(file).iter_messages():
-            so_far.add(len(message.data))  # Counted, because an index can refer to a chunk any number of times.
+            so_far.add(len(message.data))  # Counted, because an index can list a chunk several times.
             if schema is None or channel.message_encoding != MessageEncoding.ROS1:
                 continue
             connection = connections.get(channel.id)
@@ -192,6 +192,6 @@ def _conversion(msgtype: str, theirs: Typestore, ours: Typestore) -> tuple[str, 
         text, _ = theirs.generate_msgdef(msgtype, ros_version=1)
         found = types_in(target, text)
         register(ours, {name: fields for name, fields in found.items() if name not in ours.fielddefs})
-    with redirect_stdout(io.StringIO()):  # It prints what it will do.
+    with redirect_stdout(io.StringIO()):  # The converter prints what it will do.
         convert = generate_message_converter(theirs, ours, msgtype, target, {}, src_is2=True, dst_is2=False)
     return target, convert

@@ -42,7 +42,7 @@ A message has at least a dozen bytes, and needs some twenty steps in each of thr
 
 @contextmanager
 def plain_recording(path: Path, work: Path) -> Iterator[Path]:
-    """Yield the path of a recording of ROS 2 or an MCAP file without packed files: its own path, or a temporary copy.
+    """Yield the path of an unpacked recording of ROS 2 or MCAP file: its own path, or that of a temporary copy.
 
     Its MCAP files are checked.
 
@@ -164,7 +164,7 @@ def _unpacked_folder(path: Path, work: Path) -> Path | None:
 
 
 def _check_aliases(path: Path, text: str) -> None:
-    """Raise BadFile if a document has too many values with its aliases expanded, as error messages expand them."""
+    """Raise BadFile if a document has too many values with aliases expanded, because error messages expand them."""
     sizes: dict[str, int] = {}
     open_nodes: list[tuple[str | None, int]] = []
     count = 0

@@ -322,7 +322,7 @@ class Keeper:
         # After the messages, because a message of the same tick has the new prices of a robot that has stopped.
         report_failures(self._game)
         wizard = self.decisions.wizard
-        # Only then, because state changes only by messages and requests, and most ticks have none.
+        # Done only after input, because the state changes only by messages and requests, and most ticks have none.
         if self._has_input:
             self._has_input = False
             if self.state is not None:

@@ -197,7 +197,7 @@ class Bot:
         vain = self._vain.get(robot.robot, [])
         if not open_to_it or len(vain) >= MOST_TALKS:
             return
-        # Otherwise the robot would suggest the room that it did not reach again and again.
+        # Otherwise the robot would again and again suggest the room that it did not reach.
         is_advised = self._strategy is BotStrategy.SUGGESTION and fresh == rooms and len(vain) < TALKS_AS_USUAL
         if is_advised or len(vain) >= TALKS_ABOUT_ROOMS:
             yield RequestSuggestion(robot.robot)

@@ -81,7 +81,7 @@ class ReplyPolicy:
         if "open-questions" in dialogue.acts and self._uniform("questions", dialogue) < QUESTION_PROBABILITY:
             return ("open-questions",)
         insists = ("override", "assert") if is_own else ()
-        # Three assertions are the answers to a question of the robot: yes, no, and don't know.
+        # If there are three assertions, the robot has asked a question: they are yes, no, and don't know.
         answers = ("assert",) if dialogue.acts.count("assert") == 3 else ()
         return ("enquire", "challenge", *insists, "reject" if doubts else "accept", "question", *answers, "leave")
 

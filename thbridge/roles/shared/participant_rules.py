@@ -152,7 +152,8 @@ def revealed(view: View) -> Situation:
         robots=tuple(_robot(view, robot) for robot in view.robots),
         rooms=tuple(_room(room) for room in view.rooms),
         score=view.score,
-        # Any reason will do, because rules only read that the game has ended; a later release may have unknown reasons.
+        # The reason does not matter, because rules only read that the game has ended; a later release may have unknown
+        # reasons.
         ended=None if view.over is None else GameEnded(EndReason.GIVEN_UP, view.score),
         agreed=view.consent is None,
         by_position=view.by_position,
@@ -188,7 +189,7 @@ def _discuss(state: GameState, robot: int, matter: str, room: Room) -> rules.Rul
         return RequestRefused(rules.RuleReason.NOBODY_THERE, f"This robot does not stand in {room}.")
     if matter == "take-picture":
         return rules.picture(state, room)
-    # Any name will do: this checks only that naming is allowed and can be paid.
+    # The name does not matter: this checks only that naming is allowed and that the energy suffices.
     return rules.identify(state, room, "", 0)
 
 

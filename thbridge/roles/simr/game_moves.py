@@ -138,7 +138,8 @@ class MovesInProgress:
                 if robot in stopped:
                     self._fail(robot, move, reasons.CALLED_BACK)
                 elif not is_driven(robot):
-                    # Its navigator has lost the goal: the robot was dead for a while, sent elsewhere or driven by hand.
+                    # The robot's navigator has lost the goal: the robot was dead for a while, sent elsewhere or driven
+                    # by hand.
                     lost.append(SendGoal(robot, goal))
         return lines, lost
 

@@ -118,7 +118,8 @@ class SimR(RobotsRole):
     def step(self, tick: int, messages: Sequence[TextMessage]) -> list[TextMessage]:
         """Run one tick of the role and of the team; see `Role`."""
         outgoing: list[TextMessage] = []
-        # In order of age, so that the newest input wins: restored goals, then requests, then orders of this tick.
+        # Inputs are in order of age, so that the newest one wins: restored goals, then requests, then orders of this
+        # tick.
         resumed, self._inputs = self._inputs, []
         if self._introduce:
             self._introduce = False

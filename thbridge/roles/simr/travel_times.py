@@ -32,7 +32,7 @@ AT_GOAL = 1.0
 _NEAR = 0.5
 """Largest distance to the nearest place with a path, in meters, for a robot with an estimate inside a wall."""
 _FIRST_STRETCH = 0.5
-"""Length at each end of a path that determines its direction there, in meters."""
+"""Length of the stretch at each end of a path that determines the path's direction there, in meters."""
 
 
 class _Way(NamedTuple):
@@ -68,7 +68,7 @@ class TravelTimes:
         self._goals = tuple(self._to_grid.compose(goal) for goal in goals)
         self._matrix = tuple(tuple(row) for row in matrix)
         self._planner = PotentialPlanner(Navfn(NavfnParameters()))
-        # Memory-mapped: each has 16 MB for a hectare, and a path reads only a few cells.
+        # Potentials are memory-mapped: each has 16 MB for a hectare, and a path reads only a few cells.
         potentials = (self._planner.potential(costs, self._frame, goal) for goal in self._goals)
         self._potentials = mapped(potentials, len(self._goals) * costs.size * np.dtype(np.float32).itemsize)
         places = [[self._to_grid.compose(start) for start in starts], *([goal] for goal in self._goals)]

@@ -7,7 +7,7 @@ import socket
 from asyncio import Transport
 
 HANDSHAKE_SECONDS = 10.0
-"""Seconds that a peer may take from the connection to the end of its header."""
+"""Largest time in seconds from the connection to the end of the peer's header."""
 
 _LINGER = 60.0
 """Seconds that a peer has to read the remaining data after the close, such as a large map over a slow radio link."""

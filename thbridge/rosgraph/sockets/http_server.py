@@ -187,7 +187,7 @@ class XmlRpcServer:
 
         def ended(task: asyncio.Task[None]) -> None:
             self._connections.pop(task, None)
-            writer.close()  # here, because a task cancelled before its first step runs no `finally`
+            writer.close()  # closed here, because a task cancelled before its first step runs no `finally`
 
         task.add_done_callback(ended)
 

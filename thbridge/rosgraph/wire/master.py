@@ -149,7 +149,7 @@ class ParameterServer:
         return ApiReply(SUCCESS, f"parameter {key} deleted", 0)
 
     def search(self, caller: str, key: str) -> ApiReply:
-        """Search for a parameter in the caller's namespace and in those that enclose it."""
+        """Search for a parameter in the caller's namespace and in the namespaces that enclose it."""
         found = self._tree.search(caller, key)
         if found is None:
             return ApiReply(ERROR, f"Cannot find parameter [{key}] in an upwards search", "")

@@ -65,7 +65,7 @@ class TextClient(ReconnectingClient):
         backoff: Backoff | None = None,
         key: ClientKey | None = None,
     ) -> None:
-        ClientSession(name, token)  # Only to reject a bad name here, before the run.
+        ClientSession(name, token)  # This rejects a bad name before the run.
         super().__init__(host, port, backoff or Backoff(), _SEGMENT, key)
         self.name = name
         self.address = f"{host}:{port}"

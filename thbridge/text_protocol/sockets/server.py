@@ -235,7 +235,7 @@ class TextServer:
             transport.abort()
             return False
         if len(self._open) >= self._door.most:
-            # Descriptors are short, so the oldest connection without a name is closed.
+            # File descriptors are scarce, so the oldest connection without a name is closed.
             self.complaints.warn(f"more than {self._door.most} connections: out of file descriptors")
             nameless = next((each for each in self._transports if each not in self._names), None)
             if nameless is None:
@@ -403,7 +403,10 @@ class _Connection(BufferedProtocol):
             self._read(self._waiting)
 
     def _read(self, data: bytes) -> None:
-        """Pass on the admitted lines, one by one; the rest waits here and, by back-pressure, in the client's socket."""
+        """Pass on the admitted lines, one by one.
+
+        The other lines wait here and, by back-pressure, in the client's socket.
+        """
         begin, self._waiting = 0, b""
         while begin < len(data) and self._transport is not None and self._id is not None:
             if self._transport.is_closing():

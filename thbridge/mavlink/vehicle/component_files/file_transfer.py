@@ -175,7 +175,7 @@ class FileTransfer:
         self._files = files
         self._tick = 0
         self._clients: dict[_Requester, _Client] = {}
-        # In the order of their turns: each burst sends a piece and goes to the end.
+        # Bursts in the order of their turns: a burst sends a piece and then goes to the end.
         self._bursts: dict[_Transfer, _Burst] = {}
 
     def handle_message(self, link: LinkId, sender: Station, message: Message) -> Iterator[OutgoingMessage]:

@@ -43,7 +43,7 @@ class MissionCount(mav.MAVLink_mission_count_message):
         self.opaque_id = plan
 
 
-# The ids of fences and rally points, which would follow, are omitted, because there are none.
+# The ids of fences and rally points would follow. They are omitted, because there are no fences and rally points.
 @extended("uint32_t mission_id")
 class MissionCurrent(mav.MAVLink_mission_current_message):
     """MISSION_CURRENT with the id of the robot's plan."""

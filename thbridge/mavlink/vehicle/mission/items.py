@@ -27,10 +27,10 @@ class MissionItem:
         command: a code of MAV_CMD.
         frame: a code of MAV_FRAME.
         params: the first four parameters; NaN for an unused one.
-        x: the fifth, as in MISSION_ITEM_INT: 1e-7 degrees of latitude, 1e-4 meters, or a plain number.
+        x: the fifth parameter, as in MISSION_ITEM_INT: 1e-7 degrees of latitude, 1e-4 meters, or a plain number.
         y: the sixth parameter, in the same form.
         z: the seventh parameter.
-        autocontinue: True if the mission continues automatically after it.
+        autocontinue: True if the mission continues automatically after the item.
     """
 
     command: int

@@ -48,7 +48,7 @@ class ManualControl:
         return self._until is not None
 
     def follow(self, wanted: Twist | VelocitySetpoint) -> Denied | None:
-        """Drive like this, within the speed limits; a velocity is tracked again in each tick."""
+        """Drive as commanded, within the speed limits. A velocity is converted to a command again in each tick."""
         denied = self._steer(wanted)
         if denied is None:
             self._wanted, self._until = wanted, self._tick + self._deadman

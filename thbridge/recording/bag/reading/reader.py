@@ -81,7 +81,7 @@ class RawMessage(NamedTuple):
 
 
 def info(path: Path) -> BagInfo:
-    """Return the summary of a recording from its index; of a split recording, over all parts.
+    """Return the summary of a recording from its index. A split recording has one summary for all parts.
 
     Latched messages that are repeated at the beginning of a part count in each part.
 
@@ -144,7 +144,8 @@ def recorded(
 
     The parts of a split recording are read as one. A part repeats latched messages at its beginning, so that it can be
     played by itself; these repetitions are left out. A publisher in several parts is one object. A publisher without a
-    complete definition gets the definition with its md5 sum, or that of its type's name if its first message fits.
+    complete definition gets the known definition with its md5 sum. If there is none, it gets the known definition of
+    its type's name, if its first message fits.
 
     Args:
         path: the bag, or the name of a split recording.

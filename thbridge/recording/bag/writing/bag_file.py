@@ -93,7 +93,8 @@ class ChunkFile:
         """Write the index, once. Raises OSError; then the file is unchanged, and this may be called again."""
         if self._complete:
             return
-        # Sorted, because readers order messages with equal stamps by this order, which must be the same in all parts.
+        # Connections are sorted, because readers use their order for messages with equal stamps. It must be the same in
+        # all parts.
         known = sorted(self._known, key=lambda connection: connection.number)
         position, self._index_bytes = self.size, 0
         self._append(b"".join((*map(connection_record, known), *self._infos)))
@@ -113,7 +114,7 @@ class ChunkFile:
         return b"".join(connection_record(connection) for connection in chunk.entries if connection not in self._known)
 
     def _append(self, data: bytes) -> None:
-        """Write after the kept bytes, and keep the data."""
+        """Write data after the kept bytes, and keep the data as well."""
         self._put(data)
         self.size += len(data)
         if self._end > self.size:
@@ -143,7 +144,7 @@ class ChunkFile:
         self._end = self.size
 
     def _set_aside(self, size: int) -> None:
-        """Reserve disk space for `size` bytes after the kept ones, and for the index. Raises OSError."""
+        """Reserve disk space for `size` bytes after the kept bytes, and for the index. Raises OSError."""
         if size + self._index_bytes:
             reserve_space(self._file.fileno(), self.size, size + self._index_bytes)
 

@@ -14,11 +14,11 @@ from thbridge.text_protocol.wire.notice import Notice, encode_notice
 MOST_PARTICIPANTS = 64
 """Largest number of participants' programs at a time."""
 MOST_NUMBERS = 256
-"""Number of a program's latest request numbers that are stored; a repetition comes within seconds."""
+"""Largest number of request numbers that are stored for a program, the latest ones; repetitions come within seconds."""
 PIECE_SIZE = 30_000
 """Bytes of a picture in one line: 40,000 characters in base 64."""
 PIECE_PERIOD = TICKS_PER_SECOND // 12
-"""Ticks between two pieces, so that a large picture does not overload a slow connection until it is closed."""
+"""Ticks between two pieces. Without pauses, a large picture would overload a slow connection, which would be closed."""
 
 
 class Participants:
@@ -37,7 +37,8 @@ class Participants:
         self._newcomers: dict[str, None] = {}
         self._unreachable: set[str] = set()
         self._shown: View | None = None
-        # By room, the pictures that all but newcomers have; then the queue of pieces, each with its receiver.
+        # First, by room, the pictures that all programs except newcomers have; then the queue of pieces with their
+        # receivers.
         self._taken: dict[int, str] = {}
         self._pieces: deque[tuple[str, PicturePiece]] = deque()
         self._next_piece = 0
@@ -72,7 +73,7 @@ class Participants:
         self._pieces = deque(piece for piece in self._pieces if piece[0] != name)
         briefed = [] if self._briefing.texts is None else [encode_notice(self._sender, name, self._briefing.texts)]
         plan = self._briefing.floor_plan
-        # Robots may have been started on another map than the server's. A wrong plan would be worse than none.
+        # Robots may have been started on another map than the server's. A wrong plan would be worse than no plan.
         if plan is not None and map_name in {None, plan.map}:
             briefed.append(encode_notice(self._sender, name, plan))
         return briefed
