@@ -1,4 +1,4 @@
-"""SimR with real robots of a ROS graph: the same role, another team."""
+"""SimR with real robots of a ROS graph: the same role with another team."""
 
 from collections.abc import Callable, Sequence
 from contextlib import AsyncExitStack
@@ -96,7 +96,8 @@ async def simr_with_real_robots(
         graph: the robots' ROS graph.
         lost: called with the reason when the connection to the text server is lost.
         unreachable: called with the reason why robots cannot connect to this node; it must raise.
-        missing: called with new sentences about missing topics and nodes; finally with an empty list.
+        missing: called with a new list of sentences about missing topics and nodes, whenever it changes; finally with
+            an empty list.
 
     Returns:
         The keeper's reason for rejecting these robots, or None when stopped.

@@ -20,9 +20,9 @@ class RobotStatistics:
 
     Attributes:
         robot: its number, from 1.
-        position_rmse: root mean square of the distance between the two, meters.
+        position_rmse: root mean square of the distance between the two positions, meters.
         position_max: largest such distance, meters.
-        heading_rmse: root mean square of the angle between the two, degrees.
+        heading_rmse: root mean square of the angle between the two headings, degrees.
         heading_max: largest such angle, degrees.
         times_lost: number of times that its localizer declared itself lost.
         seconds_lost: total time for which it was lost, simulated seconds.

@@ -16,7 +16,7 @@ MOST_KEPT = 1000
 
 
 class TroubleLog:
-    """Log of troubles; a repeated one is logged again only at the 10th, 100th, ... time."""
+    """Log of troubles. A repeated trouble is logged again only at the 10th, 100th, ... time."""
 
     def __init__(self) -> None:
         # Number of times by program or robot, and by sentence.

@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 _UNSEEN = re.compile(r"[\x00-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069\ud800-\udfff]")
-"""Control characters of terminals and of writing direction, line ends, and bytes of names that are not UTF-8."""
+"""Characters that control terminals or the writing direction, line ends, and bytes of names that are not UTF-8."""
 
 _LONGEST = 1000
 """Largest number of letters shown of a path or a key: names from outside may have half a million."""

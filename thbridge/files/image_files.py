@@ -25,8 +25,8 @@ def read_image(path: Path) -> NDArray[np.uint8]:
     """Return the pixels of an image: PGM (P2 and P5, 8 and 16 bit), PNG, JPEG, BMP, GIF, TIFF, WebP, TGA, PCX, XPM.
 
     Returns:
-        (rows, cols) gray or (rows, cols, 3 or 4) colors, row 0 at the top; deeper pixels are scaled down to 8 bit like
-        in the library behind map_server.
+        (rows, cols) gray or (rows, cols, 3 or 4) colors, row 0 at the top; pixels with more than 8 bits are scaled down
+        to 8 bits, as in the library behind map_server.
 
     Raises:
         BadFile: it is not an image, or a part of it is missing.

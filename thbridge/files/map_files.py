@@ -275,7 +275,7 @@ def _read_words(folder: Path, names: Sequence[str], findings: list[MapFinding]) 
 
 
 def missing_room_names(place: Map, folder: Path, language: str) -> Iterator[BadFile]:
-    """Yield the fault of room names that a map lacks in a language, if its names are in another one.
+    """Yield the fault of room names that a map lacks in a language, if the map's names are in another language.
 
     Args:
         place: the map.

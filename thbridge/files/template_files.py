@@ -68,7 +68,7 @@ class TemplateSet:
     Attributes:
         rooms: number of rooms in the list of treasures.
         costs: energy of every move on maps that have no costs of their own, or None without a `mapTimes`.
-        map: name of a map on which `costs` replace the map's own costs, or None.
+        map: name of the map on which `costs` replace the map's own costs, or None.
         properties: properties of the treasures.
         kinds: treasures with their images.
         dialogue: the scripted questions.

@@ -37,7 +37,8 @@ class TreasureList:
 
     Attributes:
         rooms: number of rooms.
-        kinds: the treasures, at least one, in the order of the file; either all have an image or none has.
+        kinds: the treasures, at least one, in the order of the file; either all treasures have an image, or no treasure
+            has one.
         properties: properties that each treasure has.
     """
 

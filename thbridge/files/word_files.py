@@ -44,7 +44,7 @@ class LanguageHead:
         title: its name in the language itself, such as `English`.
         plural: index of the plural form for a number n; see `TextForms`.
         falls_back_on: language that is used where this one lacks words, or None.
-        grammar: its own grammar, or that of the language that it falls back on.
+        grammar: its own grammar, or the grammar of the language that it falls back on.
     """
 
     path: Path
@@ -414,7 +414,7 @@ def _no_wording(loaded: Loaded[_WordsYaml], key: str) -> BadFile:
 
 
 def _doubles(of_folder: Iterable[Loaded[_WordsYaml]]) -> Iterator[BadFile]:
-    """Yield faults of sections and wordings that a folder of a language has twice, because one would never be used."""
+    """Yield faults of sections and wordings that a language's folder has twice, because only one would be used."""
     first: dict[tuple[object, ...], str] = {}
     for loaded in of_folder:
         value = loaded.value

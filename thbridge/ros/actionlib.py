@@ -47,7 +47,7 @@ _DIED = "the robot stopped working"
 
 @dataclass(frozen=True, slots=True)
 class GoalSet:
-    """A goal that is not from a client of the action: a goal of the game, or a simple goal."""
+    """A goal that was not set by a client of the action: a goal of the game, or a simple goal."""
 
     goal: GoalId
     base_in_map: Pose2

@@ -104,7 +104,7 @@ class RobotPublisher:
         self._local_plan: FloatArray = self._plan
 
     def received(self, stamp_ns: int, tick: int, request: ActionRequest) -> Iterator[RosMessage]:
-        """Yield the message of a client's request; none if it cannot be written as a message."""
+        """Yield the message of a client's request. Yield nothing if the request cannot be written as a message."""
         match request:
             case GoalRequest(_, goal_id, goal_stamp_ns, Pose2() as base):
                 data = pack.move_base_goal(tick, GoalId(goal_id, goal_stamp_ns), MAP_FRAME, base)

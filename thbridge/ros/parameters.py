@@ -160,7 +160,7 @@ def leaves(key: str, value: object) -> Iterator[tuple[str, object]]:
 
 
 def has(software: RobotParameters, path: str) -> bool:
-    """Return True if a path names a parameter; False if it names a section, or nothing."""
+    """Return True if a path names a parameter; False if it names a section, or does not exist."""
     section: object = software
     for name in path.split("."):
         if not dataclasses.is_dataclass(section) or name not in {field.name for field in dataclasses.fields(section)}:

@@ -95,7 +95,7 @@ def owner_of_edge(key: tuple[str, str, str]) -> str:
 def robots_among(
     odometry: Mapping[str, str], edges: Iterable[tuple[str, str, str]], others: Iterable[str]
 ) -> frozenset[str]:
-    """Return the names of the robots: prefixes of frames, and namespaces; "" for a robot without either.
+    """Return the names of the robots: prefixes of frames, and namespaces. A robot without both has the name "".
 
     Args:
         odometry: topics of odometry, each with its child frame.

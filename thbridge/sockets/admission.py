@@ -1,4 +1,4 @@
-"""Admission of peers by address: programs of this machine, and of the networks to which a server is open."""
+"""Admission of peers by address: programs of this machine, and of networks to which a server is open."""
 
 import ipaddress
 from asyncio import BaseTransport

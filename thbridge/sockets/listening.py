@@ -47,7 +47,7 @@ DESCRIPTORS = 12_288
 """Wanted limit of descriptors of a process."""
 
 RESERVED = 64
-"""Number of descriptors that connections may not use; a quarter of all if there are fewer than 256."""
+"""Number of descriptors that connections may not use. If there are fewer than 256, it is a quarter of them."""
 
 _OWN = 64
 """Number of descriptors of a session with all servers open and no clients: some 50."""

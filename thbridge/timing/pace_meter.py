@@ -19,7 +19,7 @@ TOLERANCE = 0.05
 
 @dataclass(frozen=True, slots=True)
 class PaceState:
-    """Real time of a game up to one of its ticks, in seconds.
+    """Real time of a game up to a tick, in seconds.
 
     Attributes:
         wall: real time since the first tick. If another program resumed the game, the time in between is left out.

@@ -63,7 +63,7 @@ def machine() -> dict[str, str]:
 
 
 def _processor() -> str:
-    """Return the processor's model as Linux reports it; on other systems, as Python does."""
+    """Return the processor's model as Linux reports it; on other systems, as Python reports it."""
     try:
         cpuinfo = Path("/proc/cpuinfo").read_text(encoding="utf-8", errors="replace")
     except OSError:

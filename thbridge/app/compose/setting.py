@@ -58,7 +58,7 @@ class StudySetting:
         costs: energy of every move between places of the game.
         by_position: True if the cost of a move depends on where the robot stands; False if `costs` applies everywhere.
         rulebook: rulebook of the dialogue games; None if robots ask scripted questions.
-        language: in which robots argue; None if robots ask scripted questions.
+        language: language in which robots argue; None if robots ask scripted questions.
         strategies: strategies of robots that argue, by index; the key None applies to all other robots, and the value
             None means the robot's own strategy.
         author: author of other wordings of robots' sentences. If None, all sentences come from the language's files.

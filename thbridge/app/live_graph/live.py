@@ -286,7 +286,7 @@ class LiveGraph:
         return b""
 
     def _set_map(self, robot: int, data: bytes) -> bytes | ServiceFailed:
-        """Serve amcl's set_map: only the pose has an effect, because the map must be the one that all robots have."""
+        """Serve amcl's set_map: only the pose has an effect, because all robots must have the same map."""
         service = self._robots[robot].topic("set_map")
         if not self._limiter.admits(service, "clients"):
             return ServiceFailed("too many requests")

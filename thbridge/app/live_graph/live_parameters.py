@@ -45,7 +45,7 @@ class LiveParameters:
         body: corners of a robot's body, meters in its base frame.
         limiter: limits the rate of changes.
         ask: called with requests and the name of the parameters or of the service.
-        external: nodes that other programs run. They change their own parameters; the values here are initial ones.
+        external: nodes that other programs run. They change their own parameters; the values here are initial values.
     """
 
     def __init__(
@@ -124,7 +124,10 @@ class LiveParameters:
         return self._publish(robot, section)
 
     def _set(self, robot: int, key: str, value: XmlRpcValue) -> None:
-        """Process a change of a parameter, or of many below one key: valid changes act, the others are reset."""
+        """Process a change of a parameter, or of many below one key.
+
+        Valid changes act; parameters with invalid changes are reset.
+        """
         named, before, key = self._robots[robot], self._software[robot], key.rstrip("/")
         given = {name: leaf for name, leaf in leaves(key, value) if not self._is_external(name)}
         declared = {name: leaf for name, leaf in self._declared[robot].items() if not self._is_external(name)}

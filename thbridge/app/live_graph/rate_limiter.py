@@ -6,7 +6,8 @@ from collections import Counter
 from thbridge.sockets.warn_once import WarnOnce
 
 REQUESTS_PER_TICK = 10
-"""Largest number of requests of one client on one topic between two ticks: 500 a second, ten times what robots need."""
+"""Largest number of requests of one client on one topic between two ticks. It allows 500 per second, ten times the rate
+that robots need."""
 
 _log = logging.getLogger(__name__)
 

@@ -51,7 +51,7 @@ def from_record(record: InputRecord) -> inputs.Input:
     """Return the input of a record.
 
     Raises:
-        ValueError: it is not an input, or an input of another release.
+        ValueError: it is not an input, or it is an input of another release.
     """
     input_class = _CLASSES.get(record.kind)
     if input_class is None:

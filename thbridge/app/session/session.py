@@ -1,4 +1,4 @@
-"""The session: the roles of this process around one router, and the tick they share.
+"""The session: the roles of this process around one router, with common ticks.
 
 Inputs from outside arrive between two ticks, through the methods of `Session`, its router and its links. (For robots at
 a server of another process it is `SimrSession`.) Each input is recorded as an `Input` of the next tick.

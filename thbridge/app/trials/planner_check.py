@@ -1,4 +1,4 @@
-"""Trial of a global planner: paths over costmaps of all kinds, compared with navfn's."""
+"""Trial of a global planner: its paths over costmaps of all kinds are compared with navfn's."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace

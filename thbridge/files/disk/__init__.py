@@ -1,1 +1,1 @@
-"""Writing to disk: files that are complete or do not exist, names that survive a power cut, temporary files."""
+"""Writing to disk: files are complete or do not exist, and names survive a power cut. Also temporary files."""

@@ -45,7 +45,7 @@ def relative_inside(folder: Path, path: str) -> Path:
 
 
 def fault_of_path(path: str) -> str:
-    """Return the fault of a path that may lead anywhere, such as one in a study file, as a clause; empty if valid."""
+    """Return the fault, as a clause, of a path that may lead anywhere, for example in a study file; empty if valid."""
     if not path.strip():
         return "this path is empty" if not path else "this path has only blanks"
     if visible(path) != path:

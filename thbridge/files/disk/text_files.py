@@ -16,7 +16,9 @@ _NAMES_OF_ICONV = {"Windows-1252": "WINDOWS-1252", "Latin-1": "ISO-8859-1"}
 
 
 def read_text(path: Path, largest: int = LARGEST_FILE) -> str:
-    """Read the text of a file that people write, composed (NFC), so that names are equal however they were typed.
+    """Read the text of a file that people write.
+
+    It is composed (NFC), so that names are equal even if they were typed differently.
 
     Raises:
         BadFile: it does not exist, is not a file, is larger than `largest` bytes, or is not UTF-8.

@@ -1,4 +1,4 @@
-"""Certificate by which clients identify a session: created on first use, or the lab's own."""
+"""Certificate by which clients identify a session. It is created on first use, or supplied by the lab."""
 
 import datetime
 import hashlib

@@ -106,7 +106,7 @@ class RosParameters:
     """The parameters in some ROS files.
 
     Attributes:
-        value: the robot's parameters, with those of the files applied.
+        value: the robot's parameters, after applying the files.
         notices: sentences about parameters without effect, and about interpreted ones.
         written: paths of all parameters in the files, such as `amcl.kld_err`.
     """
@@ -244,7 +244,7 @@ def namespace_in(path: Path) -> tuple[str, Path]:
 
 
 def _parsed(path: Path, notices: list[str]) -> tuple[Path, Section]:
-    """Return the file that a path names, and its entries, inside the namespace of the path."""
+    """Return the file that a path names, and its entries, moved into the namespace that the path names."""
     namespace, file = namespace_in(path)
     tree = _normal(file, notices)
     if namespace:

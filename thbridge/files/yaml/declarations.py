@@ -84,8 +84,7 @@ def with_plugins(metadata: Metadata) -> Metadata:
 
 
 def allowed(hint: object, metadata: Metadata) -> str:
-    """Return a field's choices, or its range and unit: `amcl, ekf or truth`, `0 to 20 m/s`, `at least 1`; or
-    nothing."""
+    """Return a field's choices, or its range and unit: `amcl, ekf or truth`, `0 to 20 m/s`, `at least 1`; or ""."""
     choices = choices_of(hint, metadata)
     if choices:
         return " or ".join([", ".join(choices[:-1]), choices[-1]] if choices[1:] else choices)

@@ -1,8 +1,8 @@
 """Changes of single values in the text of a YAML file, without changing any other byte.
 
 The position of a change comes from the file's tree; new lines use the file's own indentation. Afterwards the new text
-is parsed again, and must have the same values as the old one except for the changed one. If a file is written in a way
-that this module does not handle, the change is refused and nothing is lost.
+is parsed again. It must have the same values as the old text, except for the changed value. If a file is written in a
+way that this module does not handle, the change is refused and nothing is lost.
 """
 
 import re

@@ -171,7 +171,7 @@ def _tree_of(source: _Source) -> Node:
 
 
 def at_line(node: Node, line: int) -> Node:
-    """Return the same tree with all nodes at one line."""
+    """Return the same tree, in which all nodes have one line number."""
     match node:
         case Listing(_, items):
             return Listing(line, [at_line(item, line) for item in items])

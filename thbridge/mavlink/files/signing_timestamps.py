@@ -1,4 +1,4 @@
-"""File next to a signing key with the timestamps of accepted frames, so that none is accepted again after a restart."""
+"""File next to a signing key with timestamps of accepted frames, so that no frame is accepted again after a restart."""
 
 import json
 import logging

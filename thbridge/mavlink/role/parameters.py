@@ -114,7 +114,7 @@ class Tunable(Protocol):
 class VehicleParameters:
     """The parameters of one robot's vehicle. Values are always current, also after changes by other clients.
 
-    A real robot has none, because its parameters cannot be changed here.
+    The vehicle of a real robot has no parameters, because they cannot be changed here.
 
     Args:
         robot: its index in the team.

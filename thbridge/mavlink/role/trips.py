@@ -71,7 +71,9 @@ class VehicleTrip:
 
 
 class TripDispatcher:
-    """Trips of one robot, one at a time; requests each trip from the game or the navigator when it can start.
+    """Dispatcher of one robot's trips, one at a time.
+
+    It requests a trip from the game or the navigator when the trip can start.
 
     Args:
         robot: its index in the team, from 0.

@@ -23,7 +23,7 @@ class Vehicles:
     """All vehicles of a team, and the links to them.
 
     Args:
-        pilots: one for each robot, in the team's order.
+        pilots: pilots of the robots, in the team's order.
         options: options of the study.
 
     Attributes:

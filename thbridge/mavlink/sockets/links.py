@@ -1,4 +1,4 @@
-"""Links of a session to ground stations over any transport: received frames go to the session, answers go out.
+"""Links of a session to ground stations over any transport: frames go to the session, and answers to the stations.
 
 Everything runs on the thread of one event loop. Frame parsing and signatures end here: the session gets complete,
 verified frames without signatures.

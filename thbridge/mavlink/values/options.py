@@ -43,7 +43,7 @@ class VehicleOptions:
     """Options of all vehicles of a study.
 
     Attributes:
-        identity: autopilot that vehicles claim to have.
+        identity: autopilot that the vehicles claim to have.
         origin: position of the map's origin on earth.
         lost_after: seconds without a heartbeat after which a ground station is lost.
         failsafe: action in that case.

@@ -1,4 +1,4 @@
-"""A robot as a MAVLink 2 ground rover, without sockets and clocks: messages in, messages out.
+"""A robot as a MAVLink 2 ground rover, without sockets and clocks. It takes messages and returns messages.
 
 Source: the MAVLink developer guide, "Microservices".
 """

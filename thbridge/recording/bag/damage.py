@@ -37,7 +37,8 @@ class TooLargeChunk(ValueError):  # noqa: N818 - it names the fault of a chunk
 def check_is_bag(path: Path) -> None:
     """Raise BadFile unless a file begins like a ROS 1 bag.
 
-    Raises: BadFile: it begins otherwise, it cannot be read, or it is still being written under its name with `.active`.
+    Raises:
+        BadFile: it begins otherwise, it cannot be read, or it is still being written under its name with `.active`.
     """
     try:
         with open_regular(path) as file:

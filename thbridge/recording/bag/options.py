@@ -28,7 +28,7 @@ class DefinitionTexts(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class SplitLimits:
-    """Limits of a file, after which a recording continues in another one.
+    """Limits of a file, after which a recording continues in another file.
 
     Attributes:
         size: bytes after which a file ends; None for no limit. A file always ends with a whole chunk and all messages

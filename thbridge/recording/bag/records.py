@@ -107,7 +107,7 @@ def chunk_record(data: bytes, compression: Compression) -> bytes:
 
 
 def chunk_pieces(data: bytes, compression: Compression) -> tuple[bytes, bytes]:
-    """Return a `chunk_record` in two pieces, so that callers that join it to others copy its data only once."""
+    """Return a `chunk_record` in two pieces, so that callers that join it to other records copy its data only once."""
     header = _header(RecordType.CHUNK, compression=compression.encode(), size=U32.pack(len(data)))
     packed = _packed(data, compression)
     return header + U32.pack(len(packed)), packed

@@ -102,7 +102,7 @@ class _Losses:
     sharing: dict[int, dict[tuple[str, str], int]] = field(default_factory=dict)
 
     def add(self, span: UnreadableSpan) -> None:
-        """Add unreadable bytes; after `MOST_SPANS` spans they are added to the last one."""
+        """Add unreadable bytes as a span. After `MOST_SPANS` spans, they are added to the last span."""
         if span.lost and len(self.spans) < MOST_SPANS:
             self.spans.append(span)
         elif span.lost:

@@ -129,7 +129,7 @@ class GameDialogues:
             facts: facts of an arguing robot.
             opener: the side that opens it.
             name: proposed name of the treasure.
-            restored: its number before the game was interrupted; its turns follow by `retake`.
+            restored: number of the dialogue before the game was interrupted; `retake` then repeats its turns.
         """
         self._forget(robot, MATTERS[scenario])
         room_name = self._room_names.name(room.people)

@@ -238,7 +238,7 @@ class Keeper:
 
     @property
     def last_game(self) -> int:
-        """Number of the current game, or of the last one; before the first game, the number before its own."""
+        """Number of the current or last game; before the first game, one less than the first game's number."""
         return self._game.last_game
 
     @property

@@ -116,7 +116,7 @@ class ConnectedTeam:
         return self._permission
 
     def changed_permission(self, *, recordable: bool) -> RecordingPermission | None:
-        """Return the answer if it has changed; None if it has not, or if SimR has not asked."""
+        """Return the answer to SimR's question if it has changed; None if it is the same, or if SimR has not asked."""
         known = self._permission
         return None if known in {None, RecordingPermission(recordable)} else self.permission(recordable=recordable)
 

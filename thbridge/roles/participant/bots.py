@@ -136,7 +136,7 @@ class Bot:
         return requests
 
     def _count_failures(self, view: View) -> None:
-        """Count the moves that failed, by robot and room, and note robots that are still lost after one."""
+        """Count the moves that failed, by robot and room, and note robots that are still lost after a failed move."""
         for robot in view.robots:
             if robot.condition is not Condition.LOST:
                 self._lost.discard(robot.robot)

@@ -38,7 +38,7 @@ class Opinion:
 class ReplyPolicy:
     """Policy for the replies of a simulated participant in dialogues: a function of the view and of its seed.
 
-    The credulous make the first choice, which is the most agreeable one. The cautious agree to what they would choose
+    The credulous make the first choice, which is the most agreeable. The cautious agree to what they would choose
     themselves. They challenge anything else, and accept the reasons; if they cannot ask for reasons, they stop what
     costs too much. The sceptical challenge everything they can, and reject half of what is justified to them. They
     insist on their own choices, and sometimes ask questions. In the end they give in or leave.

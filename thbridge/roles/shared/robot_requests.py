@@ -1,4 +1,4 @@
-"""Requests to robots and game from others than the participant: ROS clients, researchers' windows, ground stations."""
+"""Requests to robots and game, not from the participant: from ROS clients, researchers' windows, ground stations."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -27,7 +27,7 @@ class RobotView:
         moving_to: room to which it drives; None at rest.
         energy: energy left.
         blocked: True if it has no energy left and can do nothing more.
-        condition: well, lost or silent; a silent robot can do nothing until it responds again.
+        condition: well, lost or silent; a silent robot cannot do anything until it responds again.
         commander: commander of the robot. Unless it is the participant, they can neither send nor stop the robot.
         commander_name: name of the ground station that commands it, for people; otherwise empty.
         asked_back: True if the participant has recently asked for it back; until it is False they cannot ask again.
@@ -235,7 +235,7 @@ class View(NoticeValue, frozen=True, tag="View"):
         refusal: the last refused request.
         names: possible names of treasures, in alphabetical order; empty until the first one was sensed.
         called: words for the shown names, in the participant's language; see `word_for`.
-        consent: text to which the participant has to agree first; None when that is done, or not needed.
+        consent: text to which the participant has to agree first; None when they have agreed, or need not agree.
         thinking: robots that were asked where to go and have not answered yet.
         debrief: shown once the game is over.
         worth: points of the treasure of each name in `names`, None if treasures of that name differ; empty if the study

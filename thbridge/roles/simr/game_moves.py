@@ -87,7 +87,7 @@ class MovesInProgress:
         return SendGoal(robot, self._goal(order))
 
     def last(self, robot: int) -> int:
-        """Return the number of the robot's move in progress, otherwise of its last move; 0 before the first."""
+        """Return the number of the robot's move in progress, otherwise of its last move; 0 before the first move."""
         move, result = self._moves.get(robot), self.results[robot]
         if move is not None:
             return move.order.move

@@ -50,7 +50,7 @@ class TravelTimes:
         grid: the map.
         costs: (rows, cols) costs of its cells for a robot, inflated.
         goals: goal pose of each room, room 1 first.
-        starts: start poses, for which the row of the corridor applies; at least one.
+        starts: start poses, at least one. The row of the corridor applies to them.
         matrix: known times between places, by number: 0 for the corridor, rooms from 1; seconds, None where there is
             no move.
     """
@@ -99,7 +99,7 @@ class TravelTimes:
         return None if way is None else max(1.0, round(float((np.array(way) * self._weights).sum())))
 
     def _way(self, room: int, here: Pose2) -> _Way | None:
-        """Return the path from a pose in the grid, or from the nearest place that has one; None if there is none."""
+        """Return the path from a pose in the grid, or from the nearest place with a path; None if there is no path."""
         goal, potential = self._goals[room], self._potentials[room]
         resolution = self._frame.resolution
         col, row, reach = here.x / resolution, here.y / resolution, _NEAR / resolution

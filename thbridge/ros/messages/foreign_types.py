@@ -126,7 +126,7 @@ def _named(described: object) -> str | None:
 
 
 def _size(described: object, sizes: Mapping[str, int]) -> int:
-    """Return the smallest number of bytes of a field; a message without fields counts as one, because it takes time."""
+    """Return the smallest size of a field, bytes; a message without fields counts as one, because it takes time."""
     match described:
         case (1, (str(base), _)):
             return _SIZES.get(base, 1)

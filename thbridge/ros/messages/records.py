@@ -78,7 +78,7 @@ class CancelRequest:
 
     Attributes:
         robot: the robot.
-        goal_id: the goal to cancel; empty for no single goal.
+        goal_id: the goal to cancel; empty if no single goal is named.
         stamp_ns: cancels all goals up to this time stamp, nanoseconds of ROS time; 0 without a goal_id cancels all
             goals.
     """
@@ -137,7 +137,7 @@ class MavlinkFrame:
     """A MAVLink frame with the fields of mavros_msgs/Mavlink, without its signature.
 
     Attributes:
-        link: frame_id of the message's header; in our recordings the name of the link.
+        link: frame_id of the message's header; in our recordings, it is the name of the link.
         magic: first byte of the frame; 254 for MAVLink 1, 253 for MAVLink 2.
         incompat_flags: flags of MAVLink 2 that a receiver must support.
         compat_flags: flags of MAVLink 2 that a receiver may ignore.

@@ -36,7 +36,7 @@ class SettledState(Generic[State]):
         self._newest = self.settled
 
     def take(self, state: State, now_ns: int) -> bool:
-        """Update the current state; return True once it differs from the settled one and has lasted long enough."""
+        """Update the current state; return True once it differs from the settled state and has lasted long enough."""
         if state != self._newest:
             self._newest, self._since_ns = state, now_ns
         if state == self.settled or now_ns - self._since_ns < SETTLED_NS:

@@ -45,7 +45,7 @@ CALLER = "/thbridge_fleet"
 TEAM_TOPICS = (names.TF, names.TF_STATIC, names.MAP, names.MAP_METADATA, names.ROSOUT, names.DIAGNOSTICS)
 """Recorded topics that belong to no single robot."""
 PLACEMENT_TOLERANCE = 0.5
-"""Largest distance in meters of a robot from its start pose; within it, the robot need not be moved."""
+"""Largest distance, in meters, between a robot and its start pose at which the robot does not have to be moved."""
 
 _log = logging.getLogger(__name__)
 

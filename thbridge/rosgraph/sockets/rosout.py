@@ -14,7 +14,7 @@ AGGREGATED = "/rosout_agg"
 def rosout_node(master_uri: str, host: str, admission: Admission = OWN_MACHINE) -> RosNode:
     """Return a node, not started yet, that republishes ``/rosout`` as ``/rosout_agg``.
 
-    A tool that shows logs then needs one connection instead of one to every node.
+    A tool that shows logs then needs only one connection, instead of a connection to every node.
 
     Source: ROS's rosout/rosout.cpp.
 

@@ -61,7 +61,7 @@ class PublisherUpdate:
 
 @dataclass(frozen=True, slots=True)
 class ParamUpdate:
-    """Notification of a parameter's value; ``key`` has a slash at its end, an empty dict means deleted."""
+    """Notification of a parameter's value; ``key`` has a slash at its end; an empty dict means that it was deleted."""
 
     api: str
     key: str

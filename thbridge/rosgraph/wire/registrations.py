@@ -97,8 +97,8 @@ class Registrations:
             api: URI of the service itself, for services.
 
         Returns:
-            The slave API of another node of the same name that this one replaces, or None. All registrations of that
-            node are removed.
+            The slave API of another node of the same name, which this node replaces; None if there is no such node. All
+            registrations of that node are removed.
 
         Raises:
             InvalidArgumentError: there are already too many nodes or registrations.

@@ -1,7 +1,7 @@
 """TCPROS encoding: frames, and the header at the beginning of every connection.
 
 Everything is a frame: a length of 32 bits (little endian) and that number of bytes. The first frame of each side is its
-header, with ``name=value`` fields that are small frames themselves; later frames are messages, requests or responses.
+header. Its ``name=value`` fields are small frames themselves. Later frames are messages, requests or responses.
 """
 
 from __future__ import annotations

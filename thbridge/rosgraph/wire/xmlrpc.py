@@ -66,7 +66,7 @@ class MethodResponse:
 
 @dataclass(frozen=True, slots=True)
 class Fault:
-    """Failure of a call: XML-RPC's own error, below ROS's status codes."""
+    """Failure of a call: an error of XML-RPC itself, not a status code of ROS."""
 
     code: int
     text: str

@@ -303,7 +303,7 @@ class TextServer:
                     self._turn_out(connection, self._keys.why_not(credentials))
 
     def _enter_game(self, connection: ConnectionId) -> None:
-        """Enter a participant with a key into the present game; if that is not allowed, end the connection."""
+        """Add a participant with a key to the present game. If that is not allowed, end the connection."""
         credentials, name = self._with_key.get(connection), self._names.get(connection)
         if self._keys is None or self._game is None or credentials is None or name is None:
             return

@@ -108,7 +108,7 @@ class CloseReason(Enum):
 
     @property
     def flush(self) -> bool:
-        """True when pending bytes are still sent; otherwise the other side no longer reads."""
+        """True when pending bytes are still sent; False when the other side no longer reads."""
         return self in (CloseReason.NAME_TAKEN, CloseReason.ASKED, CloseReason.STOPPED, CloseReason.NOT_ENTITLED)
 
 

@@ -37,7 +37,7 @@ class Backlog:
         self._number = 0
 
     def put(self, channel: int, record: bytes, latched: bool) -> None:
-        """Append a record; if the queue is then above its limit, records are dropped, possibly this one."""
+        """Append a record. If the queue is then above its limit, records are dropped, possibly this record."""
         self._number += 1
         self._waiting[self._number] = _Waiting(channel, record)
         self._of_channel[channel].append(self._number)

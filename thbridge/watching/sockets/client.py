@@ -53,7 +53,7 @@ class WatchClient(ReconnectingClient):
         return events
 
     def send(self, line: bytes) -> bool:
-        """Send a line, such as that of `app.session.watch_requests.request_line`; return False if not connected."""
+        """Send a line, such as that from `app.session.watch_requests.request_line`; return False if not connected."""
         loop, writer = self._loop, self._writer
         if loop is None or writer is None or loop.is_closed():
             return False

@@ -42,7 +42,7 @@ class ReceivedCommand:
         station: its sender.
         number: a code of MAV_CMD.
         params: its seven parameters; NaN if not given.
-        frame: frame of its place, a code of MAV_FRAME; None for COMMAND_LONG, which has no frame.
+        frame: coordinate frame of its place, a code of MAV_FRAME; None for COMMAND_LONG, which has no such frame.
         confirmation: number of earlier transmissions; always 0 for COMMAND_INT, which does not count them.
     """
 

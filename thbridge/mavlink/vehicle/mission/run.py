@@ -45,7 +45,7 @@ class MissionRun:
         visited_rooms: action at an item that leads into an already visited room.
 
     Attributes:
-        plan: all items; the first of an ArduPilot plan is a placeholder for home.
+        plan: all items; the first item of an ArduPilot plan is a placeholder for home.
         plan_id: id of the plan.
         execution: execution of its items.
         current_item: number of the item that is executed or will be executed next.

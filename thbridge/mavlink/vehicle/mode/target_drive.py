@@ -1,4 +1,4 @@
-"""Drive to a target for a mode: a leg of the robot, identified by its number."""
+"""Drive to a target for a mode: a leg of the robot, which its number identifies."""
 
 from thbridge.mavlink.values.conventions import ARRIVED
 from thbridge.mavlink.values.vehicle_interface import NO_READINGS, HelmLeg, LegState, RobotReadings, Target

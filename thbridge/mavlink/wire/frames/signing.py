@@ -1,11 +1,11 @@
-"""Signatures of MAVLink 2: only frames signed with the key are accepted, and each of them only once.
+"""Signatures of MAVLink 2: only frames signed with the key are accepted, and each frame is accepted only once.
 
 Source: the MAVLink developer guide, "Message Signing".
 
 Differs: no unsigned frame is accepted. Other programs accept RADIO_STATUS, which radios send without a key. Here there
 is no radio between robots and stations. A frame forwarded with our signature would look as if the key's owner had sent
 it. Keys are never accepted from the network (SETUP_SIGNING). Timestamps from the last few months of the 48-bit range
-are refused, because no later frame could have a newer one.
+are refused, because no later frame could have a newer timestamp.
 """
 
 import hashlib
@@ -123,7 +123,7 @@ class KnownTimestamps:
 
 
 class SignatureTimestamps:
-    """Timestamps used so far by us and by other senders, on all links with one key.
+    """Timestamps that we and other senders have used so far, on all links with one key.
 
     The links share them so that a frame from one link is not accepted again on another.
 

@@ -19,7 +19,7 @@ STEP = 64
 
 @dataclass(slots=True)
 class FileEnd:
-    """The connections of one file, and its chunks with at least one message, both in the file's order."""
+    """The connections of one file, and the chunks that have messages, both in the file's order."""
 
     connections: list[BagConnection] = field(default_factory=list)
     chunks: list[ChunkInfo] = field(default_factory=list)

@@ -163,8 +163,8 @@ class BagIndex:
         """Return the location of the last message of a topic up to and including a time, or None."""
         best: MessageLocation | None = None
         topic_chunks = self._chunks_of(topic)
-        # Chunks may overlap in time: a message in an earlier chunk can be later than the best one so far. The search
-        # ends when the running maximum of last stamps shows that no earlier chunk can have a later one.
+        # Chunks may overlap in time: a message in an earlier chunk can be later than the best message so far. The
+        # search ends when the running maximum of last stamps shows that no earlier chunk can have a later message.
         for turn in range(bisect_right(topic_chunks.starts, at_ns) - 1, -1, -1):
             if best is not None and topic_chunks.reach[turn] < best.stamp_ns:
                 break

@@ -28,7 +28,8 @@ class TopicInfo:
 
     Attributes:
         name: its name, with the leading slash.
-        msgtype: type of its messages, "nav_msgs/Odometry"; several, separated by commas, if publishers disagree.
+        msgtype: type of its messages, such as "nav_msgs/Odometry"; if publishers disagree, several types, separated by
+            commas.
         messages: number of messages.
         latched: True when a publisher latches it.
     """
@@ -68,7 +69,7 @@ class RawMessage(NamedTuple):
     Attributes:
         topic: its topic.
         msgtype: for example "nav_msgs/Odometry".
-        md5: md5 sum of its type, which differs between releases with different fields.
+        md5: md5 sum of its type; it differs between releases if the type's fields differ.
         stamp_ns: stamp of recording.
         data: its bytes.
     """

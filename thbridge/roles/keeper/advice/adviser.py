@@ -66,14 +66,15 @@ class Adviser:
     """Adviser that suggests rooms in the place of robots, with the settings of the study.
 
     Wrong advice is chosen by keyed noise of game, robot and number of the advice. An adviser that may be wrong always
-    gives the room's cost as its only reason. A comparison with other rooms would reveal the error, or be false.
+    gives the room's cost as its only reason. A comparison with other rooms as the reason would reveal the error, or
+    would be false.
 
     Attributes:
         planner: chooses the room.
         error_rate: share of wrong advice: another room, chosen randomly among all that the robot could suggest.
         says_confidence: True when robots state how sure they are.
-        confidence_bias: added to the confidence of a calibrated adviser, which only knows the probability that its
-            advice is wrong.
+        confidence_bias: number added to the confidence of a calibrated adviser. Such an adviser only knows the
+            probability that its advice is wrong.
         confidence_spread: largest distance of that probability from its mean, the error rate. For each advice the
             probability is drawn again, uniformly.
         texts: texts of the game's language, for reasons.

@@ -129,7 +129,7 @@ def _against(state: GameState, room: Room, kinds: Sequence[TreasureKind], name: 
 
 
 def _busy(state: GameState, starts: dict[int, TourStart], robot: int, room: Room, free: Collection[Room]) -> set[int]:
-    """Return the robots that have a room to go to if one of them goes to a certain room first."""
+    """Return the robots that still have a room to go to, if a given robot first goes to a given room."""
     costs, visit = state.started.costs, state.started.identify_cost
     own = starts[robot]
     there = TourStart(costs.rows[room.people], max(own.energy - own.costs[room.people] - visit, 0.0))

@@ -64,7 +64,7 @@ class ConsentAnswer:
         self._legacy = True
 
     def agree(self, state: GameState | None, consent: GiveConsent) -> tuple[ConsentGiven, ...]:
-        """Return the event of a yes in this game; empty if it is kept for the next game, or has no effect."""
+        """Return the event of a yes in this game; empty if the yes is kept for the next game, or has no effect."""
         if self._declined and self.awaited(state):
             return ()
         if state is not None and not self._another:

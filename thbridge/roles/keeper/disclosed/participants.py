@@ -52,7 +52,7 @@ class Participants:
         return not self._members
 
     def join(self, name: str, map_name: str | None, run: str = "") -> list[TextMessage]:
-        """Add a participant's program, perhaps again; return the messages to send at once, or none if there is no room.
+        """Add a participant's program, perhaps again; return the messages to send at once; empty if there is no room.
 
         If there is no room, the new program replaces one that could not be reached.
 
