@@ -52,9 +52,9 @@ from thbridge.watching.wire import BagStreamReader, SessionMessage, parse_status
 HOST = "127.0.0.1"
 PATIENCE = 10.0
 WAIT_BOUND = 1.0
-"""Greatest wait of honest programs, and greatest lag of the session, that count as success, seconds."""
+"""Greatest wait of honest programs, and greatest lag of the session, for a successful test, seconds."""
 MEMORY_BOUND = 256
-"""Greatest memory that one attack may cost, megabytes."""
+"""Greatest increase of memory during one attack, megabytes."""
 _OUTSIDE = 8
 """Number of attacking processes."""
 KEY = "honest-" + "0123456789abcdef"
@@ -88,16 +88,17 @@ class Doors:
 
 
 class Honest(threading.Thread):
-    """Honest programs during an attack; some of them open a new connection for each request.
+    """Thread that runs honest programs during an attack; some of them open a new connection for each request.
 
     They are a participant's program, a client with a key, a researcher, a ground station, and ROS tools at the master
     and a node.
 
     Attributes:
-        wait: longest time until a program was served since this was last reset, seconds.
+        wait: longest time until a program was served, since `wait` was last reset, seconds.
         slowest: program that waited longest.
-        lag: time by which the session is behind its pace, seconds; it includes time that is never made up.
-        refused: number of times that a program was disconnected or refused.
+        lag: time by which the session is behind its pace, seconds; it includes time that the session will never catch
+            up.
+        refused: number of connections that were closed or refused.
     """
 
     def __init__(self, doors: "Doors") -> None:
@@ -202,7 +203,7 @@ async def connections(port: int, count: int) -> list[asyncio.StreamWriter]:
 
 
 def unchecked_tls() -> ssl.SSLContext:
-    """Return the context of a client that trusts any server, because the attack stays on this machine."""
+    """Return a TLS context that trusts any server, because the attack stays on this machine."""
     context = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
     context.check_hostname, context.verify_mode = False, ssl.CERT_NONE
     return context
@@ -211,7 +212,8 @@ def unchecked_tls() -> ssl.SSLContext:
 async def say(
     port: int, data: bytes, times: int = 1, count: int = 1, seconds: float = 5.0, *, encrypted: bool = False
 ) -> int:
-    """Send the same data repeatedly on some connections, until done or the time is up; return how often it was sent."""
+    """Send the same data repeatedly on some connections, until all is sent or the time is over; return the number of
+    times."""
     said, tls = 0, unchecked_tls() if encrypted else None
 
     async def one() -> None:
@@ -235,7 +237,7 @@ async def say(
 
 
 async def idle(port: int, count: int) -> int:
-    """Hold silent connections for a while."""
+    """Keep connections open for a while without sending anything."""
     writers = await connections(port, count)
     await asyncio.sleep(2.5)
     for writer in writers:
@@ -244,7 +246,7 @@ async def idle(port: int, count: int) -> int:
 
 
 async def turned_away(port: int, count: int) -> int:
-    """Open connections one after the other, and close none of them before all are open."""
+    """Open connections one after the other without waiting for any of them; at most 400 are open at the same time."""
     clients = []
     for _ in range(count):
         client = socket.socket()
@@ -261,7 +263,7 @@ async def turned_away(port: int, count: int) -> int:
 
 
 async def noise(port: int, draws: random.Random) -> int:
-    """Send random bytes."""
+    """Send random bytes on some connections."""
     return await say(port, draws.randbytes(8192), 20, 20)
 
 
@@ -276,7 +278,7 @@ def prepare_outside() -> None:
 
 
 def crowd(port: int, count: int, seconds: float) -> tuple[int, int]:
-    """Open many connections at once and hold them silently; return how many were opened, and how many were closed."""
+    """Open many connections at once and send nothing; return how many were opened, and how many the session closed."""
     made, cut = 0, 0
     with selectors.DefaultSelector() as selector:
         clients = []
@@ -313,7 +315,7 @@ def crowd(port: int, count: int, seconds: float) -> tuple[int, int]:
 
 
 def pour(port: int, begin: bytes, piece: bytes, times: int, seconds: float) -> tuple[int, int]:
-    """Send endless data on one connection; return how many pieces were accepted, and 1 if it was closed."""
+    """Send endless data on one connection; return how many pieces were accepted, and 1 if the connection was closed."""
     said = 0
     try:
         with socket.create_connection((HOST, port), PATIENCE) as client:
@@ -331,7 +333,7 @@ def pour(port: int, begin: bytes, piece: bytes, times: int, seconds: float) -> t
 
 
 def shower(port: int, piece: bytes, times: int) -> tuple[int, int]:
-    """Send datagrams; return how many."""
+    """Send datagrams; return their number, and 0."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as client:
         for _ in range(times):
             with contextlib.suppress(OSError):
@@ -348,7 +350,7 @@ class Outside:
 
     def __init__(self) -> None:
         self._pool = ProcessPoolExecutor(_OUTSIDE, multiprocessing.get_context("spawn"), prepare_outside)
-        # They start before the measurement, because starting uses the session's processor.
+        # The processes start before the measurement, because their start uses the session's processor.
         list(self._pool.map(time.sleep, [2.0] * _OUTSIDE))
         self.cut = 0
 
@@ -361,19 +363,19 @@ class Outside:
 
 
 def http(path: str, body: str, headers: str = "") -> bytes:
-    """Return a request as a web page in a browser sends it."""
+    """Return an HTTP request as a web page in a browser would send it."""
     return f"POST {path} HTTP/1.1\r\nHost: {HOST}\r\n{headers}Content-Length: {len(body)}\r\n\r\n{body}".encode()
 
 
 def xmlrpc_call(method: str, *arguments: str) -> bytes:
-    """Return a call of the ROS master."""
+    """Return a request that calls a method of the ROS master."""
     values = "".join(f"<param><value><string>{argument}</string></value></param>" for argument in arguments)
     body = f"<?xml version='1.0'?><methodCall><methodName>{method}</methodName><params>{values}</params></methodCall>"
     return http("/RPC2", body, "Content-Type: text/xml\r\n")
 
 
 async def subscribers(port: int, count: int) -> int:
-    """Register fake subscribers of one topic."""
+    """Register fake subscribers of one topic at the ROS master."""
     for number in range(count):
         uri = f"http://{HOST}:{10_000 + number % 50_000}/"
         call = xmlrpc_call("registerSubscriber", f"/invented{number}", "/tf", "tf2_msgs/TFMessage", uri)
@@ -382,14 +384,14 @@ async def subscribers(port: int, count: int) -> int:
 
 
 async def frames(port: int, count: int) -> int:
-    """Send MAVLink heartbeats as fast as possible."""
+    """Send MAVLink heartbeats as fast as possible over TCP."""
     link = mav.MAVLink(None, srcSystem=250)
     beat = link.heartbeat_encode(6, 8, 0, 0, 0).pack(link)
     return 50 * await say(port, beat * 50, count // 50, 1, 10.0)
 
 
 async def datagrams(port: int, count: int) -> int:
-    """Send MAVLink heartbeats, each from another address."""
+    """Send MAVLink heartbeats, each from another port."""
     link = mav.MAVLink(None, srcSystem=251)
     beat = link.heartbeat_encode(6, 8, 0, 0, 0).pack(link)
     for _ in range(count):
@@ -414,7 +416,9 @@ class _Planted:
 
 
 async def planted_code() -> int:
-    """Plant pickles in a program's cache of compiled code whose folders others can write, one level after the other.
+    """Plant pickles in a program's cache of compiled code.
+
+    In each round, another level of its folders is writable for others.
 
     Raises:
         BreachError: the program loaded one of them.
@@ -465,7 +469,7 @@ def contents(folder: Path) -> dict[Path, bytes]:
 
 
 async def names_that_lead_elsewhere() -> int:
-    """Pass names to commands that lead out of the folders in which the commands delete and write.
+    """Run commands with names that lead out of the folders in which the commands delete and write.
 
     Raises:
         BreachError: a file elsewhere, or of the study itself, was deleted or changed, or such a name was accepted.
@@ -494,7 +498,10 @@ ODD_SWEEPS = ["[]", "[" * 100_000, '{"layout": 1}', '{"layout": 1, "design": {"l
 
 
 def write_odd_log(log: Path, content: str | None) -> None:
-    """Write one event into a new log, with correct digests, chain and head; if None, write an endless view instead."""
+    """Write one event into a new log, with correct digests, chain and head.
+
+    If `content` is None, replace the table of events by an endless view.
+    """
     for path in (log, head_path(log)):
         path.unlink(missing_ok=True)
     with ExperimentLog(log):
@@ -512,10 +519,10 @@ def write_odd_log(log: Path, content: str | None) -> None:
 
 
 async def odd_files(place: Path) -> int:
-    """Run commands on logs with correct digests and on sweeps, all of them with invalid contents.
+    """Run commands on logs and on sweeps that have correct digests but invalid contents.
 
     Raises:
-        BreachError: an input was not refused with a message, or was read without end.
+        BreachError: a command did not refuse an input with a message, or never stopped reading it.
     """
     study, sweep = place / "study", place / "sweep"
     sweep.mkdir(parents=True)
@@ -536,7 +543,7 @@ async def odd_files(place: Path) -> int:
 
 
 async def links_of_others() -> int:
-    """Create links of another account at the paths that commands write.
+    """Create links that belong to another account, at the paths that commands write.
 
     Raises:
         BreachError: a command followed a link.
@@ -562,7 +569,7 @@ async def links_of_others() -> int:
 
 
 async def links_in_a_recording(folder: Path) -> int:
-    """Create links at the paths of the next parts of a recording, which begin every two seconds.
+    """Create links at the paths of the next parts of a recording, which has a new part every two seconds.
 
     Raises:
         BreachError: the session wrote to a link's target.
@@ -590,7 +597,8 @@ Attack: TypeAlias = tuple[str, Callable[[], Coroutine[None, None, int]]]
 
 
 def crowds_and_floods(doors: Doors, outside: Outside, scale: int) -> Iterator[Attack]:
-    """Yield attacks on each port with thousands of connections and endless data; 10,000 and 300 MB at scale 10."""
+    """Yield attacks on each port with thousands of connections and endless data; at scale 10, with 10,000 connections
+    and 300 MB."""
     ports = {
         "text": doors.text,
         "watch": doors.watch,
@@ -641,7 +649,7 @@ def crowds_and_floods(doors: Doors, outside: Outside, scale: int) -> Iterator[At
 
 
 def attacks(doors: Doors, outside: Outside, draws: random.Random, scale: int, folder: Path) -> list[Attack]:
-    """Return all attacks, each with a name; `scale` 1 is quick, 10 is the original size; `folder` is the session's."""
+    """Return all attacks by name. `scale` 1 is quick, 10 is the original size; `folder` is that of the session."""
     may_give_away = os.geteuid() == 0
     forged = b'%%error SimR Game thbridge {"kind":"Status","game":1}\n'
     surrogate = b'%%error SimR Game thbridge {"kind":"GiveUp","game":"\\ud800"}\n'
@@ -695,8 +703,8 @@ class Gauge(threading.Thread):
     """Resources that a process uses, sampled repeatedly.
 
     Attributes:
-        memory: greatest resident memory since it was last reset, megabytes.
-        descriptors: greatest number of open files since then.
+        memory: greatest resident memory since `memory` was last reset, megabytes.
+        descriptors: greatest number of open files since it was last reset.
     """
 
     def __init__(self, process: subprocess.Popen[bytes]) -> None:
@@ -729,7 +737,7 @@ class Held:
         attack: name of the attack.
         tries: number of attempts.
         wait: longest wait of honest programs, seconds.
-        lag: time by which the session fell behind, seconds.
+        lag: time by which the session fell behind its pace, seconds.
         slowest: honest program that waited longest.
         memory: greatest increase of memory during the attack, megabytes.
         descriptors: greatest number of open files of the session during the attack.
@@ -753,7 +761,8 @@ class Held:
 
     @property
     def well(self) -> bool:
-        """True if the attack had little effect on others."""
+        """True if the session still runs, no bound was exceeded, no honest program was refused, and the attack achieved
+        nothing that must be impossible."""
         quick = max(self.wait, self.lag) <= WAIT_BOUND
         return self.running and not self.refused and not self.breached and quick and self.memory <= MEMORY_BOUND
 
@@ -831,7 +840,7 @@ def main() -> int:
         options += ["--ros-master", f"http://{HOST}:{doors.ros}", "--mavlink", "--tcp", f"{HOST}:{doors.tcp}"]
         options += ["--udp-listen", f"{HOST}:{doors.udp}", "--rate", "1", "--bag", "hunt.bag", "--no-report"]
         options += ["--foxglove", str(doors.foxglove)]
-        # With a new part every two seconds, a descriptor must always be free for the next one.
+        # A recording with a new part every two seconds always needs a free descriptor.
         (folder / "study.yaml").write_text("recording: {split_duration: 2}\n")
         output = folder / "output.txt"
         with output.open("wb") as file:

@@ -40,7 +40,7 @@ class Concern:
         version: pinned version.
         names: names of the advisory, its own first.
         summary: one line of its text.
-        fixed: versions in which the fault is fixed.
+        fixed: versions in which the vulnerability is fixed.
     """
 
     name: str
@@ -114,7 +114,8 @@ def _concerns(advisory: Mapping[str, object], pins: Mapping[str, str]) -> Iterat
 
 
 def within(version: str, found: Mapping[str, object]) -> bool:
-    """Return True if a version is in a range of OSV. Sorted by version, its events start and end affected ranges."""
+    """Return True if a version is in a range of OSV. A range is a list of events, sorted by version; each starts or
+    ends an affected part."""
     at, affected = Version(version), False
     for turn, event in sorted((_turn(event) for event in found["events"]), key=lambda it: it[0]):
         if turn > at or (turn == at and event == "last_affected"):
@@ -132,7 +133,7 @@ def _turn(event: Mapping[str, object]) -> tuple[Version, str]:
 
 
 def fetched(kept: Path) -> Path:
-    """Fetch PyPA's database or its updates; return its folder. End the program if that fails."""
+    """Fetch PyPA's database, or its updates; return its folder. End the program if that fails."""
     if (kept / ".git").is_dir():
         command = ["git", "-C", kept, "pull", "--quiet", "--ff-only", "--depth", "1"]
     else:

@@ -131,7 +131,7 @@ def tables(folder: Path) -> None:
 
 
 def mean_and_sd(values: Sequence[float]) -> str:
-    """Return mean and standard deviation as text."""
+    """Return the mean and the standard deviation as text."""
     return f"{np.mean(values):.2f} ± {np.std(values):.2f}"
 
 

@@ -18,14 +18,15 @@ from thbridge.hunt.team_tour_search import search_team_tours
 from thbridge.hunt.tour import MOST_ROOMS, Tour
 
 HUNTS = ((8, 2, 30.0), (12, 2, 60.0), (12, 3, 25.0), (12, 3, 200.0), (12, 4, 45.0), (16, 3, 50.0), (50, 3, 80.0))
-"""Rooms, robots, and energy of each robot."""
+"""Number of rooms, number of robots, and energy of each robot."""
 VISIT = 2.0
 LARGE = 30
-"""Number of rooms from which only a tenth of the hunts is played."""
+"""Number of rooms from which only a tenth of the hunts is planned."""
 
 
 def value(tours: Sequence[Tour]) -> tuple[int, float]:
-    """Return the rooms visited and the energy of all moves, rounded to remove errors of float sums."""
+    """Return the number of rooms visited and the energy of all moves, rounded to remove floating-point errors of
+    sums."""
     return sum(len(tour.rooms) for tour in tours), round(sum(tour.cost for tour in tours), 6)
 
 

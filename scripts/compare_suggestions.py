@@ -32,14 +32,14 @@ from thbridge.study.study_file import CostModel, GameSection, Study
 TREASURE = TreasureKind({"colour": "Green", "footprint": "Round and Small"}, 10, "bottle", None)
 IDENTIFY_COST = 2.0
 SPREAD = 0.3
-"""Greatest share by which a drive takes longer or shorter than its cost in seconds."""
+"""Greatest deviation of a drive's duration from its cost in seconds, as a share of the cost."""
 
 PriceRow = tuple[float | None, ...]
 
 
 @dataclass(frozen=True, slots=True)
 class GameResult:
-    """Rooms visited, and energy left to the whole team."""
+    """Result of a game: rooms visited, and energy left to the whole team."""
 
     rooms: int
     energy: float
@@ -78,7 +78,8 @@ def play(
             state = _after(state, rules.leave(state, going) if isinstance(named, RequestRefused) else named)
         advice = adviser.advise(state, (), robot)
         if isinstance(advice, RequestRefused):
-            continue  # It can go nowhere from now on: free rooms and energy never increase.
+            # From now on, the robot can go nowhere: neither the number of free rooms nor its energy ever increases.
+            continue
         room = advice.room
         sent += 1
         if noise.uniform(whims, sent, 0) >= follows:

@@ -31,9 +31,12 @@ MODELS: dict[str, tuple[str, type[ParticleEvidence] | type[GaussianEvidence]]] =
 }
 """By localizer: name of the coefficients, and type of their evidence."""
 HELD_OUT = 100
-"""Seeds from this one on are used only for checking."""
+"""First of the seeds that are used only for checking."""
 RIDGE = 1.0
-"""Weight of the squared coefficients, which keeps them finite if one piece of evidence decides alone."""
+"""Weight of the squared coefficients.
+
+It keeps them finite if one kind of evidence alone separates right from wrong poses.
+"""
 STEPS = 50
 
 
@@ -70,7 +73,8 @@ def _gathered(followed: Iterable[dict[str, Runs]]) -> dict[str, Runs]:
 
 
 def fitted(evidence: FloatArray, wrong: FloatArray) -> FloatArray:
-    """Return (k,) coefficients of a logistic regression of (n,) zeros and ones on (n, k) evidence (Newton's method)."""
+    """Return (k,) coefficients of a logistic regression that predicts (n,) zeros and ones from (n, k) evidence
+    (Newton's method)."""
     coefficients = np.zeros(evidence.shape[1])
     for _ in range(STEPS):
         p = 1.0 / (1.0 + np.exp(-np.clip(evidence @ coefficients, -30.0, 30.0)))
@@ -84,7 +88,7 @@ def fitted(evidence: FloatArray, wrong: FloatArray) -> FloatArray:
 
 
 def written(coefficients: Mapping[str, FloatArray]) -> str:
-    """Return the module of the coefficients."""
+    """Return the text of the module with the coefficients."""
     text = (
         '"""Coefficients of the models in `wrong_pose`, written by `scripts/fit_wrong_pose.py`."""\n\n'
         "from sim.robot.localization.wrong_pose import GaussianEvidence, ParticleEvidence\n"

@@ -21,7 +21,7 @@ from thbridge.analysis.plot.style import INK
 from thbridge.api.learning import AbstractHuntEnv
 
 BATCH = 50
-"""Number of episodes in a learning step."""
+"""Number of episodes per learning step."""
 FIRST_SEED = 100_000
 """Seed of the first training game; smaller seeds are used for evaluation."""
 
@@ -51,7 +51,7 @@ def learn(env: AbstractHuntEnv, seed: int, batches: int, rate: float) -> tuple[N
 
 
 def mean_score(env: AbstractHuntEnv, policy: Policy, games: int) -> float:
-    """Return the mean score of a policy in the games from seed 0 on."""
+    """Return the mean score of a policy in the games with seed 0, 1, 2, ..."""
     return float(np.mean([play(env, policy, seed) for seed in range(games)]))
 
 

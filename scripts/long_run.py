@@ -52,8 +52,10 @@ participant:
 game:
   energy: {energy}
 """
-"""Study of the run. Finished parts of 200 MB are removed. Stations use wall time, in which a simulated hour takes
-only some minutes."""
+"""Study of the run.
+
+Finished parts of 200 MB are removed. Stations use wall time, in which a simulated hour takes only some minutes.
+"""
 
 
 class Running:
@@ -145,7 +147,7 @@ def begin_game(environment: Mapping[str, str]) -> None:
 
 
 def give_way(pid: int) -> None:
-    """Lower the priority of a process: the session needs a core of its own."""
+    """Lower the priority of a process, because the session needs a processor core of its own."""
     os.setpriority(os.PRIO_PROCESS, pid, 10)
     # Linux groups processes by session, and priorities apply only within a group.
     if os.getsid(pid) == pid:
@@ -196,7 +198,7 @@ def run_server(given: argparse.Namespace, running: Running, opened: ExitStack) -
 def sample_until(
     given: argparse.Namespace, processes: Mapping[str, int], visitors: Visitors, program: subprocess.Popen[bytes]
 ) -> None:
-    """Take samples for the simulated hours or the maximum time. Raise RuntimeError if the program ends earlier."""
+    """Take samples for the simulated hours, or until the time limit. Raise RuntimeError if the program ends earlier."""
     sampler = Sampler(given.folder, processes, visitors)
     began = sampled = time.monotonic()
     row: Mapping[str, float] = sampler.sample()
@@ -213,7 +215,7 @@ def sample_until(
 
 def run(given: argparse.Namespace) -> None:
     """Run the programs, and take samples."""
-    signal.signal(signal.SIGTERM, lambda _number, _frame: sys.exit(1))  # so that all started programs end, too
+    signal.signal(signal.SIGTERM, lambda _number, _frame: sys.exit(1))  # so that all started programs also end
     given.folder = given.folder.resolve()
     shutil.rmtree(given.folder, ignore_errors=True)
     given.folder.mkdir(parents=True)

@@ -32,9 +32,9 @@ from tests.bench.robots.wrong_pose_runs import HEAD, UpdateRow, calibration, is_
 
 RESOLUTION = 0.05
 LONGEST = 25.0
-"""Range in meters from which a beam has hit nothing."""
+"""Range in meters from which a beam counts as having hit nothing."""
 SPEED = 0.5
-"""Speed in meters per second for logs without times."""
+"""Speed in meters per second that is assumed for logs without times."""
 STORE = get_typestore(Stores.ROS1_NOETIC)
 TYPES = STORE.types
 
@@ -68,7 +68,7 @@ def scans_of(log: Path) -> list[LoggedScan]:
             count = int(words[1])
             here = Pose2(*map(float, words[2 + count : 5 + count]))
             odom = odom.compose(way)
-            # In some logs, times go back or are all equal; only the path matters here.
+            # In some logs, times decrease or are all equal. Only the path is important here.
             driven += math.hypot(way.x, way.y) + 0.2 * abs(way.theta)
             ranges = np.array(words[2 : 2 + count], dtype=np.float64)
             scans.append(LoggedScan(ranges, here, odom, driven / SPEED + 0.25 * len(scans)))
@@ -91,7 +91,10 @@ def directions(count: int) -> FloatArray:
 
 
 def draw_map(scans: list[LoggedScan], folder: Path) -> Path:
-    """Draw a map of scans at the mapper's poses: a cell in which more beams end than pass through is a wall."""
+    """Draw a map from scans at the mapper's poses.
+
+    A cell belongs to a wall if more beams end in it than pass through it.
+    """
     ends = [_ends(scan) for scan in scans]
     low = np.min([each.min(axis=0) for each, _ in ends if len(each)], axis=0) - 1.0
     high = np.max([each.max(axis=0) for each, _ in ends if len(each)], axis=0) + 1.0
@@ -183,12 +186,12 @@ def _odometry(number: int, stamp: int, scan: LoggedScan) -> object:
 
 @dataclass(frozen=True, slots=True)
 class Measured:
-    """Distance of a localizer's poses from the mapper's.
+    """Distances between the localizer's poses and the mapper's.
 
     Attributes:
         errors: (n,) distance at each update, meters.
         lost: (n,) flag at each update, True if the localizer reported to be lost.
-        updates: updates with the probability that the pose is wrong, and whether it is wrong.
+        updates: updates, each with the reported probability that the pose is wrong, and True if it is wrong.
     """
 
     errors: FloatArray

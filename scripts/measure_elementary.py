@@ -23,7 +23,7 @@ Draw = Callable[[random.Random], float]
 
 
 def wide(low: float, high: float) -> Draw:
-    """Return a distribution of positive and negative numbers, with magnitudes between these powers of ten."""
+    """Return a distribution of positive and negative numbers with magnitudes between these powers of ten."""
     return lambda draw: draw.choice((-1.0, 1.0)) * 10.0 ** draw.uniform(low, high)
 
 
@@ -54,7 +54,7 @@ def worst(name: str, part: int, seed: int, count: int) -> float:
     function = getattr(elementary, name)
     reference = mpmath.hypot if name == "hypot" else getattr(mpmath, name)
     greatest = 0.0
-    # The sine of a large number loses as many bits as the number has before the point.
+    # The sine of a large number loses as many bits as the number has before the binary point.
     with mpmath.workprec(1200 if name in ("sin", "cos") and part == 2 else 120):
         for _ in range(count):
             arguments = [one(draw) for _ in range(2 if name in PAIRS else 1)]
@@ -64,7 +64,7 @@ def worst(name: str, part: int, seed: int, count: int) -> float:
 
 
 def cost(function: Callable[..., float], name: str) -> float:
-    """Return the nanoseconds per call: the least of some rounds over a million arguments."""
+    """Return the nanoseconds per call: the least value of some rounds with a million arguments each."""
     if name in PAIRS:
 
         @njit(cache=False)

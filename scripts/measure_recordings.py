@@ -30,7 +30,7 @@ from thbridge.text_protocol.wire import legacy
 
 WHOLE = RecordingSection(Compression.NONE, RecordingDetail.ALL)
 SHOWN = 12
-"""Number of topics in a table, largest first."""
+"""Number of topics in a table; the largest topics come first."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -42,7 +42,7 @@ ADOPT_ORPHANS = 36
 
 
 def run(*words: str | Path) -> None:
-    """Run a thbridge command; end this program if it fails."""
+    """Run a thbridge command; end this program if the command fails."""
     command = [*PROGRAM, *map(str, words)]
     done = subprocess.run(
         command, env={**os.environ, "PYTHONPATH": str(ROOT)}, capture_output=True, text=True, check=False
@@ -52,7 +52,7 @@ def run(*words: str | Path) -> None:
 
 
 def cpu_of(action: Callable[[], object]) -> tuple[float, float]:
-    """Return the processor time of all processes that an action starts, and its duration, seconds."""
+    """Return the processor time of all processes that an action starts, and the duration of the action, seconds."""
     before, began = resource.getrusage(resource.RUSAGE_CHILDREN), time.monotonic()
     action()
     wall = time.monotonic() - began
@@ -109,7 +109,8 @@ def play_on_cluster(folder: Path, games: int) -> None:
 
 
 def empty_tasks(engine: Engine, folder: Path) -> tuple[float, float]:
-    """Run tasks whose results exist already; return wall time and this process's processor time per task, seconds."""
+    """Run tasks whose results already exist; return the wall time and this process's processor time per task,
+    seconds."""
     design = read_design(folder / "design.yaml")
     (task, *_) = tasks_of(design, open_folder(design, folder / "two"), lambda _chunk: True)
     with engine:
@@ -139,7 +140,7 @@ def main() -> int:
         (folder / "study.yaml").write_text(STUDY)
         (folder / "design.yaml").write_text(DESIGN.replace("GAMES", str(games)))
         play = ("play", folder / "study.yaml", "--headless", "--json")
-        run(*play, "--bag", folder / "warm.bag")  # compiles if needed
+        run(*play, "--bag", folder / "warm.bag")  # this compiles the kernels if needed
         spent, _ = cpu_of(
             lambda: [run(*play, "--seed", str(seed), "--bag", folder / f"{seed}.bag") for seed in range(1, PLAYS + 1)]
         )

@@ -23,7 +23,7 @@ STUDY = "robots: 2\n"
 
 
 class Compilations(event.Listener):
-    """Kernels in the order in which a hunt compiles them, inner ones first, each with its compile time in seconds."""
+    """Kernels in the order in which a hunt compiles them, inner ones first; each with its compile time in seconds."""
 
     def __init__(self) -> None:
         self.lines: list[tuple[float, str]] = []
@@ -32,7 +32,7 @@ class Compilations(event.Listener):
         self._since = 0.0
 
     def on_start(self, _: object) -> None:
-        """Handle the begin of a compilation."""
+        """Handle the beginning of a compilation."""
         self._switch()
         self._own.append(0.0)
 
@@ -41,7 +41,7 @@ class Compilations(event.Listener):
         self._switch()
         seconds = self._own.pop()
         kernel = ended.data["dispatcher"]
-        # Formulas are compiled under the name of a plain function, and count for the kernel that calls them.
+        # Formulas are compiled under the name of a plain function; their time counts for the kernel that calls them.
         if is_kernel(kernel):
             self.lines.append((seconds, as_line(kernel, ended.data["args"], moves=self.ticks > 0)))
         elif self._own:
@@ -54,7 +54,7 @@ class Compilations(event.Listener):
         self._since = now
 
 
-# Other processes would compile previously recorded kernels, where they are not observed.
+# Other processes would compile the previously recorded kernels, and this process would not observe that.
 RECORDED.write_text("")
 calls = Compilations()
 event.register("numba:compile", calls)

@@ -47,7 +47,7 @@ from thbridge.study.things import Mishap, MishapEntry, Shape, ThingEntry
 T = TypeVar("T")
 MAPS = ("arena8", "warehouse12")
 MAX_SECONDS = 1800.0
-"""Simulated seconds after which a hunt counts as hung."""
+"""Simulated seconds after which a hunt counts as stuck."""
 PARTICIPANTS: Mapping[str, Callable[[Attitude, BotStrategy], bool]] = {
     "all": lambda _attitude, _strategy: True,
     "attentive": lambda attitude, _strategy: attitude is not Attitude.SCEPTICAL,
@@ -61,9 +61,9 @@ PARTICIPANTS: Mapping[str, Callable[[Attitude, BotStrategy], bool]] = {
         attitude is not Attitude.SCEPTICAL and strategy is BotStrategy.RANDOM
     ),
 }
-"""Groups of participants to compare; attentive ones consider what robots say."""
+"""Groups of participants to compare. Attentive participants consider what robots say."""
 MOVED_DISTANCE = 0.05
-"""Meters, and radians, from which a robot counts as moved."""
+"""Distance in meters, and angle in radians, from which a robot has moved."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,10 +85,10 @@ class Outcome:
         ended: True if it reached its end.
         seconds: simulated time, seconds.
         goals: number of goals reached.
-        failures: codes of the reasons for goals that were not reached.
+        failures: codes of the reasons why goals were not reached.
         collisions: number of collisions of all robots.
         waited: longest time that a robot with a goal stood still, seconds.
-        open: longest time from a goal to its end, seconds.
+        open: longest time from the request of a goal to its end, seconds.
         cpu: processor time, seconds.
         score: score of the game.
         rooms: number of rooms visited.
@@ -116,7 +116,7 @@ class Outcome:
 
 
 class GoalTimer:
-    """Timer of open goals, and of the time that robots with a goal stand still."""
+    """Recorder of the durations of goals, and of the times that robots with a goal stand still."""
 
     def __init__(self, robots: int) -> None:
         self._goal: list[int | None] = [None] * robots
@@ -151,7 +151,7 @@ class GoalTimer:
 
 
 class Draw:
-    """Random choices, given by a seed and the name of a stream."""
+    """Random choices that depend only on a seed and the name of a stream."""
 
     def __init__(self, seed: int, stream: str) -> None:
         self._key, self._number = noise.key(seed, stream), 0
@@ -164,13 +164,16 @@ class Draw:
 
 @cache
 def setting_at(place: str) -> StudySetting:
-    """Return the setting of a study with this map and with the data for arguing robots; reading it is slow."""
+    """Return the setting of a study with this map and with the data for arguing robots.
+
+    Reading these is slow, so it is kept.
+    """
     talk = DialogueSection(condition=DialogueCondition.COLLABORATOR)
     return read_setting(replace(Study(dialogue=talk), map=place), Path())
 
 
 def drawn_hunt(seed: int, condition: DialogueCondition) -> Hunt:
-    """Return a hunt whose seed determines map and team."""
+    """Return a hunt; its random seed determines map and team."""
     draw = Draw(seed, "drawn team")
     return Hunt(draw(("arena8", "office", "warehouse12")), draw(range(1, 5)), seed, condition)
 
@@ -210,7 +213,7 @@ def played(hunt: Hunt) -> Outcome:
     try:
         return play(hunt)
     except Exception as fault:
-        # One failed hunt must not stop the others.
+        # The failure of one hunt must not stop the others.
         return Outcome(hunt, False, 0.0, 0, (), 0, 0.0, 0.0, 0.0, fault=repr(fault))
 
 
@@ -342,7 +345,7 @@ def main() -> int:
             seeds = range(options.first_seed, options.first_seed + options.count)
             return 0 if play_conditions(pool, options.conditions, seeds) else 1
         for robots, count in options.hunts:
-            # A small map has no space for so large a team at the start.
+            # A small map has not enough space for such a large team at the start.
             places = MAPS if robots <= 10 else MAPS[1:]
             hunts = [Hunt(places[n % len(places)], robots, options.first_seed + n) for n in range(count)]
             outcomes = list(pool.map(play, hunts))

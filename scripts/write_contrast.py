@@ -20,7 +20,8 @@ LEAST: dict[Kind, float] = {"text": 4.5, "sign": 3.0, "shown elsewhere": 0.0}
 """Smallest ratios of WCAG 2.2, AA: 1.4.3 for text, 1.4.11 for edges and signs."""
 
 APART = 15.0
-"""Smallest distance (CIE76), for all kinds of color vision, of colors that distinguish things; 2.3 is just noticeable.
+"""Smallest distance (CIE76) of colors that distinguish things, for all kinds of color vision; a distance of 2.3 is just
+noticeable.
 """
 
 FLOORS = "unvisited reserved visited won lost"
@@ -29,13 +30,13 @@ GROUNDS = f"window panel floor {FLOORS}"
 
 @dataclass(frozen=True, slots=True)
 class Pair:
-    """Colors drawn on other colors.
+    """Colors that are drawn on other colors.
 
     Attributes:
         module: path in ui/windows.
-        what: thing that is drawn.
-        inks: roles of the palette, "robots" for all robot colors; each of them may appear.
-        grounds: roles that may be below.
+        what: part of the window that is drawn.
+        inks: roles of the palette, each of which may be the drawn color; "robots" for all robot colors.
+        grounds: roles of the palette that may be the color below.
         kind: required visibility; "shown elsewhere" if the same information is also in `besides`.
         opacity: opacity of the ink, 0 to 1.
         besides: other place with the same information.
@@ -179,10 +180,10 @@ PAIRS = (
     Pair("study/pictures.py", "beams", "line", "panel", "shown elsewhere", 70 / 255, "the crosses at their ends"),
     Pair("study/window.py", "edges of fields, focus ring", "line accent", "window panel", "sign"),
 )
-"""All pairs of colors. Faults in the text of a study also have a tinted ground; see `TINTED`."""
+"""All pairs of colors. Faults in the text of a study also have a tinted ground, which is in `TINTED`."""
 
 TINTED = (("study/pages.py", "text on the line of a fault", "text", "bad", 48 / 255, "panel"),)
-"""Module, text and its ink; then the ground: a color, its opacity, and the color below it."""
+"""Module, text and its color; then the ground: a color, its opacity, and the color below it."""
 
 HEAD = """\
 # Visibility and use of the windows
@@ -203,7 +204,7 @@ of 1024 x 600 at each of these sizes.
 
 
 def mixed(ink: str, opacity: float, ground: str) -> str:
-    """Return the visible color of an ink that is partly transparent on a ground."""
+    """Return the visible color of a partly transparent ink on a ground."""
     channels = (
         round(opacity * int(ink[at : at + 2], 16) + (1.0 - opacity) * int(ground[at : at + 2], 16)) for at in (1, 3, 5)
     )
@@ -236,7 +237,8 @@ def tinted(palette: Palette) -> Iterator[tuple[str, str, float]]:
 
 
 ReportedPair = tuple[str, str, float]
-"""Things distinguished by colors, other means that distinguish them, and the smallest distance of their colors (CIE76).
+"""Things that are distinguished by colors, other features that distinguish them, and the smallest distance of their
+colors (CIE76).
 """
 
 TOLD_APART: dict[ReportedPair, tuple[str, ...]] = {

@@ -65,7 +65,7 @@ TITLES = {
     ("DWAPlannerROS",): "dwa_local_planner",
     ("move_base",): "move_base",
 }
-"""Headings by the sections below them; the costmaps share nearly all parameters."""
+"""Headings by the sections that they contain; the two costmaps have nearly the same parameters."""
 OURS = "not ROS's"
 NOTHING = "–"
 
@@ -114,7 +114,8 @@ def rows(standard: object, hunts: object, prefix: str = "", ours: bool = False) 
             lists = [", ".join(entry.name for entry in entries) or "none" for entries in (own, other)]
             yield Row(name, state, lists[0], lists[1] if lists[1] != lists[0] else NOTHING, meaning=meaning(help_text))
             inner = f"{prefix}NAME." if names else f"{name}[]."
-            # Sections with a name of their own begin with the class's defaults, regardless of existing sections.
+            # Sections with a freely chosen name begin with the class's defaults, even if a section with this name
+            # exists.
             sample = item() if names else own[0]
             for row in rows(sample, sample, inner, ours):
                 if not row.name.endswith(".name"):
@@ -155,7 +156,7 @@ def meaning(help_text: str) -> str:
 
 
 def both(first: list[Row], second: list[Row]) -> Iterator[Row]:
-    """Yield the rows of two sections as one table; where they differ, the global costmap comes first."""
+    """Yield the rows of two sections as one table; where the sections differ, the global costmap comes first."""
     others = {row.name: row for row in second}
     for row in first:
         other = others.pop(row.name, None)

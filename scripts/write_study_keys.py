@@ -58,7 +58,8 @@ FILES = (
     ("A questionnaire", "title: x\nitems: [{}]\n", Form(title=""), {"items[0]": "An item"}),
     ("rehearsal.yaml", "effects: [{}]\n", SimulatedPeople(), {"effects[0]": "An effect"}),
 )
-"""Heading, a small file that has one of each section, what holds where it is silent, headings of sections in it."""
+"""Parts of a table: heading, a small file that has one section of each kind, defaults of missing keys, and headings of
+the sections in it."""
 
 
 def study_page() -> str:

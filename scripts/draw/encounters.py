@@ -55,7 +55,7 @@ class EncounterRun:
 
     Attributes:
         poses: (ticks, robots, 3) true poses.
-        ends: end of each robot's goal, and the seconds until then; None for dead robots.
+        ends: for each robot, the outcome of its goal and the seconds until then; None for dead robots.
         collisions: number of collisions.
     """
 
@@ -65,7 +65,7 @@ class EncounterRun:
 
 
 def swapping() -> Encounter:
-    """Return two robots on opposite sides of a door; each wants to be where the other is."""
+    """Return two robots on opposite sides of a door; each wants to reach the place of the other."""
     west, east = Pose2(3.0, 3.0, 0.0), Pose2(9.0, 3.0, 0.0)
     return Encounter("Two robots swap through one door", (3.0,), (west, east), (east, west))
 
@@ -78,7 +78,7 @@ def crowd() -> Encounter:
 
 
 def dead_in_one_of_two() -> Encounter:
-    """Return a dead robot in the nearer of two doors."""
+    """Return a hall with two doors and a dead robot in the nearer one."""
     starts = (Pose2(WALL_AT, 1.5, 0.0), Pose2(2.0, 1.5, 0.0), Pose2(10.0, 1.5, 0.0))
     return Encounter(
         "A dead robot in one of two doors: take the other", (1.5, 4.5), starts, (None, starts[2], starts[1])
@@ -86,7 +86,7 @@ def dead_in_one_of_two() -> Encounter:
 
 
 def dead_in_the_only_one() -> Encounter:
-    """Return a dead robot in the only door."""
+    """Return a hall with one door and a dead robot in it."""
     starts = (Pose2(WALL_AT, 3.0, 0.0), Pose2(2.0, 3.0, 0.0), Pose2(10.0, 3.0, 0.0))
     return Encounter("A dead robot in the only door: no path is reported", (3.0,), starts, (None, starts[2], starts[1]))
 
@@ -100,7 +100,7 @@ ENCOUNTERS = {
 
 
 def hall(doors: tuple[float, ...]) -> OccupancyGrid:
-    """Return the hall: walls around it, and one across it with doors."""
+    """Return the hall: walls around it, and a wall with doors across it."""
     cells = np.full((round(WIDTH / RESOLUTION), round(LENGTH / RESOLUTION)), OCCUPIED, dtype=np.int8)
     cells[2:-2, 2:-2] = FREE
     wall = round(WALL_AT / RESOLUTION)

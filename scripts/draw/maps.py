@@ -40,7 +40,8 @@ Segment = tuple[float, float, float, float]
 WALL = 0.12
 """Thickness of a wall, meters."""
 CLEARANCE = 0.4
-"""Smallest distance of a robot's center from walls on a path, meters: the footprint's corners and a little more."""
+"""Smallest distance of a robot's center from walls on a path, meters: the farthest corner of the footprint, and a
+margin."""
 SPEED = 1.0
 """Speed in meters per second."""
 TURN_RATE = 0.8
@@ -49,7 +50,8 @@ TURN_RATE = 0.8
 
 @dataclass(frozen=True)
 class RoomPlan:
-    """Room: its corners (two: of a box) and the robots' goal in it, all in the map frame, meters."""
+    """Room: its corners (if there are only two, opposite corners of a box) and the robots' goal in it, in the map
+    frame, meters."""
 
     name: str
     region: tuple[Point, ...]
@@ -297,7 +299,7 @@ OFFICE = MapPlan(
 
 
 def draw(plan: MapPlan, resolution: float) -> OccupancyGrid:
-    """Draw the grid of a plan: a cell is a wall if its center lies in one."""
+    """Draw the grid of a plan. A cell is part of a wall if its center is inside the wall."""
     cols, rows = (round(side / resolution) for side in plan.size)
     x = plan.origin[0] + (np.arange(cols) + 0.5) * resolution
     y = (plan.origin[1] + (np.arange(rows) + 0.5) * resolution)[:, np.newaxis]
@@ -356,9 +358,10 @@ class PathLength:
 
 
 def path_lengths(grid: OccupancyGrid, places: list[Pose2]) -> dict[tuple[int, int], PathLength]:
-    """Measure the shortest paths between all places, over the eight neighbors of each cell, then pulled taut.
+    """Measure the shortest paths between all places: over the eight neighbors of each cell, then straightened.
 
-    A path over a grid turns only by multiples of 45 degrees and is up to 8 % too long, so it is pulled taut.
+    A path over a grid turns only by multiples of 45 degrees, and is up to 8 % too long. Therefore its superfluous
+    corners are removed.
     """
     walls = np.pad(grid.cells != OCCUPIED, 1, constant_values=False)
     clearance = np.asarray(distance_transform_edt(walls))[1:-1, 1:-1] * grid.resolution
@@ -408,21 +411,24 @@ def taut(grid: OccupancyGrid, passable: NDArray[np.bool_], path: list[Point]) ->
 
 
 def measure(corners: list[Point], start: float, goal: float) -> PathLength:
-    """Measure the length of a path, and the angles turned on it from one heading to another."""
+    """Return the length of a path, and the sum of the angles turned on it, from one heading to another."""
     headings = [math.atan2(y1 - y0, x1 - x0) for (x0, y0), (x1, y1) in itertools.pairwise(corners)]
     turned = sum(abs(wrap_angle(b - a)) for a, b in itertools.pairwise([start, *headings, goal]))
     return PathLength(sum(math.dist(a, b) for a, b in itertools.pairwise(corners)), turned)
 
 
 def map_times(grid: OccupancyGrid, places: list[Pose2]) -> str:
-    """Return the text of `mapTimes`: the corridor, which is the start of robot 1, and the rooms, from row to column."""
+    """Return the text of `mapTimes`: one row per start place, one column per destination.
+
+    The first place is the corridor, which is the start of robot 1; the rooms follow.
+    """
     found = path_lengths(grid, places)
     lines = [str(len(places))]
     for start in range(len(places)):
         row = []
         for goal in range(len(places)):
             path = found.get((start, goal))
-            # No robot is sent to the corridor, for which the format uses 99; so no cost may be 99.
+            # No robot is sent to the corridor; the format uses 99 for its column. Therefore no cost may be 99.
             moves = path is not None and goal != 0
             row.append(str(min(98, round(path.length / SPEED + path.turned / TURN_RATE))) if moves and path else "99")
         lines.append(" ".join(row))

@@ -92,7 +92,7 @@ def main() -> None:
     missing = [program for program in NEEDED if shutil.which(program) is None]
     if missing:
         sys.exit(f"not installed: {', '.join(missing)}. apt-get install rviz xvfb imagemagick")
-    # A fixed name could already belong to another account.
+    # A file with a fixed name could already belong to another account.
     logs = options.logs or Path(mkdtemp(prefix="draw_rviz-"))
     logs.mkdir(parents=True, exist_ok=True)
     print(f"logs: {logs}")

@@ -154,7 +154,7 @@ def beer_bottle() -> Solid:
 
 
 def can(body: int, accent: int) -> Solid:
-    """Return a drinks can: narrower at both ends, with a silver lid and its ring pull."""
+    """Return a beverage can, which is narrower at both ends and has a silver lid with a ring pull."""
     wall = lathe(
         [(0.36, 0.0), (0.36, 0.03), (0.46, 0.14), (0.46, 1.28), (0.38, 1.42), (0.38, 1.46), (0.34, 1.46), (0.33, 1.40)]
     )
@@ -185,7 +185,7 @@ def can(body: int, accent: int) -> Solid:
 
 
 def basketball() -> Solid:
-    """Return an orange ball with black seams and a pebbled skin."""
+    """Return an orange ball with black seams and a rough skin."""
     radius, centre = 0.95, np.array([0.0, 0.95, 0.0])
 
     def tilted(points: Floats) -> Floats:
@@ -195,7 +195,7 @@ def basketball() -> Solid:
 
     def seam(points: Floats) -> Floats:
         unit = tilted(points) / radius
-        # Two great circles, and one curve on each side that bulges towards the poles.
+        # There are two great circles, and on each side a curve that bulges towards the poles.
         bulge = np.abs(np.abs(unit[:, 0]) - 0.48 - 0.24 * unit[:, 1] ** 2)
         return np.minimum(np.minimum(np.abs(unit[:, 0]), np.abs(unit[:, 1])), bulge)
 
@@ -214,7 +214,7 @@ def basketball() -> Solid:
 
 
 def fuzzy_die() -> Solid:
-    """Return a plush pink die with white pips, furry all over."""
+    """Return a plush die, pink with white pips and furry all over."""
     half, angle = 0.72, 0.55
     cube = box((half, half, half), (0.0, half, 0.0), 0.17)
     pips = {
@@ -375,7 +375,8 @@ def march(solid: Solid, start: Floats, direction: Floats, far: float) -> tuple[F
         gap = solid.distance(start[active] + gone[active, None] * direction[active])
         narrow[active] = np.minimum(narrow[active], np.maximum(gap, 0.0) / gone[active])
         hit[active[gap < 0.0015]] = True
-        # Patterns in a surface bend the field slightly; short steps keep the ray from jumping through.
+        # Patterns in a surface slightly distort the distances. Short steps prevent that a ray jumps through the
+        # surface.
         gone[active] += np.maximum(0.7 * gap, 0.001)
         active = active[(gap >= 0.0015) & (gone[active] < far)]
         if not active.size:
@@ -420,7 +421,7 @@ def draw(solid: Solid) -> Image.Image:
 
 
 def background(solid: Solid, eye: Floats, direction: Floats) -> Floats:
-    """Return the (n, 3) light of the floor with the treasure's shadow, fading into the wall."""
+    """Return the (n, 3) light of the floor with the treasure's shadow; the floor fades into the wall."""
     below = direction[:, 1] < -0.02
     reach = np.where(below, -eye[:, 1] / np.where(below, direction[:, 1], -1.0), 40.0)
     points = eye + reach[:, None] * direction

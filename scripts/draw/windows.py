@@ -35,7 +35,7 @@ GALLERY = ROOT / "docs" / "reference" / "windows-gallery.md"
 SIZES = ((800, 500), (1024, 600), (1366, 768), (1920, 1080))
 """Widths and heights of windows, logical pixels."""
 TEXTS = (100, 125, 150)
-"""Sizes of text, percent of the usual size on a screen as large as the window."""
+"""Sizes of text, percent of the normal size on a screen as large as the window."""
 SIZED = (
     *("start", "consent", "practice", "begin", "talk", "treasure", "picture", "verdict-wrong", "playing", "queue"),
     *("help", "over", "six-robots", "recording", "live-wizard", "study-section", "study-noise"),
@@ -54,11 +54,11 @@ ABOUT = (
 SCREEN = (1920, 1080)
 """Width and height of the screen, logical pixels; windows stay within it. The default of `offscreen` is 800 x 800."""
 SETTLE_TIMEOUT = 120.0
-"""Seconds in which a window must settle."""
+"""Greatest number of seconds until a window must have settled."""
 
 
 def draw(into: Path, wanted: frozenset[str], palette: Palette) -> None:
-    """Draw the pictures with these names, those at all sizes in this palette."""
+    """Draw the pictures with these names; draw those at all sizes in this palette."""
     application = open_application()
     apply_palette(application, LIGHT)
     application.setCursorFlashTime(0)
@@ -76,7 +76,7 @@ def draw(into: Path, wanted: frozenset[str], palette: Palette) -> None:
 
 
 def draw_looks(into: Path, shot: Shot, application: QApplication) -> None:
-    """Draw a state light and dark."""
+    """Draw a state in light and in dark colors."""
     for look, palette in (("dark", DARK), ("light", LIGHT)):
         apply_palette(application, palette)
         shot.wear(palette)
@@ -115,7 +115,7 @@ def save(file: Path, shot: Shot, application: QApplication) -> None:
 def settle(application: QApplication, shot: Shot) -> None:
     """Wait until the window has settled. Raise TimeoutError if it does not in time."""
     end = time.monotonic() + SETTLE_TIMEOUT
-    # A window reads its model in each frame; the layout follows, and then the painting.
+    # A window reads its model in each frame; after that, the layout changes, and then the window is painted.
     calm = 0
     while calm < 12:
         if time.monotonic() > end:
@@ -126,7 +126,7 @@ def settle(application: QApplication, shot: Shot) -> None:
 
 
 def grabbed(shot: Shot) -> Image.Image:
-    """Return the window as an image, with the dialog above its middle."""
+    """Return the window as an image, with the dialog over its middle."""
     picture = image_of(shot.window)
     if shot.over is not None:
         above = image_of(shot.over)

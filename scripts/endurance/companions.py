@@ -36,7 +36,7 @@ from thbridge.watching.wire import SessionMessage, parse_status
 
 HOST = "127.0.0.1"
 PASSES = 10.0
-"""Seconds between two requests of the watcher, and between two short-lived nodes."""
+"""Seconds between two requests of the watcher, and between the starts of two short-lived nodes."""
 TOLD = 2.0
 """Seconds between two reports of a companion."""
 CORRIDOR = (Pose2(0.0, 1.0, 0.0), Pose2(4.0, 1.0, 0.0), Pose2(6.0, 1.0, 0.0))
@@ -65,7 +65,7 @@ class PlaysAgain:
 
 
 class SecondSeat:
-    """Role TabUI under another name, so that it can play in addition to a participant's window."""
+    """Role TabUI with another name, so that it can play in addition to a participant's window."""
 
     def __init__(self, role: TabUI, name: str) -> None:
         self._role = role
@@ -82,7 +82,7 @@ class SecondSeat:
         self._messages.append(message)
 
     def step(self) -> Sequence[TextMessage]:
-        """Return the role's messages; notices are accepted only in the name of their connection."""
+        """Return the role's messages. The server accepts a notice only if its sender has the name of the connection."""
         messages, self._messages = self._messages, []
         said = self._role.step(int((time.monotonic() - self._began) / TICK), messages)
         return [dataclasses.replace(each, sender=self._name) if is_notice(each) else each for each in said]
@@ -103,7 +103,7 @@ async def participate(counts: Counts, given: argparse.Namespace) -> None:
 
 
 async def watch(counts: Counts, given: argparse.Namespace) -> None:
-    """Watch like a researcher's window, and send a request now and then."""
+    """Watch the session like a researcher's window, and send a request from time to time."""
     client = WatchClient(HOST, given.watch)
     running = asyncio.create_task(client.run())
     asked = time.monotonic()
@@ -128,7 +128,7 @@ async def watch(counts: Counts, given: argparse.Namespace) -> None:
 
 
 async def subscribe(counts: Counts, given: argparse.Namespace) -> None:
-    """Subscribe to the poses of all robots, and also start and end other nodes."""
+    """Subscribe to the poses of all robots; also start and end other nodes."""
     topics = ["/tf", *(f"/robot{each + 1}/amcl_pose" for each in range(given.robots))]
 
     def count(_data: bytes, _publisher: str) -> None:
@@ -152,7 +152,7 @@ async def subscribe(counts: Counts, given: argparse.Namespace) -> None:
 
 
 async def command(counts: Counts, given: argparse.Namespace) -> None:
-    """Send heartbeats, and now and then drive a robot, then release it."""
+    """Send heartbeats; from time to time, drive a robot and then release it."""
     async with open_station(Address(HOST, given.mavlink), True, None) as link:
         link.station = station = GroundStation()
         began, trips = time.monotonic(), 0
@@ -180,7 +180,7 @@ COMPANIONS: Mapping[str, Callable[[Counts, argparse.Namespace], Coroutine[None, 
 
 
 async def accompany(given: argparse.Namespace) -> None:
-    """Run a companion until it is ended, and write its counts to a file for the sampler."""
+    """Run a companion until it is ended, and write its counts to a file that the sampler reads."""
     counts: Counts = Counter()
 
     async def report() -> None:

@@ -1,4 +1,4 @@
-"""Growth of the resources that programs of a long run use, and of the time per tick, computed from samples."""
+"""Growth of the resources that the programs of a long run use, and of the time per tick, computed from samples."""
 
 import csv
 from collections.abc import Mapping
@@ -12,9 +12,12 @@ from sim.common.observations import TICK
 from sim.numerics.float_array import FloatArray
 
 WARM_UP = 0.2
-"""Share of a run before which samples are ignored: by then caches are full, and allocators have their arenas."""
+"""Share of a run at its beginning whose samples are ignored.
+
+After it, caches are full, and allocators have their arenas.
+"""
 TREND = 10
-"""Least number of samples for a trend."""
+"""Least number of samples from which a trend is computed."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,10 +33,15 @@ BOUNDS: Mapping[str, Bound] = {
     "descriptors": Bound(0.0, 4.0),
     "threads": Bound(0.0, 1.0),
 }
-"""Bounds by the ends of column names. Caches and data for late watchers fill for some hours, within the slack."""
+"""Bounds by the last words of column names.
+
+Caches and data for late watchers grow for some hours, which `slack` allows.
+"""
 SLOWER = 1.25
-"""Greatest ratio of a tick's processor time in the second half after the warm-up to the first half. Times are divided
-by the yardstick's time if the run measured it."""
+"""Greatest ratio of a tick's processor time in the second half after the warm-up to the first half.
+
+Times are divided by the yardstick's time if the run measured it.
+"""
 COUNTED = {
     "games": "games",
     "visits": "connections of visitors",
@@ -51,7 +59,7 @@ COUNTED = {
 
 @dataclass(frozen=True, slots=True)
 class Growth:
-    """Growth of a figure per simulated hour, with a 95 % interval, and the greatest growth allowed in this run."""
+    """Growth of a figure per simulated hour, with its 95 % interval, and the greatest growth allowed in this run."""
 
     begun: float
     ended: float
@@ -105,7 +113,7 @@ class Samples:
         return 1000.0 * used * TICK / np.where(passed > 0.0, passed, np.nan)
 
     def slowdown(self, process: str) -> float:
-        """Return the slowdown of ticks after the warm-up, relative to the slowdown of the machine."""
+        """Return the slowdown of ticks after the warm-up, divided by the slowdown of the machine."""
         return slowdown_of((self.tick_milliseconds(process) / self.yardstick[1:])[self.warm[1:]])
 
 

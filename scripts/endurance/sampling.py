@@ -1,4 +1,4 @@
-"""Samples of the resources that programs use, read from /proc, and test connections to their ports."""
+"""Samples of the resources that programs use, read from /proc, and test connections to the programs' ports."""
 
 import csv
 import json
@@ -10,7 +10,7 @@ from pathlib import Path
 
 HOST = "127.0.0.1"
 YARDSTICK = 200_000
-"""Rounds of the fixed piece of work, which takes some tens of milliseconds."""
+"""Number of rounds of a fixed computation, which takes some tens of milliseconds."""
 PATIENCE = 30.0
 """Timeout of a visitor, seconds."""
 
@@ -29,7 +29,10 @@ def load_of(pid: int) -> dict[str, float]:
 
 
 def yardstick() -> float:
-    """Return the processor time of a fixed piece of work, ms: a core is slower if its neighbors are busy."""
+    """Return the processor time of a fixed computation, ms.
+
+    It shows how slow the processor is, because a core is slower if its neighbors are busy.
+    """
     began = time.thread_time()
     for number in range(YARDSTICK):
         str(number)
@@ -78,7 +81,7 @@ def received(client: socket.socket) -> bytes:
 
 
 class Recorded:
-    """Recordings of a run: journals, and bags; finished parts of bags are removed so that the disk does not fill."""
+    """Recordings of a run: journals and bags. Finished parts of bags are deleted, so that the disk does not fill up."""
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
@@ -101,7 +104,7 @@ class Sampler:
     Args:
         folder: folder of the run.
         processes: process ids, by name.
-        visitors: visitors, for the times they waited.
+        visitors: visitors, whose waiting times are recorded.
     """
 
     def __init__(self, folder: Path, processes: Mapping[str, int], visitors: Visitors) -> None:

@@ -22,11 +22,12 @@ class Policy(Protocol):
         """Begin the episode of a seed."""
 
     def choose(self, agent: str, costs: NDArray[np.float64], rooms: NDArray[np.int64]) -> int:
-        """Return one of the rooms that an agent may choose, given its energy costs by room, from room 1."""
+        """Return one of the rooms that an agent may choose, given the energy costs of the rooms, beginning with room
+        1."""
 
 
 class RandomPolicy:
-    """Policy that chooses a random room; the same seed gives the same rooms if agents have the same choices."""
+    """Policy that chooses a random room. With the same seed and the same possible rooms, it chooses the same room."""
 
     def begin(self, env: Env, seed: int) -> None:
         """See `Policy`."""
@@ -41,7 +42,7 @@ class RandomPolicy:
 
 
 class CheapestPolicy:
-    """Policy that chooses the cheapest room, of equal ones the first."""
+    """Policy that chooses the cheapest room; of equally cheap rooms, the first."""
 
     def begin(self, env: Env, seed: int) -> None:
         """See `Policy`."""
@@ -52,11 +53,13 @@ class CheapestPolicy:
 
 
 class TablePolicy:
-    """Policy with a preference for each room by agent and place: sampled by softmax while learning, otherwise greedy.
+    """Policy with a preference for each room by agent and place.
+
+    While learning, it samples by softmax; otherwise it chooses the greatest preference.
 
     Args:
         table: (agents, rooms + 1, rooms) preferences; place 0 is the start, others are rooms by number.
-        dice: random generator while it learns. If None, the room with the greatest preference is chosen.
+        dice: random generator for learning. If None, the room with the greatest preference is chosen.
 
     Attributes:
         table: table of preferences.

@@ -24,14 +24,15 @@ from thbridge.api import learning
 ROOT = Path(__file__).parents[2]
 HERE = Path(__file__).parent
 OF_THE_PROJECT = {"CHANGELOG.md": "changelog.md", "CONTRIBUTING.md": "contributing.md", "README.md": "index.md"}
-"""Files of the project's root folder, and the pages of the site that contain or replace them."""
+"""Files of the project's root folder, each with the page of the site that contains or replaces it."""
 INDEXES = {"index.md", "development.md"}
 """Names of pages that determine the order of other pages."""
 _LINK = re.compile(r"(?<!!)\[((?:[^\[\]]|\[[^\]]*\])*)\]\(([^)\s#:]+)(#[^)]*)?\)")
 
 
 def build(folder: Path) -> int:
-    """Build the site of the installed version in a folder; return the exit code of Sphinx, not 0 if it warns."""
+    """Build the site of the installed version in a folder; return Sphinx's exit code, which is not 0 if there are
+    warnings."""
     target = folder / metadata.version("thbridge")
     with tempfile.TemporaryDirectory() as made:
         source = Path(made) / "docs"
@@ -66,7 +67,10 @@ def _lay_source(source: Path) -> None:
 
 
 def _with_links_of(text: str, folder: Path, to: Path) -> str:
-    """Return a page with links that fit its place in the site; links to files outside the site become file names."""
+    """Return a page with links that fit its place in the site.
+
+    A link to a file outside the site becomes the file's name.
+    """
 
     def link(match: re.Match[str]) -> str:
         words, path, anchor = match[1], match[2], match[3] or ""
@@ -84,7 +88,7 @@ def _with_links_of(text: str, folder: Path, to: Path) -> str:
 
 
 def _toctree(page: Path, text: str, copy: Path) -> str:
-    """Return the toctree of an index page: its links to pages of its folder and to indexes of folders in it.
+    """Return the toctree of an index page: the pages of its folder that it links to, and the indexes of subfolders.
 
     If the page has sections, each section becomes a page with the same links, so that the sidebar shows these groups.
     """

@@ -77,6 +77,6 @@ def _first(command: Command) -> str:
 
 
 def _markdown(help_text: str) -> str:
-    """Return a help text without Rich's markup; its square brackets are escaped so that they are no links."""
+    """Return a help text without Rich's markup. Its square brackets are escaped, so that they do not become links."""
     text = re.sub(r"\\\[", "[", cleandoc(help_text).replace("\b\n", ""))
     return re.sub(r"(?<![`\w])\[(?=[^\]]*\])", r"\\[", " ".join(text.split("\n")) if "\n\n" not in text else text)

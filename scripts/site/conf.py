@@ -21,7 +21,7 @@ autodoc_default_options = {"members": True}
 python_use_unqualified_type_names = True
 napoleon_use_ivar = True
 napoleon_use_rtype = False
-# Without this, Sphinx would replace the two hyphens of options such as --robots by a dash.
+# Without this setting, Sphinx would replace the two hyphens of options such as --robots by a dash.
 smartquotes = False
 # Docstrings use single backquotes for code, as Markdown does.
 default_role = "code"
@@ -33,6 +33,6 @@ html_css_files = ["site.css"]
 html_js_files = ["versions.js"]
 html_copy_source = False
 html_show_sourcelink = False
-# Summaries would be fetched from the pages, and browsers refuse that for pages on a local disk.
+# Summaries would be loaded from other pages, which browsers refuse for pages on a local disk.
 html_show_search_summary = False
 html_theme_options = {"navigation_with_keys": True, "top_of_page_buttons": []}

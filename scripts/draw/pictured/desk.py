@@ -1,4 +1,4 @@
-"""Study with people: at the experimenter's desk, and as a form."""
+"""Study with people: at the experimenter's desk, and in the editor."""
 
 import itertools
 import os

@@ -25,7 +25,7 @@ LIMIT = 120.0
 
 
 class PicturedHunt:
-    """Real game, played as a person at the window would. Its time advances only in the methods of this class.
+    """Real game, played like by a person at the window. Its time advances only in the methods of this class.
 
     Args:
         study: study to play; its paths are absolute.
@@ -33,8 +33,8 @@ class PicturedHunt:
     Attributes:
         model: model of the window.
         now: seconds of the window's clock.
-        shade: function that changes the game's notices before the window gets them.
-        levels: latest notice of each kind.
+        shade: function that changes the game's messages before the window gets them.
+        levels: latest message of each kind.
     """
 
     def __init__(self, study: Study) -> None:
@@ -54,7 +54,7 @@ class PicturedHunt:
         self.run(0.2)
 
     def observe(self, level: ParticipantUpdate) -> None:
-        """Handle a notice of the game."""
+        """Handle a message of the game."""
         self.levels[type(level)] = level
         self.model.receive(self.shade(level), self.now)
 
@@ -73,14 +73,16 @@ class PicturedHunt:
             self.now += TICK
             self._tabui.poll_player()
             self._session.step()
-            self.model.robots(self.now)  # A window reads the robots in each frame; trails consist of these poses.
+            self.model.robots(
+                self.now
+            )  # A window reads the robots in each frame, and trails consist of the poses that it read.
 
     def ask(self, request: Request) -> None:
         """Send a request to the robots, as a researcher can."""
         self._session.ask("watch", request)
 
     def until(self, holds: Callable[[Screen], bool]) -> None:
-        """Advance the game until this holds. Raise RuntimeError if it never does."""
+        """Advance the game until a condition is true. Raise RuntimeError if it never is."""
         for _ in range(round(LIMIT / TICK)):
             if holds(self.screen):
                 return
@@ -89,7 +91,7 @@ class PicturedHunt:
         raise RuntimeError(f"the expected state was not reached; last events: {last}")
 
     def do(self, act: Act) -> None:
-        """Do an act that the window offers. Raise RuntimeError if it does not offer it."""
+        """Do an act that the window offers. Raise RuntimeError if the window does not offer it."""
         offered = offer(self.screen, act)
         if not isinstance(act, ConsiderRoom | PickName) and (offered is None or not offered.enabled):
             raise RuntimeError(f"the window does not offer {act}: {offered}")
@@ -132,7 +134,7 @@ class PicturedHunt:
         self.until(lambda screen: bool(getattr(screen.popup, "facts", ())))
 
     def change_view(self, change: Callable[[View], View]) -> None:
-        """Change the game's view in this way from now on."""
+        """Change each later view of the game by this function."""
         self.shade = lambda seen: change(seen) if isinstance(seen, View) else seen
         view = self.levels[View]
         self.model.receive(self.shade(view), self.now)

@@ -179,7 +179,7 @@ def hunting() -> Iterator[Shot]:
 
 
 def _at_work(hunt: PicturedHunt, window: ParticipantWindow) -> Iterator[Shot]:
-    """Yield robot 1 driving and robot 2 waiting for it."""
+    """Yield robot 1 that drives, and robot 2 that waits for it."""
     for robot, room in ((1, 1), (0, 2)):
         hunt.do(ChooseRobot(robot))
         hunt.send(SelectRoomAct(room))
@@ -208,7 +208,7 @@ def _waiting_for(seen: ParticipantUpdate) -> ParticipantUpdate:
 
 
 def _queue(hunt: PicturedHunt, window: ParticipantWindow) -> Iterator[Shot]:
-    """Yield two arriving robots while the third one asks; then problems."""
+    """Yield two robots that arrive while the third one asks a question; then robots with problems."""
     hunt.do(SelectRoomAct(5))
     yield shot("question-change", window)
     hunt.do(Cancel())
@@ -273,7 +273,7 @@ def sure() -> Iterator[Shot]:
 
 
 def commanded() -> Iterator[Shot]:
-    """Yield a ground station that takes a driving robot, is asked for it, and sends it on from its find."""
+    """Yield a ground station that takes a driving robot, is asked to give it back, and sends it on from its find."""
     hunt = PicturedHunt(STANDARD)
     window = window_on(hunt.model, lambda: hunt.now)
     for robot, room in ((1, 1), (0, 8)):

@@ -59,17 +59,20 @@ ARGUED = Study(seed=7, robots=2, dialogue=DialogueSection(condition=DialogueCond
 
 
 INSISTS = 5
-"""Turns after which the participant only repeats her wish."""
+"""Number of turns after which the participant only repeats her wish."""
 
 
 class _Doubter:
-    """Participant who wants the nearest rooms, and asks robots that prefer other rooms for their reasons."""
+    """Participant who wants the nearest rooms. If a robot prefers another room, she asks for its reasons."""
 
     def __init__(self, setting: StudySetting) -> None:
         self._bot = build_bot(setting.templates, BotStrategy.NEAREST, setting.study.seed)
 
     def requests(self, view: View) -> Sequence[ParticipantRequest]:
-        """Return the next requests: the second of several replies, until she insists."""
+        """Return the next requests.
+
+        If several replies are possible, the second one is chosen, until she only repeats her wish.
+        """
         doubted = {each.dialogue for each in view.dialogues if len(each.choices) > 2 and each.turn < INSISTS}
         return [
             AnswerDialogue(asked.dialogue, asked.turn, 1)
@@ -142,7 +145,7 @@ class _RecordedClient(WatchClient):
         return events
 
     def send(self, line: bytes) -> bool:
-        """Drop the line: there is no server."""
+        """Drop the line, because there is no server."""
         return True
 
 
@@ -190,7 +193,8 @@ def live() -> Iterator[Shot]:
 
 
 def argued() -> Iterator[Shot]:
-    """Yield two robots that prefer other rooms than the participant; she asked robot 1 why, and insists."""
+    """Yield two robots that prefer other rooms than the participant; she has asked robot 1 for its reasons, and
+    insists."""
     with tempfile.TemporaryDirectory() as folder:
         bag = Path(folder) / "hunt.bag"
         with build_writer(read_setting(ARGUED, Path()), bag) as writer:
@@ -218,7 +222,7 @@ def _raise(window: ResearcherWindow, title: str) -> None:
 
 
 def _refreshed(window: ResearcherWindow) -> None:
-    """Refresh several times, since lists and plots are not updated in every frame."""
+    """Refresh the window several times, because lists and plots are not updated in every frame."""
     for _ in range(12):
         window.refresh()
         QApplication.processEvents()

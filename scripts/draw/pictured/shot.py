@@ -1,4 +1,4 @@
-"""Windows to picture, and the stories that bring them into their states."""
+"""Windows to picture, and sequences of their states."""
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
@@ -22,7 +22,7 @@ def unkept_preferences() -> Preferences:
 
 
 def nothing(_palette: Palette) -> None:
-    """Do nothing: for windows that follow the application's colors on their own."""
+    """Do nothing; used for windows that need no change for the application's colors."""
 
 
 @dataclass(frozen=True)
@@ -32,8 +32,8 @@ class Shot:
     Attributes:
         name: name of the picture.
         window: window to grab.
-        wear: function that applies a palette to it, in addition to that of the application.
-        over: dialog above its middle.
+        wear: function that applies a palette to the window, in addition to that of the application.
+        over: dialog that is drawn over its middle.
         settled: function that returns True when the window's animations have stopped.
     """
 
@@ -46,7 +46,7 @@ class Shot:
 
 @dataclass(frozen=True)
 class Story:
-    """States that follow from each other.
+    """Sequence of states, each of which follows from the previous one.
 
     Attributes:
         title: heading of these states.

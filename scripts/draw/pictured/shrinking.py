@@ -1,4 +1,4 @@
-"""Pictures of windows as small files: with few colors, but all important ones."""
+"""Reduction of pictures of windows to small files: with few colors, but with all important ones."""
 
 import io
 
@@ -7,16 +7,16 @@ from numpy.typing import NDArray
 from PIL import Image
 
 LARGEST = 60_000
-"""Target size of a picture, bytes; a busy picture of double size may exceed it."""
+"""Target size of a picture, bytes; a picture with much detail and double resolution may exceed it."""
 PALETTES = (128, 64, 40, 26)
 """Numbers of colors to try, starting with the largest."""
 RARE = 100_000
-"""A color counts if at least one in this number of pixels has it."""
+"""A color is important if at least one in this number of pixels has it."""
 _WEIGHTS = np.array([65536, 256, 1], dtype=np.uint32)
 
 
 def shrunk(picture: Image.Image) -> bytes:
-    """Return a PNG with as many colors as fit into `LARGEST` bytes."""
+    """Return a PNG with as many colors as are possible within `LARGEST` bytes."""
     pixels = np.asarray(picture, dtype=np.uint32)
     codes, places, counts = np.unique(pixels @ _WEIGHTS, return_inverse=True, return_counts=True)
     colours = (codes[:, None] // _WEIGHTS % 256).astype(np.float32)

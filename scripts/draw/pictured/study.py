@@ -1,4 +1,4 @@
-"""Study file as a form, and template sets as sheets."""
+"""Window with a study file as a form, and window with template sets as sheets."""
 
 import shutil
 import tempfile
@@ -27,7 +27,8 @@ noise:
 
 
 def edited() -> Iterator[Shot]:
-    """Yield a small study file: a section, its noise, a fault, and the changes that saving would make."""
+    """Yield a small study file in the editor: a section, its noise, a fault, and the changes that saving would
+    write."""
     # The window shows the folder, so use the same one each time.
     folder = Path(tempfile.gettempdir()) / "studies"
     folder.mkdir(exist_ok=True)
@@ -47,7 +48,7 @@ def edited() -> Iterator[Shot]:
     window.fields.rows["map"].open_list()
     shown = window.fields.rows["map"].findChild(ResourceList)
     if shown is not None:
-        # Without a visible screen, no window has the focus, and lists close on their own.
+        # On an invisible screen, no window has the focus, and lists close without a key press.
         shown.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose, False)
     yield Shot("study-list", window, lambda _: window.repaint_all(), over=shown)
     if shown is not None:
@@ -67,7 +68,7 @@ def edited() -> Iterator[Shot]:
 
 
 def templates() -> Iterator[Shot]:
-    """Yield a template set: its sheets, a cell with a fault, and the changes that saving would make."""
+    """Yield a template set in the editor: its sheets, a cell with a fault, and the changes that saving would write."""
     folder = Path(tempfile.gettempdir()) / "finds"
     shutil.rmtree(folder, ignore_errors=True)
     shutil.copytree(shipped().root / "templates" / "four-properties", folder)

@@ -103,9 +103,8 @@ class MapView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no types
         self._last = QPointF()
         self.scene().sigMouseClicked.connect(self._click)
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
-        self.viewport().setFocusPolicy(
-            Qt.FocusPolicy.NoFocus
-        )  # This also applies to the widget itself, which is the viewport's focus proxy.
+        # This also applies to the widget itself, which is the viewport's focus proxy.
+        self.viewport().setFocusPolicy(Qt.FocusPolicy.NoFocus)
         self._texts = texts or shipped_texts()
         self.setAccessibleName(self._texts.text("map.name"))
         self._describing = QTimer(self)
