@@ -35,7 +35,7 @@ class Pair:
     Attributes:
         module: path in ui/windows.
         what: part of the window that is drawn.
-        inks: roles of the palette, each of which may be the drawn color; "robots" for all robot colors.
+        inks: roles of the palette that may be the drawn color; "robots" for all robot colors.
         grounds: roles of the palette that may be the color below.
         kind: required visibility; "shown elsewhere" if the same information is also in `besides`.
         opacity: opacity of the ink, 0 to 1.

@@ -73,9 +73,8 @@ class PicturedHunt:
             self.now += TICK
             self._tabui.poll_player()
             self._session.step()
-            self.model.robots(
-                self.now
-            )  # A window reads the robots in each frame, and trails consist of the poses that it read.
+            # A window reads the robots in each frame, and trails consist of the poses that it read.
+            self.model.robots(self.now)
 
     def ask(self, request: Request) -> None:
         """Send a request to the robots, as a researcher can."""

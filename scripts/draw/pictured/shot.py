@@ -46,7 +46,7 @@ class Shot:
 
 @dataclass(frozen=True)
 class Story:
-    """Sequence of states, each of which follows from the previous one.
+    """Sequence of states; each state follows from the previous one.
 
     Attributes:
         title: heading of these states.
