@@ -87,7 +87,7 @@ def session(folder: Path, *arguments: str) -> Iterator[tuple[Ros, Program]]:
     robots = Program(folder, "simr", "--server", nowhere, "--ros", "--ros-master", uri, *arguments)
     ros = Ros(port, folder)
     try:
-        until("the session to be on the graph", lambda: "this program is it" in robots.text, [robots])
+        until("the session to be on the graph", lambda: "this program is the master" in robots.text, [robots])
         ros.says("rostopic", "echo", "-n", "1", "/robot1/odom/header/seq")
         yield ros, robots
     finally:

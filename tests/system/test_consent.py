@@ -125,7 +125,7 @@ def test_a_yes_at_the_terminal_is_the_first_thing_recorded(folder, terminal):
     person.until("yes or no")
     assert left_in(folder) == set()
     person.type("yes")
-    person.until("how things stand")
+    person.until("for the state of the game")
     person.type("end")
     assert person.finish() == 0, person.shown
     started, agreed, *_ = recorded(folder / "hunt.journal")
@@ -163,7 +163,7 @@ def test_at_a_server_a_no_is_told_and_the_next_participant_is_asked(folder, term
     second.until("yes or no")
     assert left_in(folder) == {"journal", CLAIM}
     second.type("yes")
-    second.until("how things stand")
+    second.until("for the state of the game")
     second.type("end")
     assert second.finish() == 0, second.shown
     assert "agreed" in processes.kinds(folder)
@@ -204,7 +204,7 @@ def test_a_hunt_for_another_program_is_recorded_from_its_yes_on_and_can_be_repla
         person.until("yes or no")
         assert [name for name in left_in(folder) if name.startswith("hunt")] == []
         person.type("yes")
-        person.until("how things stand")
+        person.until("for the state of the game")
         person.type("end")
         assert person.finish() == 0, person.shown
         assert game.process.wait(60) == 0, game.text

@@ -131,7 +131,7 @@ def test_a_changed_file_that_does_not_fit_its_log_is_told(study: Path, was: str,
 
 def test_an_item_that_people_answered_and_that_is_gone_is_told(study: Path) -> None:
     change(study / "understood.yaml", "id: costs", "id: price")
-    assert "was asked costs, which understood has not" in refused("study", "export", study, "--to", study / "tables")
+    assert "which understood does not have" in refused("study", "export", study, "--to", study / "tables")
 
 
 def test_a_log_of_another_layout_names_the_release_to_use(study: Path) -> None:

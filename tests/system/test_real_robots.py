@@ -23,7 +23,7 @@ def test_a_whole_hunt_with_robots_of_another_process(tmp_path: Path):
     programs = [field, server]
     try:
         at = f"127.0.0.1:{port_of(server, programs)}"
-        until("the robots to be on the graph", lambda: "this program is it" in field.text, programs)
+        until("the robots to be on the graph", lambda: "this program is the master" in field.text, programs)
         simr = Program(
             tmp_path, "simr", "--study", "study.yaml", "--ros-master", uri, "--server", at, "--bag", str(bag)
         )
@@ -65,7 +65,7 @@ def test_real_robots_are_recorded_from_the_yes_on_with_what_is_latched(tmp_path:
     programs = [field, server]
     try:
         at = f"127.0.0.1:{port_of(server, programs)}"
-        until("the robot to be on the graph", lambda: "this program is it" in field.text, programs)
+        until("the robot to be on the graph", lambda: "this program is the master" in field.text, programs)
         words = ("--study", "study.yaml", "--ros-master", uri, "--server", at, "--bag", "real.bag")
         simr = Program(tmp_path, "simr", *words)
         programs.append(simr)

@@ -94,7 +94,7 @@ def test_a_bag_that_was_cut_is_mended_as_the_message_says() -> None:
     assert mended["path"] == "a.bag"
     assert mended["backup"] == "a.orig.bag"
     assert json_of("bag", "info", "a.bag")["messages"] == mended["messages"] > 0
-    assert "in the way" in refusal("bag", "reindex", "a.bag")
+    assert "the repair would overwrite it" in refusal("bag", "reindex", "a.bag")
 
 
 def test_a_report_never_takes_the_place_of_its_bag() -> None:

@@ -230,7 +230,7 @@ def test_rosbag_play_sends_robots_on_a_live_graph_to_the_same_rooms(followed: Fo
         "--bag", "again.bag", "--rate", pace, *graph,
     )  # fmt: skip
     try:
-        until("the session to be on the graph", lambda: "this program is it" in play.text, [play])
+        until("the session to be on the graph", lambda: "this program is the master" in play.text, [play])
         ros = Ros(port, tmp_path)
         ros.says("rostopic", "echo", "-n", "1", "/robot1/odom/header/seq")
         topics = ("/robot1/mavlink/to", "/robot2/mavlink/to")

@@ -41,7 +41,7 @@ def test_rosbag_play_sets_robots_off(tmp_path: Path) -> None:
     graph = ("--ros", "--ros-master", f"http://127.0.0.1:{port}")
     play = Program(tmp_path, "play", "--mavlink", "--udp", f"127.0.0.1:{free_udp_port()}", *alone, *graph)
     try:
-        until("the session to be on the graph", lambda: "this program is it" in play.text, [play])
+        until("the session to be on the graph", lambda: "this program is the master" in play.text, [play])
         ros = Ros(port, tmp_path)
         ros.says("rostopic", "echo", "-n", "1", "/robot1/odom/header/seq")
         was = frames_in(tmp_path / "was.bag")

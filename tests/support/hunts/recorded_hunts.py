@@ -69,7 +69,7 @@ def watched_hunt(bag: Path, *options: str) -> Iterator[int]:
         try:
             for line in program.stderr or ():
                 told.append(line)
-                found = re.search(r"watch at [0-9.]+:([0-9]+)", line)
+                found = re.search(r"Researchers can connect to [0-9.]+:([0-9]+)", line)
                 if found:
                     yield int(found[1])
                     break

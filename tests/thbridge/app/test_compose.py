@@ -247,7 +247,7 @@ def test_words_of_a_study_are_checked_before_anything_starts(tmp_path: Path) -> 
 
 def test_a_language_that_is_not_there_is_told_with_the_line_of_the_study(tmp_path: Path) -> None:
     written = load_study_text(tmp_path, "dialogue:\n  language: dee\n")
-    told = r"study\.yaml, line 2, dialogue\.language: .*no language dee\. The nearest is de"
+    told = r"study\.yaml, line 2, dialogue\.language: .*language dee does not exist\. The nearest is de"
     with pytest.raises(BadFile, match=told):
         read_setting(written.value, tmp_path, written=written)
 

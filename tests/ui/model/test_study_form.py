@@ -234,7 +234,7 @@ def test_a_robot_gets_software_of_its_own() -> None:
     assert changed.study.software(1).localization == "amcl"
 
 
-@pytest.mark.parametrize("words", ["kld_err", "kld err", "largest error between", "KLD_ERR", "amcl kld"])
+@pytest.mark.parametrize("words", ["kld_err", "kld err", "maximum error between", "KLD_ERR", "amcl kld"])
 def test_search_finds_by_name_and_by_meaning(words: str) -> None:
     assert "robot.amcl.kld_err" in [field.key for field in search_fields(quick("").form.all_fields(), words)]
 

@@ -63,77 +63,77 @@ OWN_TYPES = (SESSION, GAME_EVENT, SCORE, UTTERANCE, DIALOGUE_MOVE, DIALOGUE_STAT
 
 OWN_TEXTS = {
     SESSION: """\
-# Everything needed to run a session again; the first record of its bag.
+# What it takes to run a session again; the first record of its bag.
 std_msgs/Header header
 string study        # the resolved study file, YAML
-uint64 seed         # random seed
+uint64 seed         # of every chance
 string versions     # of the programs and libraries, JSON
-string program      # the program that was run: "play" or "simr"
-string[] roles      # roles that ran inside it, in addition to the keeper of the game
-string participant  # participant inside it, for example "person" or "suggestion"; empty if none
+string program      # that was run: "play" or "simr"
+string[] roles      # that ran inside it, besides the keeper of the game
+string participant  # who played inside it, for example "person" or "suggestion"; empty: nobody
 """,
     GAME_EVENT: """\
-# An event of the game.
+# Something happened in the game.
 std_msgs/Header header
 string kind  # one word, for example "arrived"
-int32 robot  # from 1, as in namespaces; 0 for none
-int32 room   # from 1; 0 is the corridor, -1 means none
-string json  # the whole event
+int32 robot  # counts from 1, as the namespaces do; 0: none
+int32 room   # as people count, from 1; 0 is the corridor, -1: none
+string json  # all of it
 """,
     SCORE: """\
-# State of the game; published at every change.
+# How the game stands; said whenever that changes.
 std_msgs/Header header
 int32 score       # points so far
-uint32 visited    # number of rooms visited
-uint32 rooms      # number of rooms
-float64[] energy  # energy left of each robot
+uint32 visited    # rooms visited
+uint32 rooms      # rooms there are
+float64[] energy  # what each robot has left
 """,
     UTTERANCE: """\
-# One sentence of a dialogue.
+# One thing said in a dialogue.
 std_msgs/Header header
-int64 dialogue   # number of the dialogue in the game, from 1
+int64 dialogue   # its number in the game, from 1
 string speaker   # "robot" or "human"
 int32 robot      # counts from 1
-int32 room       # room that it is about; -1 for none
+int32 room       # that it is about; -1: none
 string scenario  # for example "select-room"
 string text      # the sentence
-string move      # dialogue move, for example "continue"
-string author    # who chose it: "robot" (its strategy), "person", or "wizard" (a person who speaks for the robot)
+string move      # what it does, for example "continue"
+string author    # who decided on it: "robot" (its strategy), "person", or "wizard" (somebody in the robot's place)
 """,
     DIALOGUE_MOVE: """\
-# One move in a dialogue game, in sessions where robots argue.
+# One move in a dialogue game, where robots argue.
 std_msgs/Header header
 int64 talk       # number of the dialogue of utterances that it belongs to, from 1
 int32 dialogue   # number of the dialogue game, from 1, unique among those of its robot
-int32 parent     # number of the game that waits for this one; 0 for none
+int32 parent     # number of the game that waits for this one; 0: none
 int32 index      # place of the move in its game, from 0
 int32 robot      # counts from 1
 string speaker   # "robot" or "human"
-string author    # who chose it, as in Utterance
+string author    # who decided on it, as in Utterance
 string game      # name of the game, for example "persuasion"
 string locution  # for example "challenge"
 string content   # what it is about, for example "next(Robot1, Room3)"
 string before    # state of the game in which it was made
-string after     # state, or end, after it
-bool booked      # True if it followed automatically from the move before it
-string text      # the sentence; empty for a move that followed automatically
-string heard     # sentence of the move that the robot took it for; empty if it understood correctly
-string fault     # why the robot's own strategy chose it after the study's failed; empty if that did not fail
+string after     # state, or end, that followed
+bool booked      # it followed by itself from the move before it
+string text      # the sentence; of a move that followed by itself none
+string heard     # sentence of the move that the robot took it for; empty: it heard right
+string fault     # why the robot's own strategy chose it, the study's having failed; empty: it did not fail
 """,
     DIALOGUE_STATE: """\
-# Beliefs of a robot that argues, its beliefs about the participant, and its arguments; published at every change.
+# What a robot that argues believes, takes the participant to believe, and makes of both; said whenever it changes.
 std_msgs/Header header
 int64 talk   # number of the dialogue of utterances
 int32 robot  # counts from 1
 string json  # games, sigma, rules, gamma, stores, arguments, attacks, grounded
 """,
     INPUT: """\
-# An input that a session received from outside, unchanged; published before its effects.
+# What came into a session from outside, exactly as it came; said before what follows from it.
 std_msgs/Header header
 string kind    # one word, for example "received" or "asked"
-string sender  # program or connection that sent it; empty for the clock
-string line    # the input as one line for people
-string json    # the whole input
+string sender  # the program or connection it came from; empty: the clock
+string line    # what it was, for people
+string json    # all of it
 """,
 }
 """thbridge's own types, in the text of their .msg files."""
@@ -161,12 +161,12 @@ class Definition:
 def typestore() -> Typestore:
     """Return the message types of rosbags for ROS 1 Noetic, with thbridge's types and those that rosbags lacks.
 
-    Use it only to read messages of arbitrary types: it takes long to create its classes, and games need none of them.
+    It is for those that read messages of any type: its classes take long to make, and games need none of them.
     """
     store = get_typestore(Stores.ROS1_NOETIC)
     for name, text in {**ROS_TEXTS, **OWN_TEXTS}.items():
         known_as = normalize_msgtype(name)
-        # The parser rejects a text without fields, but a message may be empty.
+        # The parser takes no text without fields, and an empty message is one all the same.
         has_fields = any(line.partition("#")[0].strip() for line in text.splitlines())
         store.register(get_types_from_msg(text, known_as) if has_fields else {known_as: ([], [])})
     return store
@@ -212,7 +212,7 @@ def service_type(name: str) -> ServiceType:
     """Return the service type of this name.
 
     Raises:
-        KeyError: the type is unknown.
+        KeyError: there is no such type.
     """
     request, response = f"{name}Request", f"{name}Response"
     fields = _summed(request) + _summed(response)
@@ -222,10 +222,10 @@ def service_type(name: str) -> ServiceType:
 def _summed(msgtype: str) -> str:
     """Return the text from which the md5 sum of one of thbridge's texts is computed.
 
-    It has the constants, then the fields, with inner types replaced by their sums.
+    Its constants, then its fields, inner types replaced by their sums.
 
     Raises:
-        KeyError: the text is unknown.
+        KeyError: there is no such text.
 
     Source: ros/genmsg, gentools.py, compute_md5_text.
     """
@@ -256,11 +256,11 @@ def full_text(msgtype: str, text_of: Callable[[str], str | None]) -> str | None:
 
     Args:
         msgtype: for example "nav_msgs/Odometry".
-        text_of: the content of a type's .msg file, or None if there is none.
+        text_of: the content of a type's .msg file, or None when there is none.
 
     Returns:
-        The type's own text, then each type within it once, in the order of first mention, outer types before inner
-        types; None if any of the texts is missing.
+        The type's own text, then each type it contains once, in the order of first mention, outer before inner;
+        None when the text of any of them is missing.
 
     Source: ros/genmsg, gentools.py, compute_full_text.
     """

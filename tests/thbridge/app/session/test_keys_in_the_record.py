@@ -30,7 +30,7 @@ def test_a_game_has_the_keys_of_its_programs_and_what_was_asked_by_others() -> N
     ]
     opened = [item for tick in hunt.tick_records for item in tick.inputs if isinstance(item, ConnectionOpened)]
     assert [to_record(item).line for item in opened] == [
-        "a connection is opened by the key maria (participant)",
-        "a connection is opened by the key jo (admin)",
+        "a connection is opened with the key maria (participant)",
+        "a connection is opened with the key jo (admin)",
         "a connection is opened",
     ]

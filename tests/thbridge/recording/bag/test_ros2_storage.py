@@ -110,5 +110,5 @@ def test_a_pipe_in_the_place_of_a_file_is_not_waited_for(tmp_path: Path, mode: C
     (stored,) = folder.glob("said*.mcap*")
     stored.unlink()
     os.mkfifo(stored)
-    with pytest.raises(BadFile, match="a pipe and no file"):
+    with pytest.raises(BadFile, match="it is a pipe, not a file"):
         list(recorded(folder))

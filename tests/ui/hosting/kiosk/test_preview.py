@@ -87,11 +87,11 @@ def test_all_steps_are_shown_if_none_is_named_and_the_study_keeps_nothing(tmp_pa
     ("arguments", "reason"),
     [
         (("nothing",), "the study has no step nothing. Name one of consent_1, practice"),
-        (("first", "adviser"), "there is no condition adviser. Name one of: dialogue.condition=supervisor; "),
-        (("first", "", "3"), "there is no group 3. Name one of: robots=1; robots=2"),
+        (("first", "adviser"), "the study has no condition adviser. Name one of: dialogue.condition=supervisor; "),
+        (("first", "", "3"), "the study has no group 3. Name one of: robots=1; robots=2"),
     ],
 )
 def test_what_the_study_does_not_have_is_refused(tmp_path: Path, arguments: tuple[str, ...], reason: str) -> None:
-    with pytest.raises(NoSuchStep, match="there is no") as refused:
+    with pytest.raises(NoSuchStep, match="the study has no") as refused:
         previewed(tmp_path, *arguments)
     assert reason in str(refused.value)

@@ -395,7 +395,7 @@ def test_a_disk_that_does_not_answer_leaves_the_file_to_be_mended(
     gate = threading.Event()
     writer = BagWriter(tmp_path / "a.bag", PLAIN, make_queue=lambda name: Stalled(name, gate, time.monotonic))
     writer.write(text(0))
-    with pytest.raises(BagNotWritten, match=r"does not answer.*reindex"):
+    with pytest.raises(BagNotWritten, match=r"has not responded.*reindex"):
         writer.close()
     gate.set()
 
