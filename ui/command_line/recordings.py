@@ -13,7 +13,7 @@ from ui.command_line.terminal import bad_input, note
 
 
 def _converted(path: Path) -> Path:
-    """Convert a recording of ROS 2, and print what the conversion leaves out."""
+    """Convert a recording of ROS 2, and print which parts the conversion omits."""
     from thbridge.recording.bag.ros2 import converted, is_other_recording  # noqa: PLC0415 - loads parsers of ROS 2
 
     if is_other_recording(path):

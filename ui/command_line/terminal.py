@@ -207,5 +207,5 @@ def _flush() -> None:
 
 
 def print_json(value: Mapping[str, object]) -> None:
-    """Print the one JSON object of --json, which is all of standard output."""
+    """Print the JSON object of --json; a command prints nothing else on standard output."""
     print(json.dumps(value))  # noqa: T201 - no colors, no wrapping

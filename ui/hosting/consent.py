@@ -1,4 +1,4 @@
-"""Question on the terminal whether a person takes part, asked before anything is recorded."""
+"""Question on the terminal that asks if a person takes part; nothing is recorded before the answer."""
 
 import typer
 

@@ -67,7 +67,7 @@ class GameVisit:
 
 
 class Answer(Enum):
-    """Answer of a participant to the question whether they take part; also YES if there was no question."""
+    """Answer of a participant who was asked to take part; YES if there was no question."""
 
     YES = "yes"
     NO = "no"
@@ -86,7 +86,7 @@ async def host(
     practise: Callable[[], PlayGame],
     speak: Callable[[Offer, str], Offer] | None = None,
 ) -> Answer:
-    """Play games until the participant leaves for good; no game starts before they have agreed to take part.
+    """Play games until the participant closes the window; no game starts before they have agreed to take part.
 
     Args:
         window: window of the participant; it is opened here.

@@ -32,7 +32,7 @@ def player_of_bot(who: str, templates: TemplateSet, study: Study) -> LocalPlayer
 
 
 def player_of_person(texts: Texts, consent: GiveConsent | None = None) -> LocalPlayer:
-    """Return a person, who knows only what the game shows, and may already have agreed to take part.
+    """Return a player for a person, who sees only what the game shows, and may already have agreed to take part.
 
     Args:
         texts: texts that are used until the game sends those of its language.

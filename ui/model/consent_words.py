@@ -1,4 +1,4 @@
-"""Typed answers to the question whether a person takes part."""
+"""Typed answers of a person who was asked to take part."""
 
 from thbridge.dialogue.wording.texts import Texts
 

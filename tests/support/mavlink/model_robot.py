@@ -1,4 +1,4 @@
-"""Robot whose answers a test sets, and which records the requests of its helm."""
+"""Robot that gives the answers that a test sets, and records the requests of its helm."""
 
 from dataclasses import dataclass, field, replace
 

@@ -21,7 +21,7 @@ ACCEPTED, BUSY, DENIED, UNSUPPORTED, FAILED, IN_PROGRESS, CANCELLED, LONG_ONLY, 
 
 
 class Game(ModelRobot):
-    """Robot whose game grants command at once. It is under way as long as its leg is."""
+    """Robot whose game grants command at once. It is under way while its leg is."""
 
     def take(self, station):
         denied = super().take(station)

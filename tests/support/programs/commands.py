@@ -13,13 +13,13 @@ from ui.cli import app
 
 
 def thbridge(folder: Path, *words: object) -> Result:
-    """Run a command in a folder, and return its exit code and what it printed."""
+    """Run a command in a folder; return its exit code and its output."""
     with chdir(folder):
         return invoke(*words)
 
 
 def invoke(*words: object, **options: Any) -> Result:
-    """Run a command, with options for the runner such as `input`, and return its exit code and what it printed."""
+    """Run a command, with options for the runner such as `input`; return its exit code and its output."""
     return CliRunner().invoke(app, [*map(str, words)], **options)
 
 

@@ -84,7 +84,7 @@ class FormSteps:
                 return True
 
     async def _take(self, items: tuple[Item, ...], news: ItemNews) -> None:
-        """Record what happened with an item."""
+        """Record an event of an item."""
         item = next((item for item in items if item.id == news.item), None)
         if item is None or item.id in self._pages.run.timed_out:
             return

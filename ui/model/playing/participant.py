@@ -149,8 +149,8 @@ class Participant:
     def do(self, act: Act, now: float) -> None:
         """Carry out an act of the participant on the last screen.
 
-        An act that this screen does not offer, or whose object has disappeared since, does nothing. An act that is
-        offered but not possible at the moment shows the reason.
+        An act has no effect if this screen does not offer it, or if its object has disappeared meanwhile. If an act is
+        offered but not possible at the moment, the reason is shown.
         """
         offered = None if self._screen is None else offer(self._screen, act)
         if offered is not None and offered.pending:

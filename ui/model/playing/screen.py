@@ -540,7 +540,7 @@ class HistoryLine:
 
 @dataclass(frozen=True, slots=True)
 class Banner:
-    """Line across the top, such as a lost connection, a refused request, or a game that stands still.
+    """Line across the top about a lost connection, a refused request, a stopped game, or similar.
 
     Attributes:
         text: the text in plain words.

@@ -46,7 +46,7 @@ class Trail:
 
 
 class PathAhead:
-    """Rest of one robot's planned path; the driven part is removed for good."""
+    """Rest of one robot's planned path; the driven part is removed permanently."""
 
     def __init__(self, planned: tuple[tuple[float, float], ...]) -> None:
         self.planned = planned

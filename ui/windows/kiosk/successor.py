@@ -1,5 +1,7 @@
-"""Replacement of a window whose host has died: the window stays open until another one replaces it, so that people
-never see the desktop."""
+"""Replacement of a window whose host has died.
+
+The window stays open until another window replaces it, so that people never see the desktop.
+"""
 
 import getpass
 from collections.abc import Callable

@@ -86,7 +86,7 @@ class ProgressStrip(QWidget):
 
     Attributes:
         again: button that opens the instructions read so far.
-        stop: button that asks whether the person wants to stop taking part.
+        stop: button that opens the question if the person wants to stop taking part.
     """
 
     def __init__(self, texts: Texts) -> None:

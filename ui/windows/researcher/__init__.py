@@ -1,1 +1,1 @@
-"""Window of the researcher: shows a session or a recording, with the truth next to what the robots believe."""
+"""Researcher's window, which shows a session or a recording: the true state next to the robots' beliefs."""

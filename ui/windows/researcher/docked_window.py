@@ -84,15 +84,24 @@ class DockedWindow(QMainWindow):
         live: True for a running session, False for a recording.
         canvas: the map.
 
-    Signals: tool_selected: this tool was selected. robot_stepped: select the next robot (1), or the one before (-1).
-    kill, revive, clear_costmaps, follow_toggled, fit: actions of the buttons of these names. speed_stepped: faster (1)
-    or slower (-1). jumped: go to the next mark (1), or the one before (-1). jumped_to_end: go to the beginning (-1) or
-    the end (1). bookmark_toggled: set a bookmark at the time shown, or remove it. bookmark_chosen: go to this bookmark,
-    seconds since the beginning. loop_toggled: play between two bookmarks repeatedly, or stop that. video_wanted: save a
-    section of the recording as a video. section_wanted: save a section of the recording as a bag. map_chosen: show the
-    map of this `map.yaml`. open_wanted: a person wants to open something else. settings_wanted: a person wants to open
-    the settings. source_chosen: a person wants to open this path, which they dropped here, or which is the recording of
-    the ended session. closed: the window is closed.
+    Signals:
+        tool_selected: this tool was selected.
+        robot_stepped: select the next robot (1), or the previous one (-1).
+        kill, revive, clear_costmaps, follow_toggled, fit: actions of the buttons of these names.
+        speed_stepped: faster (1) or slower (-1).
+        jumped: go to the next mark (1), or the previous one (-1).
+        jumped_to_end: go to the beginning (-1) or the end (1).
+        bookmark_toggled: set a bookmark at the time shown, or remove it.
+        bookmark_chosen: go to this bookmark, seconds since the beginning.
+        loop_toggled: play between two bookmarks repeatedly, or stop that.
+        video_wanted: save a section of the recording as a video.
+        section_wanted: save a section of the recording as a bag.
+        map_chosen: show the map of this `map.yaml`.
+        open_wanted: a person wants to open something else.
+        settings_wanted: a person wants to open the settings.
+        source_chosen: a person wants to open this path, which they dropped here, or which is the recording of the ended
+            session.
+        closed: the window is closed.
     """
 
     tool_selected = Signal(object)

@@ -90,7 +90,7 @@ class HuntMemory:
         enlarged: the pop-up whose picture is shown enlarged.
         ticks: simulation ticks at the beginning of the game and in the newest telemetry.
         named: rooms for which the participant has submitted a name in this window.
-        verdicts: rooms whose verdict is still shown, and the robot that stands there.
+        verdicts: rooms whose verdict is still shown, each with the robot in it.
         popups: the pop-up shown, and those that wait.
         picture_times: by room, the time when the view first showed its picture as taken.
         most_energy: the most energy that any robot has had.
