@@ -87,7 +87,7 @@ def with_server(study: Study, host: str | None, port: int | None) -> Study:
 
 def setting_of(study: Study, file: Path | None) -> StudySetting:
     """Return everything that the study names; relative paths start from the folder of its file."""
-    # From now on, files are written for the readers that the study names.
+    # From now on, the readers that the study names may read new files.
     os.umask(study.recording.readers.umask)
     with bad_input():
         return read_setting(study, Path() if file is None else file.parent, written=_written(file))

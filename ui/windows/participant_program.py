@@ -65,7 +65,7 @@ FRAME = 15
 class GamePage(QWidget):
     """Page with a game at a server: the participant's window, its model and link, and in practice a strip with advice.
 
-    Its language is that of the game, as soon as the server has sent it.
+    As soon as the server has sent the language of the game, the page uses it.
 
     Args:
         link: link to the server, not started yet.

@@ -61,12 +61,12 @@ class ArenaDraft:
 
     @property
     def can_undo(self) -> bool:
-        """True if a change can be taken back."""
+        """True if there is a change that can be undone."""
         return bool(self._past)
 
     @property
     def can_redo(self) -> bool:
-        """True if a change that was taken back can be made again."""
+        """True if there is an undone change that can be made again."""
         return bool(self._future)
 
     def saved(self) -> None:
@@ -80,7 +80,7 @@ class ArenaDraft:
             self.arena = self._past.pop()
 
     def redo(self) -> None:
-        """Make the change again that was undone last."""
+        """Make the last undone change again."""
         if self._future:
             self._past.append(self.arena)
             self.arena = self._future.pop()

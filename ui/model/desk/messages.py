@@ -111,7 +111,7 @@ class DeskState(msgspec.Struct, frozen=True, tag=True):
         no_next: reason why the next person cannot begin now; empty if they can.
         rehearsal: True if the people are simulated.
         read_only: reason why the desk cannot send requests; empty if it can.
-        pace: sentence on the lag of games behind real time; empty if no game has a real time.
+        pace: sentence on the lag of games behind real time; empty if no game runs in real time.
     """
 
     title: str

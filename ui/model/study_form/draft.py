@@ -80,7 +80,7 @@ class StudyDraft:
         return {group.key: group for group in self.form.all_groups()}
 
     def set(self, field: FormField, typed: str) -> str | RequestRefused:
-        """Return the text with a new value in a field; an empty value resets the field, unless it is a field for text."""
+        """Return the text with a new value in a field; an empty value resets all fields except those for text."""
         if not typed.strip() and (field.optional or not field.is_text):
             # A key with a free name remains while a person types its value again.
             return self._put(field.place, "null") if field.own_key else self.reset(field)

@@ -59,7 +59,7 @@ class ExperimentDraft(StudyDraft):
     def add_key(self, group: FormGroup, name: str) -> str | RequestRefused:
         """Return the text with another key of a study.
 
-        If the key is a factor, its levels are all choices of the key or, if it has no choices, its default.
+        If the key is a factor, its levels are all choices of the key or, without choices, only its default.
         """
         field = study_fields().get(name)
         value = "null" if field is None else field.default

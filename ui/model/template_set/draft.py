@@ -29,7 +29,7 @@ class TemplateDraft:
 
 
 def edited_names(folder: Path) -> tuple[str, ...]:
-    """Return the paths in a set's folder of the files that people write.
+    """Return the paths, within a set's folder, of the files that people write.
 
     These are the sentences, the list of treasures, and the words in the set's further languages.
     """

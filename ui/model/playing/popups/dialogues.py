@@ -74,7 +74,7 @@ def dialogue_popup(hunt: HuntMemory, dialogue: DialogueView) -> DialoguePopup:
         dialogue_title(hunt, dialogue),
         tuple(sentences),
         choices,
-        # Esc leads back from the questions, and W has its usual effect.
+        # Esc closes the questions, and W has its usual effect.
         replace(later, key=WAITING_KEY) if BACK in acts else later,
         warning=_warning(hunt, dialogue),
         room=dialogue.room,
