@@ -1,1 +1,1 @@
-"""Single parts of a robot run on any maps and recordings: localize, plan, drive, scan, measure."""
+"""Single functions of a robot for any maps and recordings: localize, plan, drive, scan, measure."""

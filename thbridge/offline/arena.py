@@ -1,4 +1,4 @@
-"""Arenas made of found rooms: their outlines, goals and start poses."""
+"""Arenas made of found rooms: outlines and goals of rooms, and start poses."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -26,19 +26,19 @@ from thbridge.hunt.rooms import Room
 from thbridge.offline.room_finding import Labels, drivable_floor
 
 TOLERANCES = (0.2, 0.1, 0.05)
-"""Tolerances, meters, between the outline of the cells and one with fewer corners; the first that fits is used."""
+"""Tolerances between the cells' outline and an outline with fewer corners, meters. The first that fits is used."""
 GAP = 2
-"""Gap in cells between rooms without a wall, if their outlines would be complicated otherwise."""
+"""Gap between rooms without a wall between them, cells. It is used if their outlines would otherwise be complicated."""
 SPARE = 0.1
-"""Extra distance of goals and starts from walls where there is room, meters."""
+"""Additional distance of goals and starts from walls, if there is enough space, meters."""
 APART = 1.0
 """Distance between neighboring start poses, meters."""
 SKIPPED = 0.2
-"""Distance between tried places if no robot may stand at the first, meters."""
+"""Minimum distance between a rejected place for a start and the next place to try, meters."""
 NEARER = 20.0
-"""Meters that a start pose may be farther from the middle for each meter of additional distance from walls."""
+"""Meters by which a start may be farther from the middle for each meter of additional distance from walls."""
 MOST_TRIED = 400
-"""Number of places tried for start poses before the search reports that no more robots fit."""
+"""Maximum number of places to try for start poses. Then the search reports that no more robots fit."""
 
 
 _TOUCHING = np.ones((3, 3), dtype=np.bool_)
@@ -64,15 +64,15 @@ def arena_of(
 
     Args:
         grid: the map.
-        labels: its rooms, as `find_rooms` returns them.
+        labels: rooms of the map, as `find_rooms` returns them.
         robots: number of start poses.
-        names: names of the first rooms; further ones are called "Room 3".
+        names: names of the first rooms. Further rooms have names like "Room 3".
         footprint: corners of a robot in its own frame, meters.
     """
     inscribed, circumscribed = radii(np.array(footprint))
     floor = TraversabilityMap.of(grid, inscribed, circumscribed)
     reach = drivable_floor(grid, inscribed)
-    # Robots get stuck in gaps where they cannot turn with some room to spare.
+    # Robots get stuck in gaps that are hardly wide enough for a turn.
     easy = drivable_floor(grid, circumscribed + SPARE)
     rooms: list[MapRoom] = []
     for outline in room_outlines(labels, floor):
@@ -86,7 +86,7 @@ def arena_of(
 
 
 def cells_inside(outline: Polygon, floor: TraversabilityMap) -> Mask:
-    """Return the cells whose centers are inside an outline in the map frame."""
+    """Return the cells that have their centers inside an outline (map frame)."""
     held = np.zeros(floor.clearance.shape, dtype=np.bool_)
     box, mask = floor.held_by(outline)
     held[box] = mask
@@ -94,10 +94,10 @@ def cells_inside(outline: Polygon, floor: TraversabilityMap) -> Mask:
 
 
 def best_goal(floor: TraversabilityMap, outline: Polygon, where: Mask) -> Pose2 | None:
-    """Return the pose with the greatest clearance among these cells, or None without any cell.
+    """Return the pose with the greatest clearance among the cells `where`, yaw 0; None if there is no cell.
 
-    The most central one of equals is returned; yaw 0. A cell is ignored if its center is on the outline, because its
-    rounded pose might be outside.
+    If several cells have the same clearance, the most central one is returned. A cell is ignored if its center is on
+    the outline, because the rounded pose might be outside.
     """
     cells = np.argwhere(where)
     if not len(cells):
@@ -123,7 +123,7 @@ def start_poses(floor: TraversabilityMap, reach: Mask, rooms: Sequence[MapRoom],
     Args:
         floor: the map for the robot's footprint.
         reach: cells that a robot's center reaches.
-        rooms: rooms of the map; their floor is used only if there is no corridor at all.
+        rooms: rooms of the map. Their floor is used only if there is no corridor.
         robots: maximum number of poses.
     """
     corridor = reach.copy()
@@ -153,7 +153,7 @@ def start_poses(floor: TraversabilityMap, reach: Mask, rooms: Sequence[MapRoom],
 
 
 def _is_shut_in(floor: TraversabilityMap, starts: Sequence[Pose2], rooms: Sequence[MapRoom]) -> bool:
-    """Return True if robots at all starts separate a room from another one, or one of them from a room."""
+    """Return True if robots at these starts would separate two rooms, or a robot from a room."""
     goals = [floor.grid.cell_of(room.goal.x, room.goal.y) for room in rooms]
     crowd = CrowdedFloor(floor, starts)
     return not crowd.are_connected(goals) or not all(all(crowd.reached(robot, goals)) for robot in range(len(starts)))
@@ -163,7 +163,10 @@ def _is_shut_in(floor: TraversabilityMap, starts: Sequence[Pose2], rooms: Sequen
 
 
 def room_outlines(labels: Labels, floor: TraversabilityMap) -> list[Polygon]:
-    """Return the outlines of all rooms (map frame) in the order of numbers; few corners, no overlaps."""
+    """Return the outlines of all rooms (map frame), in the order of numbers.
+
+    They have few corners and do not overlap.
+    """
     taken = np.zeros(labels.shape, dtype=np.bool_)
     outlines: list[Polygon] = []
     for number in range(1, int(labels.max()) + 1):
@@ -175,13 +178,13 @@ def room_outlines(labels: Labels, floor: TraversabilityMap) -> list[Polygon]:
 
 
 def simple_outline(mask: Mask, taken: Mask, floor: TraversabilityMap) -> Polygon | None:
-    """Return an outline with few corners of the largest piece of a mask, without taken cells; None without a piece."""
+    """Return an outline with few corners around the largest piece of a mask without taken cells, or None."""
     grid = floor.grid
     apart = ~np.asarray(binary_dilation(taken, structure=_TOUCHING, iterations=GAP)) if taken.any() else ~taken
     piece = _largest(mask & ~taken)
     if not piece.any():
         return None
-    # A gap between two rooms without a wall keeps both outlines simple.
+    # If there is no wall between two rooms, a gap between them keeps both outlines simple.
     for source in (piece, _largest(mask & apart)):
         exact = outline_of(source) if source.any() else []
         for tolerance in TOLERANCES if exact else ():
@@ -203,7 +206,7 @@ def _placed(corners: Sequence[Point], grid: OccupancyGrid) -> Polygon:
 
 
 def _filled(labels: Labels, number: int) -> Mask:
-    """Return a room, including its holes that belong to no room."""
+    """Return the cells of a room, including holes in it that belong to no room."""
     room = _largest(labels == number)
     filled: Mask = np.asarray(binary_fill_holes(room)) & ((labels == 0) | room)
     return filled
@@ -219,12 +222,13 @@ def _largest(mask: Mask) -> Mask:
 def outline_of(mask: Mask) -> list[Point]:
     """Return the corners (column, row) of the outer edge of connected cells, counterclockwise from the lowest left one.
 
-    Where two cells touch only at a corner, the edge stays with its own cell. So it does not cross itself.
+    Where two cells touch only at a corner, the edge continues along the same cell. So the edge does not cross itself.
     """
     padded = np.pad(mask, 1)
     inner = padded[1:-1, 1:-1]
     following: dict[tuple[int, int], list[tuple[int, int]]] = {}
-    # Sides between a cell and a place without a cell: start and end, relative to the cell's lower left corner.
+    # Sides between a cell of the mask and a cell outside it: start and end, relative to the inner cell's lower left
+    # corner.
     for beside, begin, end in (
         (padded[:-2, 1:-1], (0, 0), (1, 0)),
         (padded[1:-1, 2:], (1, 0), (1, 1)),
@@ -254,7 +258,7 @@ def simplified(corners: Sequence[Point], tolerance: float) -> list[Point]:
 
     Source: D. Douglas and T. Peucker, "Algorithms for the reduction of the number of points required to represent a
     digitized line", The Canadian Cartographer 10, 1973. The outline is cut at its first corner and at the corner
-    farthest from it.
+    farthest from the first one.
     """
     points = np.array(corners)
     far = int(np.hypot(*(points - points[0]).T).argmax())
@@ -264,7 +268,7 @@ def simplified(corners: Sequence[Point], tolerance: float) -> list[Point]:
 
 
 def _reduced(line: FloatArray, tolerance: float) -> FloatArray:
-    """Return an open line with fewer corners; its ends stay."""
+    """Return an open line with fewer corners. Its ends do not change."""
     along = line[-1] - line[0]
     length = float(np.hypot(*along))
     offset = line - line[0]

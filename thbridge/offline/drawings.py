@@ -1,7 +1,8 @@
 """Cleaning of architects' floor plans: thin lines and letters that are not walls, other scales, rotated paper.
 
-Plans show doors closed, as an arc and a line. Furniture, labels and dimensions are thin lines, too. Walls are thick, or
-two lines with hatching between. So hatching is filled (closing), and lines thinner than walls are removed (opening).
+Plans show doors as an arc and a line, so the doors look closed. Furniture, labels and dimensions are also thin lines.
+Walls are thick lines, or two lines with hatching between them. So hatching is filled (closing), and lines thinner than
+walls are removed (opening).
 
 Source: J. Serra, "Image Analysis and Mathematical Morphology", 1982 (opening and closing).
 """
@@ -21,33 +22,36 @@ from thbridge.offline.room_finding import FURNITURE, SPECK
 WIDTHS = (2, 3, 4, 6, 8, 12)
 """Line widths that are tried in order, pixels."""
 REACHED = 0.9
-"""Share of reached floor above which no search for blocking lines is needed."""
+"""Share of reached floor above which a search for blocking lines is not needed."""
 OPENED = 0.97
-"""Share of the maximum floor that any width opens. A width that opens this share suffices if none opens nearly all."""
+"""Share of the maximum connected floor over all widths.
+
+A width that reaches it is used if none opens nearly all floor.
+"""
 WALLED = 0.8
-"""Share of the maximum floor inside that any width leaves; below this, walls were removed as well."""
+"""Share of the maximum floor inside over all widths. With a width below this share, walls were also removed."""
 CUSP = 4
-"""Maximum extent, in line widths, of filled spots between lines alone that are not walls."""
+"""Maximum extent of filled spots between thin lines that are not walls, line widths."""
 OPENING = 2.5
 """Maximum width of an opening to the outside that is an entrance or a window, meters."""
 PAPER = 0.9
-"""Share of blank pixels on an image's border above which a plan has paper all around."""
+"""Share of blank pixels on an image's border above which a plan has paper around it."""
 GAINED = 1.1
-"""Ratio of the floor inside with and without its openings closed, above which a building counts as open."""
+"""Ratio of the floor inside with closed openings to that with open ones, above which a building counts as open."""
 ROOM = 3.0
 """Area of unreachable floor that is worth a report, square meters."""
 NEAR = 1.5
-"""Distance within which pieces of lines block the same path, meters."""
+"""Distance within which pieces of lines count as blocking the same path, meters."""
 
 _TOUCHING = np.ones((3, 3), dtype=np.bool_)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CleanedDrawing:
-    """A plan without its thin lines.
+    """Result of removing the thin lines from a plan.
 
     Attributes:
-        grid: the rest of the plan, with hatching filled.
+        grid: the plan without thin lines, and with filled hatching.
         left_out: (rows, cols) cells of removed lines and letters.
     """
 
@@ -57,12 +61,12 @@ class CleanedDrawing:
 
 @dataclass(frozen=True, slots=True)
 class BlockedPaths:
-    """Thin lines that keep a part of a plan's floor out of reach.
+    """Thin lines that block the access to a part of a plan's floor.
 
     Attributes:
-        reached: share of the floor that is reached with the lines.
-        thinner: lines thinner than this block the paths, pixels.
-        places: places where they do, map frame, the largest first.
+        reached: share of the floor that robots reach while the lines exist.
+        thinner: width below which lines block the paths, pixels.
+        places: places where lines block paths, map frame; those next to the largest floor first.
     """
 
     reached: float
@@ -71,13 +75,13 @@ class BlockedPaths:
 
 
 def squared(pixels: NDArray[np.uint8], ratio: float) -> NDArray[np.uint8]:
-    """Return an image with square pixels, from one with pixels `ratio` times as high as wide."""
+    """Return an image with square pixels, from an image with pixels that are `ratio` times as high as wide."""
     rows = max(round(len(pixels) * ratio), 1)
     return pixels[np.minimum((np.arange(rows) / ratio).astype(np.int64), len(pixels) - 1)]
 
 
 def joined(pixels: NDArray[np.uint8], factor: int) -> NDArray[np.uint8]:
-    """Return a gray image that averages squares of `factor` by `factor` pixels; white is added at the edges."""
+    """Return a gray image with the means of squares of `factor` by `factor` pixels. White is added at the edges."""
     rows, cols = (-(-side // factor) * factor for side in pixels.shape)
     whole = np.pad(pixels, ((0, rows - len(pixels)), (0, cols - pixels.shape[1])), constant_values=pixels.max())
     means = whole.reshape(rows // factor, factor, cols // factor, factor).mean(axis=(1, 3))
@@ -85,19 +89,19 @@ def joined(pixels: NDArray[np.uint8], factor: int) -> NDArray[np.uint8]:
 
 
 def turned(pixels: NDArray[np.uint8], degrees: float) -> NDArray[np.uint8]:
-    """Return a gray image rotated counterclockwise, on paper of its brightest shade that holds all of it."""
+    """Return a gray image rotated counterclockwise. It is enlarged as needed, with its brightest shade as paper."""
     if degrees % 90.0 == 0.0:
         return np.rot90(pixels, round(degrees / 90.0))
     return np.asarray(rotate(pixels, degrees, order=1, mode="constant", cval=float(pixels.max())), dtype=np.uint8)
 
 
 def without_thin_lines(grid: OccupancyGrid, thinner: int) -> CleanedDrawing:
-    """Remove lines and letters thinner than this, pixels. Gaps between lines at most this far apart are filled.
+    """Remove lines and letters thinner than `thinner` pixels. Fill gaps between lines that are at most this wide.
 
-    Spots that are filled only because two lines meet, such as the arcs of a double door, are removed as well.
+    Spots that are filled only because two lines meet, such as the arcs of a double door, are also removed.
     """
     ink: Mask = grid.cells != FREE
-    # Strokes of letters may be as thick as thin walls.
+    # Strokes of letters may be as thick as thin walls, so remove small things first.
     solid = ink & ~_small_things(ink, minimum_filter(ink, 2 * thinner), FURNITURE / grid.resolution)
     across = 2 * thinner + 1
     filled: Mask = minimum_filter(maximum_filter(solid, across), across)
@@ -108,14 +112,15 @@ def without_thin_lines(grid: OccupancyGrid, thinner: int) -> CleanedDrawing:
 
 
 def _opened(mask: Mask, width: int) -> Mask:
-    """Return the cells that a square of this width covers when it moves within a mask."""
-    # An even square has no middle: an erosion to one side needs a dilation to the other.
+    """Return the cells that a square of this width can cover while it is completely within a mask."""
+    # A square with an even width has no middle cell. So an erosion that is shifted to one side needs a dilation that is
+    # shifted to the other side.
     opened: Mask = maximum_filter(minimum_filter(mask, width), width, origin=-((width + 1) % 2))
     return opened
 
 
 def blocked_paths(grid: OccupancyGrid, inscribed: float) -> BlockedPaths | None:
-    """Find thin lines that block floor. Return None if nearly all floor is reached, or if thin lines are not the cause.
+    """Find thin lines that block floor; None if nearly all floor is reached, or if thin lines are not the cause.
 
     Args:
         grid: the plan.
@@ -138,11 +143,11 @@ def blocked_paths(grid: OccupancyGrid, inscribed: float) -> BlockedPaths | None:
 
 
 def reached_floor(grid: OccupancyGrid, inscribed: float) -> tuple[float, tuple[tuple[Point, float], ...]]:
-    """Return the share of a plan's floor that is connected for a robot of this inner radius (meters); 0 without floor.
+    """Return the share of a plan's floor that is connected for a robot with this inner radius (meters).
 
     Returns:
-        The share, and the middle (map frame) and size (square meters) of each other part that is at least as large as
-        a room, the largest first.
+        The share (0 without floor), and the middle (map frame) and size (square meters) of each other part that is at
+        least as large as a room, the largest part first.
     """
     areas, sizes = _closed_floors(grid, inscribed)
     parts = [number for number in np.argsort(-sizes)[1:] if sizes[number] * grid.resolution**2 >= ROOM]
@@ -181,7 +186,7 @@ def closed_to_outside(grid: OccupancyGrid, inscribed: float) -> tuple[OccupancyG
 
 
 def _small_things(mask: Mask, solid: Mask, extent: float) -> Mask:
-    """Return the things of a mask that are at most `extent` cells large and contain nothing solid."""
+    """Return the connected pieces of a mask that are at most `extent` cells large and contain no solid cell."""
     things, _ = label(mask, structure=_TOUCHING)
     thick = np.zeros(int(things.max()) + 1, dtype=np.bool_)
     thick[np.unique(things[solid])] = True
@@ -193,12 +198,12 @@ def _small_things(mask: Mask, solid: Mask, extent: float) -> Mask:
 
 
 def _outside(grid: OccupancyGrid) -> Mask | None:
-    """Return the paper around a building: cells reached by a disc too wide for entrances; None without paper."""
+    """Return the paper around a building: cells that a disc too wide for entrances reaches; None without paper."""
     free: Mask = grid.cells == FREE
     border = np.concatenate([free[0], free[-1], free[:, 0], free[:, -1]])
     if border.mean() < PAPER:
         return None
-    # Otherwise ends of dimension lines would keep the disc away from a corner.
+    # Remove specks. Otherwise the ends of dimension lines would keep the disc away from a corner.
     free |= _small_things(~free, np.zeros_like(free), SPECK / grid.resolution)
     reach = OPENING / 2 / grid.resolution
     margin = math.ceil(reach) + 1
@@ -211,12 +216,15 @@ def _outside(grid: OccupancyGrid) -> Mask | None:
 
 
 def _closed_floors(grid: OccupancyGrid, inscribed: float) -> tuple[NDArray[np.int32], NDArray[np.int64]]:
-    """Return the floor inside a plan with its openings closed, numbered as in `_floors_inside`."""
+    """Return the floor inside a plan after its openings are closed, numbered as in `_floors_inside`."""
     return _floors_inside(closed_to_outside(grid, inscribed)[0], inscribed)
 
 
 def _floors_inside(grid: OccupancyGrid, inscribed: float) -> tuple[NDArray[np.int32], NDArray[np.int64]]:
-    """Number connected floor inside the image's border, from 1; also return the counts of cells, 0 for number 0."""
+    """Number connected floor inside the image's border, from 1.
+
+    Also return the counts of cells, with 0 for number 0.
+    """
     labels, count = label(cells_away(grid.cells == FREE) * grid.resolution > inscribed)
     areas = np.asarray(labels, dtype=np.int32)
     margin = math.ceil(inscribed / grid.resolution) + 1
@@ -234,7 +242,7 @@ def _floors_inside(grid: OccupancyGrid, inscribed: float) -> tuple[NDArray[np.in
 def _closing(
     grid: OccupancyGrid, thin: Mask, areas: NDArray[np.int32], sizes: NDArray[np.int64], inscribed: float
 ) -> list[Point]:
-    """Return places of thin lines that separate two pieces of floor, those between the largest pieces first."""
+    """Return places of thin lines that separate two pieces of floor. Places between the largest pieces come first."""
     lines, _ = label(thin, structure=_TOUCHING)
     reach = math.ceil(inscribed / grid.resolution) + 2
     found: list[tuple[int, Point]] = []

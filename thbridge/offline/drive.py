@@ -43,12 +43,12 @@ class DriveResult:
 
     Attributes:
         reached: True if the robot reported that it stands at the goal.
-        collided: True if its body ever touched a wall or an obstacle.
-        seconds: simulated seconds until it arrived or gave up.
+        collided: True if the robot's body ever touched a wall or an obstacle.
+        seconds: simulated seconds until the robot arrived or gave up.
         distance: true distance driven, meters.
         min_clearance: minimum true distance between the body's outline and walls or unmapped obstacles during the
             drive, meters; inf without walls. Moving obstacles do not count.
-        reason: reason for not arriving, as a sentence; None if it arrived.
+        reason: reason for not arriving, as a sentence; None if the robot arrived.
     """
 
     reached: bool
@@ -69,21 +69,21 @@ def drive(
     schedule: Sequence[ScheduledInput] = (),
     parts: InstalledParts | None = None,
 ) -> DriveResult | Misplaced:
-    """Drive to a goal, alone on the map; or return why the robot cannot stand at its start.
+    """Drive one robot alone to a goal. If it cannot stand at its start, return the reason.
 
     Args:
-        grid: the map that the robot knows; its origin may be rotated.
+        grid: the map that the robot knows. Its origin may be rotated.
         world: bodies, motors and sensors.
         robot: the software that drives.
         task: start and goal.
         seed: seed of all random numbers.
-        true_grid: the true map if it differs from the robot's; it has the same origin.
+        true_grid: the true map, if it differs from the robot's map. It has the same origin.
         schedule: obstacles that appear and vanish (`PutThing`, `RemoveThing`), map frame.
-        parts: installed parts that the software names. If None, it names none.
+        parts: installed parts that the software may name. If None, it may name no installed part.
     """
     true_grid = true_grid or grid
     if grid.origin.theta != 0.0:
-        # Navigators need maps that are not rotated. So drive in the grid's own frame; lengths are the same there.
+        # Drive in the grid's own frame, where the map is not rotated. Lengths are the same there.
         in_grid = grid.origin.inverse()
         task = dataclasses.replace(task, start=in_grid.compose(task.start), goal=in_grid.compose(task.goal))
         schedule = [ScheduledInput(timed.tick, _moved(timed.input, in_grid)) for timed in schedule]
@@ -119,7 +119,7 @@ def drive(
 
 
 def _moved(event: TeamInput, by: Pose2) -> TeamInput:
-    """Return the event in another frame, if it has a place."""
+    """Return the event, with its place, if it has one, in another frame."""
     if not isinstance(event, PutThing):
         return event
     thing = event.thing
@@ -137,7 +137,7 @@ def _heedless_of_heading(robot: RobotParameters) -> RobotParameters:
 
 
 class _Room:
-    """Tracks the minimum distance of a body from the walls.
+    """Minimum distance of a moving body from the walls.
 
     Args:
         grid: the map, not rotated.
@@ -155,11 +155,12 @@ class _Room:
         self.least = math.inf
 
     def enter(self, pose: FloatArray) -> None:
-        """Include the body's pose (x, y, theta)."""
+        """Update the minimum by a pose of the body (x, y, theta)."""
         if self._walls is None:
             return
         nearest, _ = self._walls.query(pose[:2])
-        # Lower bounds by circumscribed circles, of the body and of a cell, leave few cells for the exact distance.
+        # The circumscribed circles of body and cell give a lower bound for the distance. So the exact distance is
+        # needed for few cells only.
         around = self._radius + self._half * math.sqrt(2)
         if nearest - around >= self.least:
             return
@@ -171,7 +172,7 @@ class _Room:
 
 
 def _to_squares(body: FloatArray, centres: FloatArray, half: float) -> float:
-    """Return the meters from a polygon to the nearest of (k, 2) upright squares, none inside it; 0 for an overlap."""
+    """Return the meters from a polygon to the nearest of k squares with these centers; 0 if they overlap."""
     # The shortest distance between two disjoint polygons is always from a corner of one to an edge of the other.
     beside = np.maximum(np.abs(body[:, np.newaxis] - centres) - half, 0.0)
     corners = centres[:, np.newaxis] + half * np.array([(1, 1), (1, -1), (-1, -1), (-1, 1)])

@@ -8,9 +8,9 @@ from sim.robot.localization.estimate import Estimate
 
 
 class RecordedKalman(KalmanLocalizer):
-    """Kalman filter that reports every scan that it examines, also those that it rejects, as the particle filter does.
+    """Kalman filter that reports an update for every scan that it examines, even if it rejects the scan.
 
-    Otherwise a lost robot would have no updates.
+    The particle filter does the same. Otherwise a lost robot would have no updates.
     """
 
     def update(self, odometry: Odometry, imu: Imu, scan: Scan | None) -> Estimate:

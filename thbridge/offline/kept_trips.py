@@ -21,14 +21,14 @@ _REMEDY = "Choose another file by --out, or make room"
 
 
 class _Head(msgspec.Struct):
-    """First line of the file: what the trips depend on."""
+    """First line of the file: digest of everything on which the trips depend."""
 
     layout: int
     digest: str
 
 
 class _Line(msgspec.Struct):
-    """Line of a trip, with room numbers from 1; 0 is the corridor."""
+    """Line of a trip. Room numbers start at 1; 0 is the corridor."""
 
     start: int
     goal: int
@@ -38,12 +38,12 @@ class _Line(msgspec.Struct):
 
 
 def kept_path(result: Path) -> Path:
-    """Return the file next to a result."""
+    """Return the path of the file next to a result."""
     return result.with_name(f"{result.name}{SUFFIX}")
 
 
 def digest_of(course: MeasurementSetup, versions: Mapping[str, str]) -> str:
-    """Return a digest of everything that trips depend on: map, world, robot, seed, and versions of programs."""
+    """Return a digest of everything on which trips depend: map, world, robot, seed, and versions of programs."""
     place = course.place
     grid = place.grid
     depends = (
@@ -62,15 +62,15 @@ def digest_of(course: MeasurementSetup, versions: Mapping[str, str]) -> str:
 
 
 class KeptTrips:
-    """The trips of an unfinished measurement; a context manager, which closes the file.
+    """The trips of an unfinished measurement. As a context manager, it closes the file.
 
     Args:
         result: file of the measurement's result.
-        digest: digest of all that the trips depend on; trips with another digest are dropped.
+        digest: digest of everything on which the trips depend. Trips with another digest are dropped.
 
     Attributes:
         done: the kept trips.
-        dropped: True if there were trips of another map or with other settings.
+        dropped: True if trips with another map or other settings were dropped.
 
     Raises:
         BadFile: the file cannot be read or written.

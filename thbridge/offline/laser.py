@@ -1,4 +1,4 @@
-"""Conversion of drivers' scan messages to scans of the simulation."""
+"""Conversion of laser drivers' scan messages to scans of the simulation."""
 
 import math
 from dataclasses import dataclass
@@ -11,17 +11,17 @@ from thbridge.ros.frames import PlanarMount
 from thbridge.ros.messages.unpack import LaserScan
 
 FAR = 30.0
-"""Range of a laser whose driver gives no valid one, meters."""
+"""Range of a laser if its driver gives no valid range, meters."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Laser:
-    """Reads the scans of one laser.
+    """Converter of the scans of one laser.
 
     Attributes:
-        mount: its pose on the base, and the beams of its first scan, which apply to all scans.
+        mount: pose of the laser on the base, and the beams of its first scan. They are used for all scans.
         first: the first scan.
-        upside_down: True if its beams turn clockwise, seen from above.
+        upside_down: True if the beams turn clockwise, seen from above.
     """
 
     mount: LaserMount
@@ -30,7 +30,7 @@ class Laser:
 
     @classmethod
     def of(cls, first: LaserScan, mounting: PlanarMount) -> "Laser":
-        """Return the laser with this first usable scan (see `usable`) and this mounting."""
+        """Make the converter for a laser with this first usable scan (see `usable`) and this mounting."""
         sign = -1.0 if mounting.upside_down else 1.0
         range_min = first.range_min if first.range_min > 0.0 else 0.0
         range_max = first.range_max
@@ -51,14 +51,15 @@ class Laser:
         """Convert a scan message of this laser.
 
         Readings outside the laser's range become +inf (nothing seen), as in amcl. If the beams of a scan differ from
-        those of the first, each beam gets the nearest one; a beam without a near one is lost (NaN).
+        the beams of the first scan, each beam gets the reading of the nearest one. A beam without a near one is lost
+        (NaN).
         """
         ranges = read.ranges if self.same_beams(read) else self._nearest(read)
         nothing = (ranges >= self.mount.range_max) | (ranges <= self.mount.range_min)
         return Scan(tick, self.mount, np.where(nothing, np.float32(np.inf), ranges))
 
     def same_beams(self, read: LaserScan) -> bool:
-        """Return True if a scan has the beams of the first one, within a tenth of the angle between two beams."""
+        """Return True if a scan has the beams of the first scan, within a tenth of the angle between two beams."""
         first = self.first
         if len(read.ranges) != len(first.ranges):
             return False

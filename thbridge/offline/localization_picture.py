@@ -15,13 +15,16 @@ from thbridge.offline.map_picture import grid_bounds, map_figure, picture_settin
 _TRACKED = "#0072B2"
 _LOST = "#D55E00"
 _JUMP = 1.0
-"""Distance between two updates above which the line is broken, because the robot did not drive there, meters."""
+"""Distance between two updates above which the line has a gap, because the pose has jumped, meters."""
 _MARGIN = 5.0
-"""Margin of the map around the path, meters; large parts of many maps are unknown."""
+"""Margin of the map around the path, meters.
+
+Not the whole map is shown, because large parts of many maps are unknown.
+"""
 
 
 def localization_picture(result: LocalizationResult, grid: OccupancyGrid, title: str) -> Figure:
-    """Draw the path of a localization with at least one update. The same result gives the same picture."""
+    """Draw the path of a localization, which must have at least one update. The same result gives the same picture."""
     poses = np.array([update.base_in_map.array() for update in result.updates])
     lost = np.array([update.lost for update in result.updates])
     jumps = np.abs(np.diff(poses[:, :2], axis=0)).max(axis=1, initial=0.0) > _JUMP

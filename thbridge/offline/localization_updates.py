@@ -1,5 +1,5 @@
-"""Updates of a localization as rows: pose, covariance, agreement of map and scan, whether the robot was lost, and the
-probability that the pose is wrong."""
+"""Updates of a localization as rows: pose, covariance, agreement of map and scan, lost or not, and probability that the
+pose is wrong."""
 
 import csv
 import json
@@ -27,7 +27,7 @@ COLUMNS = (
     "p_wrong",
 )
 """Units of the columns: seconds; meters and radians in the map frame; m^2, m rad, rad^2; share 0 to 1; true or false;
-probability 0 to 1, or empty if the filter does not know it."""
+probability 0 to 1, or empty if the filter does not compute it."""
 
 
 class UpdatesFormat(StrEnum):

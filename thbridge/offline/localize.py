@@ -37,10 +37,11 @@ class FilterUpdate:
     Attributes:
         stamp_ns: stamp of the scan.
         base_in_map: the estimated pose.
-        covariance: (3, 3) of x, y, theta.
-        agreement: share of the scan that the map explains from this pose, 0 to 1; None if the filter did not weigh it.
+        covariance: (3, 3) covariance of x, y, theta.
+        agreement: share of the scan that the map explains from this pose, 0 to 1. None if the filter did not compute
+            it.
         lost: True if the filter reported that the robot is lost.
-        p_wrong: probability that the pose is wrong, see `Estimate`; None if the filter does not know it.
+        p_wrong: probability that the pose is wrong, see `Estimate`. None if the filter did not compute it.
     """
 
     stamp_ns: int
@@ -56,9 +57,9 @@ class LostStretch:
     """Consecutive updates at which the robot was lost.
 
     Attributes:
-        updates: number of them.
-        start_ns: stamp of the first.
-        end_ns: stamp of the next update, at which the robot was found; of the last one if it was never found.
+        updates: number of these updates.
+        start_ns: stamp of the first update.
+        end_ns: stamp of the next update, at which the robot was found. If it was never found, stamp of the last update.
     """
 
     updates: int
@@ -73,12 +74,12 @@ class LocalizationResult:
     Attributes:
         updates: all updates, in order.
         last: the estimate at the last scan.
-        scans: number of scans given to the filter; it ignores scans after too little motion.
+        scans: number of scans given to the filter. The filter ignores scans after too little motion.
         skipped: number of skipped scans, by reason.
         cpu_seconds: processor time of the filter's updates, without reading the bag.
-        scan_faults: changes of the scans' clock, and scans with a stamp that does not fit the others.
-        unstamped: number of scans with a stamp of 0; their time of recording is used.
-        time_offset: offset of odometry to scans, by the original stamps of `odometry`; None if it cannot be found.
+        scan_faults: changes of the scans' clock, and scans with stamps that do not fit those of the others.
+        unstamped: number of scans with a stamp of 0. For these, the time of recording is used.
+        time_offset: offset of odometry to scans, by the original stamps of `odometry`. None if it cannot be found.
     """
 
     updates: tuple[FilterUpdate, ...]
@@ -121,7 +122,7 @@ def localize(
 ) -> LocalizationResult | RequestRefused:
     """Localize a robot in a recording.
 
-    Each scan is used with the odometry at its stamp, which amcl gets from tf.
+    Each scan is used with the odometry at its stamp. amcl gets this odometry from tf.
 
     Args:
         localizer: the filter, initialized at the start pose.
@@ -129,8 +130,8 @@ def localize(
         odometry: odometry of the whole recording.
         scans: scans in the order of recording.
         clock: clock of processor time, seconds.
-        progress: called once for each scan.
-        headings: receives scans while the robot is not lost, for the time offset. If None, no offset is estimated.
+        progress: function that is called once for each scan.
+        headings: receiver of scans while the robot is not lost, for the time offset. If None, no offset is estimated.
     """
     updates: list[FilterUpdate] = []
     skipped: Counter[SkipReason] = Counter()
@@ -161,7 +162,8 @@ def localize(
         given += 1
         scan = laser.scan(tick, read.scan)
         started = clock()
-        # The tick is the number of the scan, not its time, because it is the key of the filter's random numbers.
+        # The tick is the number of the scan and not its time, because the tick is the key of the filter's random
+        # numbers.
         last = localizer.update(Odometry(tick, base_in_odom, STANDSTILL), Imu(tick, 0.0), scan)
         cpu_seconds += clock() - started
         if headings is not None and not last.lost:

@@ -13,7 +13,7 @@ from sim.robot.localization.amcl import Amcl
 from sim.robot.localization.estimate import Localizer
 
 ROBOT = "robot1"
-"""Key of the filter's random stream. One is enough: a topic of a bag has scans of one robot."""
+"""Key of the filter's random stream. One key is enough, because a bag's topic has the scans of only one robot."""
 
 
 def recorded_localizer(
@@ -30,9 +30,9 @@ def recorded_localizer(
         software: the parameters.
         grid: the map.
         mount: the laser.
-        start: pose of the robot at the beginning. If None, it may be anywhere.
+        start: pose of the robot at the beginning. If None, the robot may be anywhere.
         seed: random seed of the particle filter.
-        parts: installed parts that the software names. If None, it names none.
+        parts: installed parts that the software may name. If None, it may name no installed part.
     """
     localizer: Localizer
     first: AmclParameters | EkfParameters
@@ -53,12 +53,12 @@ def recorded_localizer(
 
 
 def warm_up(localizer: Localizer, software: RobotParameters, scan: Scan) -> None:
-    """Compile all code of updates, by running a filter that is not used otherwise.
+    """Compile all code that updates need, by running a filter that is not used otherwise.
 
     Args:
-        localizer: a filter made and initialized like the one to measure.
-        software: its parameters.
-        scan: any scan of its laser.
+        localizer: a filter that is made and initialized like the measured one.
+        software: parameters of the filter.
+        scan: any scan of the same laser.
     """
     stride = 1.01 * max(software.amcl.update_min_d, software.ekf.update_min_d) + 0.01
     for tick in range(2 * software.amcl.resample_interval + 1):

@@ -19,19 +19,19 @@ from thbridge.offline.map_survey import MapSurvey
 _SHADES = ListedColormap(["#ffffff", "#1f2933", "#d5dae0"])
 """Colors of free, occupied and unknown cells."""
 _TINTS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#7A5195", "#8C6D31")
-"""Colors of rooms, in turn: those of Okabe and Ito, then two darker ones."""
+"""Colors of rooms, used in turn: the colors of Okabe and Ito, then two darker ones."""
 _DOOR = "#B2182B"
 _INK = "#1f2933"
 _WIDTH = 10.0
-"""Length of the longer side, inches."""
+"""Length of the picture's longer side, inches."""
 _SIZE, _SMALLEST = 9.0, 4.5
-"""Font size, and its minimum in narrow rooms, points."""
+"""Usual font size, and minimum font size in narrow rooms, points."""
 _ARROW = 0.4
 """Length of the arrow along a pose's yaw, meters."""
 
 
 def picture_settings() -> AbstractContextManager[None]:
-    """Return Matplotlib settings that make a picture the same everywhere."""
+    """Return Matplotlib settings with which a picture is the same on all machines."""
     return mpl.rc_context({"font.family": "DejaVu Sans", "font.size": _SIZE, "svg.hashsalt": "thbridge"})
 
 
@@ -67,7 +67,7 @@ def map_picture(seen: MapSurvey) -> Figure:
 
 
 def _fitting(label: str, width: float) -> float:
-    """Return the font size (points) at which a label fits the width of a room (inches), if it stays readable."""
+    """Return the font size (points) at which a label fits the width of a room (inches), at least a readable one."""
     across = 0.7 * max(len(line) for line in label.splitlines())
     return float(np.clip(72.0 * width / across, _SMALLEST, _SIZE))
 
@@ -80,7 +80,7 @@ def grid_bounds(grid: OccupancyGrid) -> FloatArray:
 
 
 def map_figure(grid: OccupancyGrid, view: FloatArray) -> tuple[Figure, Axes]:
-    """Return a figure with the cells of a map, and axes in meters of its frame. Call it within `picture_settings`.
+    """Return a figure with the cells of a map, and axes in meters, map frame. Call this within `picture_settings`.
 
     Args:
         grid: the map.

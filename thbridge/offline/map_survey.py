@@ -1,4 +1,4 @@
-"""Figures of a map: its size and floor, its rooms with areas and doors, and what robots reach."""
+"""Statistics of a map: size and floor, rooms with areas and doors, and places that robots reach."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -18,21 +18,21 @@ Owners = NDArray[np.int32]
 """(rows, cols) number of the room that contains each cell's center; 0 is the corridor."""
 
 GAP = 0.6
-"""Area of floor between two outlines that is the sill of a door and not a corridor, square meters."""
+"""Maximum area of floor between two outlines that counts as the sill of a door and not as a corridor, square meters."""
 
 _TOUCHING = np.ones((3, 3), dtype=np.bool_)
 
 
 @dataclass(frozen=True, slots=True)
 class Doorway:
-    """An opening that a robot fits through, between a room and the corridor or another room.
+    """An opening between a room and the corridor or another room. A robot fits through it.
 
     Attributes:
-        room: the room; of two rooms the one with the lower number.
+        room: the room. Between two rooms, this is the room with the lower number.
         beyond: the room on the other side, or the corridor.
-        x: x of its middle, map frame, meters.
-        y: y of its middle.
-        width: its width, meters.
+        x: x of the opening's middle, map frame, meters.
+        y: y of the opening's middle.
+        width: width of the opening, meters.
     """
 
     room: Room
@@ -44,7 +44,7 @@ class Doorway:
 
 @dataclass(frozen=True, slots=True)
 class RoomSurvey:
-    """A room with its free floor, square meters, and its doors."""
+    """A room, its free floor in square meters, and its doors."""
 
     room: MapRoom
     area: float
@@ -53,15 +53,16 @@ class RoomSurvey:
 
 @dataclass(frozen=True, slots=True)
 class MapSurvey:
-    """Figures of a map.
+    """Statistics of a map.
 
     Attributes:
         place: the map.
         free: share of free cells.
-        occupied: share of occupied cells; the rest are unknown.
+        occupied: share of occupied cells. All other cells are unknown.
         rooms: the rooms in the order of their numbers.
-        pairs: number of ordered pairs of different places with a room as the second; the corridor is that of start 1.
-        reachable: number of these pairs with a path for a robot.
+        pairs: number of ordered pairs of different places. The first place is a room or the corridor (at start 1), the
+            second place is a room.
+        reachable: number of pairs with a path for a robot.
     """
 
     place: Map
@@ -78,7 +79,7 @@ class MapSurvey:
 
 
 def survey(place: Map, footprint: Polygon = FOOTPRINT) -> MapSurvey:
-    """Measure a map, with or without faults, for robots with these corners in their own frame, meters."""
+    """Measure a map, which may have faults. `footprint` has the corners of robots in their own frame, meters."""
     grid = place.grid
     floor = TraversabilityMap.of(grid, *radii(np.array(footprint)))
     owners = owners_of(place, floor)
@@ -109,7 +110,7 @@ def survey(place: Map, footprint: Polygon = FOOTPRINT) -> MapSurvey:
 
 
 def owners_of(place: Map, floor: TraversabilityMap) -> Owners:
-    """Return the room of every cell. Where regions overlap, the later one wins."""
+    """Return the room of every cell. Where regions overlap, the later region is used."""
     owners = np.zeros(place.grid.cells.shape, dtype=np.int32)
     for entry in place.rooms:
         box, held = floor.held_by(entry.region)
@@ -120,8 +121,8 @@ def owners_of(place: Map, floor: TraversabilityMap) -> Owners:
 def doorways(floor: TraversabilityMap, owners: Owners, footprint: Polygon = FOOTPRINT) -> Iterator[Doorway]:
     """Yield the openings of rooms, ordered by room, then by the room beyond, then by place.
 
-    An opening is a connected row of free cells on one side that touch free cells on the other. A robot fits through if
-    one of them has the clearance for its inscribed circle.
+    An opening is a connected row of free cells on one side that touch free cells on the other side. A robot fits
+    through if one of these cells has enough clearance for the robot's inscribed circle.
     """
     grid = floor.grid
     inscribed, _ = radii(np.array(footprint))
@@ -149,7 +150,7 @@ def doorways(floor: TraversabilityMap, owners: Owners, footprint: Polygon = FOOT
 
 
 def _without_gaps(owners: Owners, free: Mask, resolution: float) -> Owners:
-    """Return owners without small gaps: floor that is too small for a corridor belongs to the nearest room."""
+    """Return owners without small gaps. Floor that is too small for a corridor is assigned to the nearest room."""
     labels, _ = label(free & (owners == 0))
     small = np.bincount(labels.ravel()) * resolution**2 < GAP
     small[0] = False

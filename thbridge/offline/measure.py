@@ -28,7 +28,7 @@ class MeasurementSetup:
         world: bodies, motors and sensors.
         robot: the software that drives.
         seed: seed of all random numbers.
-        parts: installed parts that the software names.
+        parts: installed parts that the software may name.
     """
 
     place: Map
@@ -42,8 +42,8 @@ class MeasurementSetup:
 class RoomTrip:
     """One drive from the goal pose of room `start` to that of room `goal`.
 
-    The corridor as `start` means the start poses of the map: run 0 starts at the first, run 1 at the second, and so on.
-    The number of the run also selects the noise.
+    If `start` is the corridor, run 0 starts at the map's first start pose, run 1 at the second, and so on. The number
+    of the run also selects the noise.
     """
 
     start: Room
@@ -53,7 +53,7 @@ class RoomTrip:
 
 @dataclass(frozen=True, slots=True)
 class TripResult:
-    """The result of a trip: simulated seconds, or the reason for giving up, as a sentence."""
+    """Result of a trip: simulated seconds, or the reason for giving up as a sentence."""
 
     trip: RoomTrip
     seconds: float | None
@@ -68,7 +68,7 @@ class TripTimes:
         start: the room of the start.
         goal: the room of the goal.
         seconds: simulated seconds of each trip that arrived.
-        refusals: reasons of trips that did not arrive.
+        refusals: reasons why trips did not arrive, as sentences.
     """
 
     start: Room
@@ -83,7 +83,7 @@ class TripTimes:
 
     @property
     def deviation(self) -> float | None:
-        """Sample standard deviation of the seconds; None with fewer than two."""
+        """Sample standard deviation of the seconds; None if fewer than two trips arrived."""
         return stdev(self.seconds) if len(self.seconds) > 1 else None
 
 
@@ -98,7 +98,7 @@ def trips(place: Map, runs: int) -> Iterator[RoomTrip]:
 
 
 def drive(course: MeasurementSetup, trip: RoomTrip) -> TripResult:
-    """Drive one trip, alone on the map."""
+    """Drive one trip, with one robot alone on the map."""
     place = course.place
     starts = place.starts
     start = starts[trip.run % len(starts)] if trip.start.is_corridor else place.rooms[trip.start.people - 1].goal
@@ -117,7 +117,7 @@ def drive(course: MeasurementSetup, trip: RoomTrip) -> TripResult:
 
 
 def by_pair(done: Iterable[TripResult]) -> tuple[TripTimes, ...]:
-    """Return the results of each pair of rooms, ordered by start and goal, independent of the order of `done`."""
+    """Return the results of each pair of rooms, ordered by start and goal. The order of `done` does not matter."""
     pairs: dict[tuple[Room, Room], list[TripResult]] = {}
     for driven in sorted(done, key=lambda driven: driven.trip):
         pairs.setdefault((driven.trip.start, driven.trip.goal), []).append(driven)

@@ -1,7 +1,7 @@
 """Effects of noise, for drawings: spread of odometry, spread of a particle filter without scans, a noisy laser scan.
 
-The models are those of the simulation: odometry of `sim.world.physics`, amcl's of `sim.robot.localization.motion`, the
-laser's of `sim.world.sensors`. Seeds are fixed, so that two drawings differ only by the changed parameters.
+The models are those of the simulation: `sim.world.physics` for odometry, `sim.robot.localization.motion` for amcl, and
+`sim.world.sensors` for the laser. Seeds are fixed, so that two drawings differ only by the changed parameters.
 """
 
 import math
@@ -25,10 +25,10 @@ from sim.world.sensor_noise import WheelNoise, measured_increment, wheel_noise_o
 from sim.world.sensors import Sensors
 
 PATHS = 200
-"""Number of paths in a spread."""
+"""Number of random paths."""
 SEED = 1
 _KEPT = 60
-"""Points of a drawn path."""
+"""Number of points of a drawn path."""
 _CHI_SQUARE_95 = 5.991464547107979
 """95 % quantile of the chi-square distribution with two degrees of freedom, for the 95 % ellipse in the plane."""
 
@@ -37,7 +37,7 @@ CourseShape = Literal["straight", "square"]
 STRAIGHT = 10.0
 """Length of the straight course, meters."""
 SIDE = 2.5
-"""Side of the square course, which is as long as the straight one, meters."""
+"""Side of the square course, meters. This course is as long as the straight one."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -45,12 +45,12 @@ class PathSpread:
     """Many random paths of one drive.
 
     Attributes:
-        driven: (k, 2) the path without noise, meters; from the origin along x.
-        paths: (n, k, 2) the paths with noise.
+        driven: (k, 2) path without noise, meters. It starts at the origin, along x.
+        paths: (n, k, 2) paths with noise.
         centre: (2,) mean of the paths' ends.
         ellipse: (m, 2) outline of the 95 % ellipse of the ends.
-        along: longer half axis of that ellipse, meters.
-        across: shorter half axis, meters.
+        along: longer half axis of the ellipse, meters.
+        across: shorter half axis of the ellipse, meters.
     """
 
     driven: FloatArray
@@ -67,8 +67,8 @@ def odometry_spread(noise: OdometryNoise, course: CourseShape, speed: float, tur
     Args:
         noise: the true noise of the wheels' odometry.
         course: 10 m straight, or once around a square of 2.5 m.
-        speed: driving speed, m/s. The error of a tick is proportional to its distance. So a slow drive with many ticks
-            averages out more of it.
+        speed: driving speed, m/s. The error of a tick is proportional to its distance. So in a slow drive with many
+            ticks, errors average out more.
         turn: rotation speed in place, rad/s.
     """
     movements = _movements(course, speed, turn)
@@ -82,7 +82,7 @@ def belief_spread(amcl: AmclParameters, course: CourseShape, speed: float, turn:
 
     Args:
         amcl: motion model, alphas, and minimum motion between two updates.
-        course: as for `odometry_spread`.
+        course: see `odometry_spread`.
         speed: driving speed, m/s.
         turn: rotation speed in place, rad/s.
     """
@@ -106,7 +106,7 @@ def belief_spread(amcl: AmclParameters, course: CourseShape, speed: float, turn:
 
 
 def _movements(course: CourseShape, speed: float, turn: float) -> FloatArray:
-    """Return (k, 2) motion of a robot in each tick: length of the chord (m), and half of the angle turned (rad)."""
+    """Return (k, 2) motions of a robot in each tick: length of the chord (m), and half of the turn (rad)."""
     if course == "straight":
         return _in_ticks(STRAIGHT, 0.0, STRAIGHT / speed)
     side, corner = _in_ticks(SIDE, 0.0, SIDE / speed), _in_ticks(0.0, 0.25 * math.pi, 0.5 * math.pi / turn)
@@ -120,7 +120,7 @@ def _in_ticks(distance: float, half: float, seconds: float) -> FloatArray:
 
 @lru_cache(maxsize=4)
 def _draws(ticks: int) -> FloatArray:
-    """Return (n, ticks, 3) standard normals. They do not depend on parameters, so that drawings can be compared."""
+    """Return (n, ticks, 3) standard normals. They do not depend on the parameters, so that drawings are comparable."""
     keys = np.array([key(SEED, "fan", f"path{i + 1}") for i in range(PATHS)], dtype=np.uint64)
     draws = np.empty((PATHS, ticks, 3))
     for i in range(PATHS):
@@ -136,7 +136,7 @@ def _draw(key: np.uint64, out: FloatArray) -> None:
 
 @njit(cache=True, nogil=True)
 def _reported(movements: FloatArray, draws: FloatArray, wheels: WheelNoise, stride: int) -> FloatArray:
-    """Return (n, k, 2) positions by the odometry of n robots: at the start, every `stride` ticks, and at the end."""
+    """Return (n, k, 2) positions of n robots by odometry: at the start, every `stride` ticks, and at the end."""
     ticks = movements.shape[0]
     kept = 1 + (ticks + stride - 1) // stride
     paths = np.zeros((draws.shape[0], kept, 2))
@@ -181,7 +181,7 @@ class RoomScan:
     """One laser scan in a room, in the map frame, meters.
 
     Attributes:
-        walls: (k, 2, 2) ends of the walls' lines.
+        walls: (k, 2, 2) ends of the lines that represent walls.
         laser: (2,) position of the laser.
         true: (m, 2) true ends of the beams that end within range.
         seen: (j, 2) ends of the beams in the noisy scan.
@@ -198,7 +198,7 @@ class RoomScan:
 
 
 def room_scan(world: WorldParameters) -> RoomScan:
-    """Return a scan of this laser with and without noise, in a room of 6 m by 4 m with a pillar and a door.
+    """Return a scan of the world's laser with and without noise, in a room of 6 m by 4 m with a pillar and a door.
 
     Raises:
         ValueError: the laser's limits are in the wrong order, or its rate does not divide the ticks per second.
@@ -238,7 +238,7 @@ def _sweep(world: WorldParameters) -> Scan:
     grid = _room()
     state = World(grid, world, SEED, 1.0).start([Pose2(*_LASER_STANDS)])
     if isinstance(state, Misplaced):
-        # A body too large for the room is replaced by the standard one; the scan does not depend on it.
+        # A body that is too large for the room is replaced by the standard body. The scan does not depend on the body.
         return _sweep(replace(world, footprint=WorldParameters().footprint))
     scan = Sensors(grid, world, SEED, 1.0).sense(state, 0).scan
     if scan is None:
@@ -257,7 +257,7 @@ def _ends(laser: FloatArray, theta: float, scan: Scan) -> FloatArray:
 
 @lru_cache(maxsize=1)
 def _room() -> OccupancyGrid:
-    """Return the grid of the room. Its walls are one cell thick; the far wall of another room is behind its door."""
+    """Return the grid of the room. Walls are one cell thick. Behind the door is the far wall of another room."""
     cells = np.full((82, 162), FREE, dtype=np.int8)
     cells[0, :] = cells[-1, :] = cells[:, 0] = cells[:, -1] = OCCUPIED
     # The outer walls are one cell outside the room, so that their inner faces are at 0 and 6 m, 0 and 4 m.
@@ -270,8 +270,8 @@ def _room() -> OccupancyGrid:
 def covered(true: PathSpread, believed: PathSpread) -> float:
     """Return the share of the true ends within the 95 % ellipse of the belief.
 
-    The two spreads are mirror images: in one the robot is on the course and its odometry is not, in the other it is
-    the other way round. Over such short distances the errors are the same.
+    The two spreads are mirror images. In `true`, the robot is on the course and its odometry is not. In `believed`,
+    odometry is on the course and the robot is not. Over such short distances, the errors are the same.
     """
     spread = np.cov(believed.paths[:, -1].T) + 1e-12 * np.eye(2)
     off = believed.centre - believed.driven[-1] - (true.paths[:, -1] - true.driven[-1])

@@ -14,7 +14,7 @@ from thbridge.ros.odometry_faults import MissedMotion, OdometryRun, OdometrySamp
 LONGEST_GAP_NS = 1_000_000_000
 """Maximum time between two odometry messages for interpolation between them."""
 REACH_NS = 100_000_000
-"""Maximum extrapolation before the first and after the last message; amcl's transform_tolerance."""
+"""Maximum extrapolation before the first and after the last message, as amcl's transform_tolerance."""
 
 
 def _pose_at(run: OdometryRun, stamp_ns: int) -> Pose2 | None:
@@ -37,19 +37,19 @@ def _pose_at(run: OdometryRun, stamp_ns: int) -> Pose2 | None:
 
 
 class OdometryTrack:
-    """All sound odometry of a recording (`odometry_faults`); its clock may have been changed.
+    """All odometry of a recording without faults (`odometry_faults`).
 
-    Messages may come in any order. A new run starts where the clock was changed. A scan is looked up in the run that
-    was recorded at the same time.
+    Messages may come in any order. A new run starts where the clock was changed. For a scan, the run that was recorded
+    at the same time is used.
 
     Attributes:
         faults: faults that were removed, or runs that were joined.
         begin_ns: time of recording of the first sample.
-        unstamped: number of samples with a stamp of 0; their time of recording is used.
+        unstamped: number of samples with a stamp of 0. For these, the time of recording is used.
     """
 
     def __init__(self, samples: Iterable[OdometrySample], max_speed: float | None = None) -> None:
-        """Judge samples in the order of recording; see `sound_odometry`."""
+        """Check samples in the order of recording; see `sound_odometry`."""
         samples = list(samples)
         self.unstamped = sum(sample.stamp_ns == 0 for sample in samples)  # of integers
         sound = sound_odometry(
@@ -61,7 +61,7 @@ class OdometryTrack:
         self._runs, self._missed = sound.runs, sound.missed
 
     def later(self, seconds: float) -> "OdometryTrack":
-        """Return the track with stamps later by `seconds`, for odometry that leads the scans by this time."""
+        """Return the track with stamps that are `seconds` later, for odometry that leads the scans by this time."""
         shift = round(seconds * 1e9)
         moved = copy(self)
         moved._runs = tuple(replace(run, stamps=run.stamps + shift) for run in self._runs)
@@ -77,15 +77,15 @@ class OdometryTrack:
         return sum(len(run.stamps) for run in self._runs)
 
     def missed(self, since_ns: int, until_ns: int) -> tuple[MissedMotion, ...]:
-        """Return motions that the odometry does not report, recorded after one time and not after the other."""
+        """Return motions that the odometry does not report, recorded after `since_ns` but not after `until_ns`."""
         return tuple(each for each in self._missed if since_ns < each.received_ns <= until_ns)
 
     def at(self, stamp_ns: int, received_ns: int) -> Pose2 | None:
-        """Return the pose of the base in odom; None if no odometry is near.
+        """Return the pose of the base in odom; None if no odometry is near this time.
 
         Args:
-            stamp_ns: the time of the pose.
-            received_ns: recording stamp of the scan; it selects the run if stamps of several runs overlap.
+            stamp_ns: time of the pose.
+            received_ns: time of recording of the scan. It selects the run if stamps of several runs overlap.
         """
         current = bisect_right([run.received_ns for run in self._runs], received_ns) - 1
         for index in (current, current - 1, current + 1):

@@ -24,14 +24,14 @@ Algorithm = Literal["navfn", "astar"]
 
 @dataclass(frozen=True, slots=True)
 class PlanResult:
-    """The result of one query.
+    """Result of one query.
 
     Attributes:
         found: True if there is a path.
         length: length of the path, meters; None without a path.
         milliseconds: planning time, without compilation.
         reason: reason for the missing path, as a sentence; None if there is a path.
-        code: the same reason as a code for programs.
+        code: code of the reason, for programs.
     """
 
     found: bool
@@ -42,12 +42,12 @@ class PlanResult:
 
 
 def costmap(grid: OccupancyGrid, radius: float, inflation: float) -> Costs:
-    """Return (rows, cols) costs of a map: its occupied cells, inflated.
+    """Return (rows, cols) costs of a map: its occupied cells and the costs around them (inflation).
 
     Args:
         grid: the map.
         radius: radius of the robot, meters.
-        inflation: inflation radius, meters; at least `radius` is used.
+        inflation: inflation radius, meters. It is increased to `radius` if it is smaller.
     """
     parameters = InflationParameters(
         inflation_radius=max(inflation, radius), cost_scaling_factor=_COSTMAP.inflation_layer.cost_scaling_factor
@@ -67,15 +67,15 @@ def plan(
     algorithm: Algorithm,
     seconds: Callable[[], float],
 ) -> list[PlanResult]:
-    """Plan a path for each query, in their order.
+    """Plan a path for each query, in the order of queries.
 
     Args:
-        grid: the map; its origin may be rotated.
+        grid: the map. Its origin may be rotated.
         queries: (n, 4) x and y of the start, x and y of the goal, map frame, meters; n at least 1.
-        radius: as for `costmap`.
-        inflation: as for `costmap`.
-        algorithm: order in which navfn expands cells: "navfn" is Dijkstra's, "astar" is A*'s.
-        seconds: clock for the planning times, seconds.
+        radius: see `costmap`.
+        inflation: see `costmap`.
+        algorithm: order in which navfn visits cells: "navfn" for Dijkstra's, "astar" for that of A*.
+        seconds: clock that measures planning times, seconds.
     """
     planner = PotentialPlanner(Navfn(NavfnParameters(use_astar=algorithm == "astar")))
     costs = costmap(grid, radius, inflation)

@@ -1,4 +1,4 @@
-"""Search in a bag for the data of localization: scans, odometry, and the mounting of the laser."""
+"""Search in a bag for the data that localization needs: scans, odometry, and the mounting of the laser."""
 
 import math
 from collections.abc import Callable, Iterator
@@ -25,7 +25,7 @@ T = TypeVar("T")
 
 TF_TYPES = (TFMESSAGE, "tf/tfMessage")
 SCANS = ("scan", "base_scan", "scan_filtered")
-"""Usual topics of lasers for localization, the most usual first."""
+"""Usual topics of lasers for localization. The most usual topic is first."""
 BASE_FRAMES = ("base_footprint", "base_link")
 LEVEL = math.radians(10)
 """Tilt above which a laser does not see the plane of the map, radians."""
@@ -33,7 +33,7 @@ LEVEL = math.radians(10)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class StampedScan:
-    """A scan with its stamp and the stamp of recording."""
+    """A scan with its stamp and its time of recording."""
 
     stamp_ns: int
     received_ns: int
@@ -50,7 +50,7 @@ class LocalizationBag:
         messages: number of scans.
         laser: converter of the scans.
         odometry: odometry of the same robot.
-        odometry_source: topic of the odometry, or its frames in tf.
+        odometry_source: topic of the odometry, or the frames of the odometry in tf.
         notices: sentences about assumptions and anomalies.
     """
 
@@ -78,14 +78,14 @@ def open_recording(
 
     Args:
         path: a ROS 1 bag.
-        scan_topic: topic of type sensor_msgs/LaserScan. If None, that of the only robot.
-        odom_topic: topic of type nav_msgs/Odometry. If None, that of the same robot. Without such a topic, odometry is
-            read from tf.
+        scan_topic: topic of type sensor_msgs/LaserScan. If None, the topic of the only robot.
+        odom_topic: topic of type nav_msgs/Odometry. If None, the topic of the same robot. If there is no such topic,
+            odometry is read from tf.
         laser_in_base: pose of the laser on the base. If None, it is read from tf.
         max_odom_speed: speed that the robot cannot exceed, m/s. If None, it is estimated from its odometry.
 
     Raises:
-        BadFile: the bag cannot be read, or lacks something; the message lists what the bag has instead.
+        BadFile: the bag cannot be read, or does not contain required data. The message lists what the bag contains.
     """
     topics = info(path).topics
     notices: list[str] = []
@@ -99,7 +99,7 @@ def open_recording(
         problem = "no scan has two beams and an angle between them"
         raise BadFile(path, problem, "give another topic with --scan-topic", key=scans.name)
 
-    # Robots with separate tf topics may all use the same frame names. So only the tf of this robot is read.
+    # Robots with separate tf topics may all use the same frame names. So only read the tf of this robot.
     robot = namespace_of(scans.name)
     tf_topics = [
         topic.name
@@ -152,7 +152,7 @@ def open_recording(
 
 
 def _only_scans(path: Path, topics: tuple[TopicInfo, ...], notices: list[str]) -> str:
-    """Return the topic of the scans, by type; if a robot has several lasers, the one with the most usual name."""
+    """Return the topic of the scans, found by type. If a robot has several lasers, return the most usual name."""
     names = usual_first(_of_type(topics, LASER_SCAN), SCANS)
     robots = sorted({namespace_of(name) for name in names})
     if len(robots) > 1:
@@ -168,7 +168,7 @@ def _odometry_beside(scans: str, topics: tuple[TopicInfo, ...], notices: list[st
     names = [name for name in _of_type(topics, ODOMETRY) if not is_truth(name)]
     robots = {namespace_of(name) for name in (*names, scans)}
     own = usual_first((name for name in names if owner_of(name, robots) == owner_of(scans, robots)), (ODOM_FRAME,))
-    # Odometry in the namespace of a node belongs to the only robot, regardless of the namespace of the scans.
+    # Odometry in the namespace of a node belongs to the only robot, whatever the namespace of the scans.
     own = own or usual_first((name for name in names if not namespace_of(name)), (ODOM_FRAME,))
     if not own and len(names) == 1 and len({namespace_of(name) for name in _of_type(topics, LASER_SCAN)}) == 1:
         own = names
@@ -234,7 +234,7 @@ def _odometry_of_tf(path: Path, topics: list[str], edge: tuple[str, str]) -> lis
 
 
 def _frames(path: Path, topics: list[str], enough: Callable[[FrameTree], bool]) -> FrameTree:
-    """Return the frame tree of a bag, read until it is sufficient."""
+    """Return the frame tree of a bag. Read the bag only until the tree is sufficient."""
     tree = FrameTree()
     for raw in messages(path, topics):
         transforms = _decoded(raw, unpack.spatial_transforms, path)
@@ -257,7 +257,7 @@ def _mount(tree: FrameTree, laser: str, bases: tuple[str, ...]) -> PlanarMount |
 
 
 def _odom_edge(tree: FrameTree, laser: str, certain: bool) -> tuple[str, str] | None:
-    """Return the transform with odometry: the one above the laser, or, unless `certain`, the only one that exists."""
+    """Return the transform with odometry: that above the laser or, unless `certain`, the only one that exists."""
     chain = tree.chain(laser)
     for child, parent in pairwise(chain):
         if is_odom_frame(parent):

@@ -2,9 +2,10 @@
 
 Method: segmentation by the distance transform with the persistence of its peaks, refined by a watershed. The clearance
 (distance to the nearest wall) of a room has a peak in its middle and a saddle in each doorway. The algorithm examines
-the floor above a rising clearance. If it splits into parts with peaks high enough above the saddle, each part is a
-separate place. A watershed from there puts the borders onto the narrowest lines. Everything that connects places is
-corridor: floor without a peak, long floor with many doorways, floor with more openings than walls.
+the floor above a clearance that rises step by step. If the floor splits into parts with peaks high enough above the
+saddle, each part is a separate place. A watershed that starts from these places puts the borders onto the narrowest
+lines. All floor that connects places is
+corridor: floor without a peak, long floor with many doorways, floor with many openings.
 
 Sources: R. Bormann, F. Jordan, W. Li, J. Hampp and M. Haegele, "Room Segmentation: Survey, Implementation, and
 Analysis", ICRA 2016 (distance transform, clutter); S. Thrun, "Learning metric-topological maps for indoor mobile robot
@@ -25,7 +26,7 @@ from sim.common.traversability import Mask
 from sim.numerics.float_array import FloatArray
 
 Labels = NDArray[np.int32]
-"""(rows, cols) number of the room of each cell, from 1 in reading order; 0 is corridor, wall and unknown."""
+"""(rows, cols) number of each cell's room, from 1 in reading order; 0 for corridor, wall and unknown cells."""
 
 Span: TypeAlias = "slice[int, int, None]"
 """Range of rows or columns."""
@@ -33,25 +34,25 @@ Span: TypeAlias = "slice[int, int, None]"
 SPECK = 0.5
 """Maximum extent of noise and of table legs, meters."""
 FURNITURE = 2.5
-"""Maximum extent of isolated things on the floor that are ignored, meters; thin things are walls."""
+"""Maximum extent of isolated things on the floor that are ignored, meters. Thin things count as walls."""
 SLENDER = 0.3
 """Ratio of width to length below which a thing is a piece of wall."""
 LEVEL = 0.05
-"""Step of clearance between two examinations, meters; at least half a cell."""
+"""Step of clearance between two examinations, meters. The step is at least half a cell."""
 PASSAGE = 0.3
 """Clearance above which floor is a passage and not a corner of a room, meters."""
 CORNER = 1.5
-"""Distance from where a robot drives within which floor belongs to the room, in radii of the robot's inner circle."""
+"""Distance from a robot's positions within which floor belongs to a room, in radii of the robot's inner circle."""
 WIDEST_DOOR = 10.0
 """Width above which an opening does not separate rooms, meters."""
 SHED = 3.0
-"""Area above which a corridor is noticed when it splits off from a single room, square meters."""
+"""Area above which a corridor is detected when it splits off from a single room, square meters."""
 TINY = 1.0
 """Area below which floor is too small for a corridor, square meters."""
 LONG = 3.2
-"""Threshold of length divided by width, times the number of doorways minus one; above it, floor is a corridor."""
+"""Threshold of (length / width) * (number of doorways - 1), above which floor is a corridor."""
 OPEN = 0.35
-"""Share of openings in a border above which floor is not a room."""
+"""Share of openings in the border of floor above which the floor is not a room."""
 
 _TOUCHING = np.ones((3, 3), dtype=np.bool_)
 
@@ -70,21 +71,21 @@ class RoomFindingOptions:
 
 
 RELAXED = (RoomFindingOptions(), RoomFindingOptions(1.15, 2.0), RoomFindingOptions(1.08, 1.0))
-"""Thresholds that are tried in turn until enough rooms are found."""
+"""Thresholds that are tried one after the other until enough rooms are found."""
 
 
 def find_rooms(grid: OccupancyGrid, inscribed: float, circumscribed: float, wanted: int | None = None) -> Labels:
     """Find the rooms of a map. The same grid gives the same rooms.
 
     Args:
-        grid: the map; noise, furniture and unknown space are tolerated, but unknown space is not floor.
-        inscribed: radius of the robot's inner circle, meters; the robot drives where this circle fits.
-        circumscribed: radius of its outer circle, meters; a room has a place where the robot can turn.
-        wanted: maximum number of rooms; beyond it, the smallest are assigned to the corridor. If None, all rooms by the
-            usual thresholds.
+        grid: the map. Noise, furniture and unknown space are tolerated, but unknown space is not floor.
+        inscribed: radius of the robot's inner circle, meters. The robot drives where this circle fits.
+        circumscribed: radius of the robot's outer circle, meters. A room must have a place where the robot can turn.
+        wanted: maximum number of rooms. If there are more, the smallest ones become corridor. If None, return all rooms
+            that the usual thresholds give.
 
     Returns:
-        The rooms found; perhaps fewer than `wanted`.
+        The rooms found. They may be fewer than `wanted`.
     """
     floor = drivable_floor(grid, inscribed)
     if not floor.any():
@@ -105,7 +106,8 @@ def find_rooms(grid: OccupancyGrid, inscribed: float, circumscribed: float, want
 def drivable_floor(grid: OccupancyGrid, inscribed: float) -> Mask:
     """Return the cells that a robot's center reaches on the largest connected floor.
 
-    Floor that touches the image's border is ignored if there is enough inside: it is the paper around a drawn plan.
+    Floor that touches the image's border is ignored if there is enough floor inside. It is then the paper around a
+    drawn plan.
     """
     areas, count = label(cells_away(grid.cells == FREE) * grid.resolution > inscribed)
     if count == 0:
@@ -123,9 +125,9 @@ def drivable_floor(grid: OccupancyGrid, inscribed: float) -> Mask:
 
 
 def in_reading_order(labels: Labels) -> Labels:
-    """Number rooms in reading order: rows from the top, each from the left.
+    """Number rooms in reading order: rows from the top, and rooms in a row from the left.
 
-    A row holds the rooms whose middle is within the vertical extent of its first room.
+    A room belongs to a row if the room's middle is within the vertical extent of the row's first room.
     """
     boxes = {number: box for number, box in enumerate(find_objects(labels), start=1) if box is not None}
     waiting = sorted(boxes, key=lambda number: (-boxes[number][0].stop, boxes[number][1].start))
@@ -155,7 +157,7 @@ def _around(mask: Mask, margin: int) -> tuple[Span, Span]:
 
 
 def _without_furniture(grid: OccupancyGrid) -> Mask:
-    """Return the free cells, including those of isolated things that are not walls."""
+    """Return the free cells, including the cells of isolated things that are not walls."""
     free: Mask = grid.cells == FREE
     things, _ = label(~free, structure=_TOUCHING)
     filled = free.copy()
@@ -174,7 +176,7 @@ def _at_border(box: tuple[Span, ...], shape: tuple[int, ...]) -> bool:
 
 
 def _is_slender(mask: Mask) -> bool:
-    """Return True if a thing is narrow compared with its length, by its second moments."""
+    """Return True if a thing is narrow compared with its length. Both are computed from second moments."""
     cells = np.argwhere(mask).astype(np.float64)
     small, large = np.linalg.eigvalsh(np.cov(cells.T, bias=True) + np.eye(2) / 12)
     return bool(np.sqrt(small / large) < SLENDER)
@@ -182,7 +184,7 @@ def _is_slender(mask: Mask) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class _Core:
-    """The middle of a place: its cells as flat indices, and the clearance of its widest doorway, meters."""
+    """Middle of a place: its cells as flat indices, and the clearance in the place's widest doorway, meters."""
 
     cells: NDArray[np.int64]
     door: float
@@ -208,7 +210,7 @@ def _segment(
 
 
 def _cores(clearance: FloatArray, resolution: float, inscribed: float, options: RoomFindingOptions) -> Iterator[_Core]:
-    """Yield the middles of places: floor above the clearance of their doorways."""
+    """Yield the middles of places: floor with more clearance than their doorways."""
     level, step = inscribed, max(LEVEL, resolution / 2)
     above, areas, peaks = _above(clearance, level, resolution)
     parts = {number: _Core(np.flatnonzero(above == number), level) for number in range(1, len(peaks))}
@@ -240,7 +242,7 @@ def _cores(clearance: FloatArray, resolution: float, inscribed: float, options: 
 
 
 def _above(clearance: FloatArray, level: float, resolution: float) -> tuple[Labels, FloatArray, FloatArray]:
-    """Return labels of connected floor above a clearance, the area of its discs of this radius, and its peaks."""
+    """Return labels of connected floor above a clearance, its areas when extended by this distance, and its peaks."""
     above, count = label(clearance > level)
     labels: Labels = np.asarray(above, dtype=np.int32)
     if count == 0:
@@ -259,14 +261,14 @@ def _peaks(clearance: FloatArray, labels: Labels, count: int) -> FloatArray:
 
 
 def _within(labels: Labels, distance: float, resolution: float) -> Labels:
-    """Return labels that are extended to the cells within the distance; each gets the nearest label."""
+    """Return labels that are extended to the cells within the distance. Each of these cells gets the nearest label."""
     away, nearest = distance_transform_edt(labels == 0, return_indices=True)
     grown: Labels = np.where(np.asarray(away) * resolution <= distance, labels[tuple(np.asarray(nearest))], 0)
     return grown
 
 
 def _places_around(cores: Sequence[_Core], clearance: FloatArray, resolution: float) -> Labels:
-    """Divide the floor: place i + 1 around core i, and further places for the floor between."""
+    """Divide the floor into place i + 1 around core i, and further places for the floor between them."""
     markers = np.zeros(clearance.shape, dtype=np.int32)
     opened = np.zeros(clearance.shape, dtype=np.bool_)
     for door in sorted({core.door for core in cores}):
@@ -282,7 +284,7 @@ def _places_around(cores: Sequence[_Core], clearance: FloatArray, resolution: fl
 
 
 def _flood(markers: Labels, clearance: FloatArray, resolution: float) -> Labels:
-    """Let the markers grow over all floor, from high clearance to low, so that they meet where it is lowest."""
+    """Let the markers grow over all floor, from high to low clearance, so that they meet where clearance is lowest."""
     places = np.pad(markers, 1)
     height = np.pad(clearance, 1)
     highest = float(height[places == 0].max(initial=0.0))
@@ -326,7 +328,7 @@ def _rooms_among(
 
 
 def _with_alcoves(places: Labels, cores: int, resolution: float) -> Labels:
-    """Assign floor between cores to a place if it is tiny or next to this place alone."""
+    """Assign a piece of floor between cores to a neighboring place if the piece is tiny or has only this neighbor."""
     while True:
         borders, areas = _borders(places), np.bincount(places.ravel()) * resolution**2
         renumbered = np.arange(len(areas), dtype=np.int32)
@@ -342,7 +344,7 @@ def _with_alcoves(places: Labels, cores: int, resolution: float) -> Labels:
 
 
 def _borders(places: Labels) -> NDArray[np.int64]:
-    """Return (n + 1, n + 1) number of cell sides between every two places; 0 is everything that is not floor."""
+    """Return (n + 1, n + 1) numbers of cell sides between every two places. Place 0 is all cells that are not floor."""
     size = int(places.max()) + 1
     padded = np.pad(places, 1).astype(np.int64)
     sides = np.zeros((size, size), dtype=np.int64)

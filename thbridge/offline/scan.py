@@ -12,7 +12,7 @@ from sim.numerics.float_array import FloatArray
 def beam_angles(beams: int, angle_min: float, angle_max: float | None) -> FloatArray:
     """Return (beams,) angles from `angle_min` to `angle_max`, both included, as in sensor_msgs/LaserScan; radians.
 
-    Without an `angle_max` they cover a full circle: the last beam is one step before the first.
+    If `angle_max` is None, the beams cover a full circle. The last beam is then one step before the first.
     """
     last = angle_min + math.tau * (beams - 1) / beams if angle_max is None else angle_max
     return np.linspace(angle_min, last, beams)
@@ -22,7 +22,7 @@ def scan(grid: OccupancyGrid, poses: FloatArray, angles: FloatArray, range_max: 
     """Return the exact ranges from every pose.
 
     Args:
-        grid: the map; beams end at occupied cells, and pass unknown cells and the space outside the map.
+        grid: the map. Beams end at occupied cells. They pass through unknown cells and the space outside the map.
         poses: (n, 3) poses of the laser in the map frame.
         angles: (m,) radians in the laser's frame.
         range_max: meters, finite.

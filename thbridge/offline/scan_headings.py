@@ -1,4 +1,4 @@
-"""Headings of a robot from its scans alone, to compare the clocks of scans and odometry."""
+"""Headings of a robot from its scans alone. They are used to compare the clocks of scans and odometry."""
 
 import math
 
@@ -16,11 +16,11 @@ _BEAMS = 60
 _PERIOD_NS = 50_000_000
 """Minimum time between scans that are matched."""
 _SEARCHED = 0.6
-"""Maximum displacement of a point due to the initial pose of a match, meters."""
+"""Maximum displacement of a point due to the error of a match's initial pose, meters."""
 
 
 class ScanHeadings:
-    """Collects headings by matching scans to the map, near the poses of a filter.
+    """Collector of headings. It matches scans to the map, near the poses of a filter.
 
     Args:
         grid: the map.
@@ -34,7 +34,7 @@ class ScanHeadings:
         self._headings: list[float] = []
 
     def add(self, stamp_ns: int, scan: Scan, base_in_map: Pose2) -> None:
-        """Match a scan near a pose, unless it is too close in time to the last one. Stamps that go back are skipped."""
+        """Match a scan near a pose. Skip it if it is too soon after the last one, or if its stamp goes back."""
         if self._stamps and stamp_ns - self._stamps[-1] < _PERIOD_NS:
             return
         match = self._matcher.match(base_in_map, self._beams.end_points(scan), _SEARCHED)

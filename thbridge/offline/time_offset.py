@@ -9,20 +9,26 @@ from sim.numerics.float_array import FloatArray
 LONGEST_OFFSET = 0.5
 """Maximum offset that can be found, seconds."""
 _STEP = 0.01
-"""Step between the compared offsets, seconds; a parabola finds the best offset between them."""
+"""Step between the compared offsets, seconds. A parabola gives the best offset between two of them."""
 _BLOCKS = 20
-"""Number of parts of the recording. Each is left out once: the spread of the estimates shows their accuracy."""
+"""Number of parts of the recording.
+
+Each part is omitted once, and the spread of these estimates shows their accuracy.
+"""
 _FEWEST_TURNS = 3 * _BLOCKS
 _EXPLAINED = 0.3
-"""Minimum share of the scans' squared turns that odometry must explain. Below, the two do not belong together."""
+"""Minimum share of the scans' squared turns that odometry must explain.
+
+If it explains less, the two do not belong together.
+"""
 
 
 class TimeOffset(NamedTuple):
     """Offset between the clocks of odometry and scans.
 
     Attributes:
-        seconds: time by which odometry shows a turn before the scans do; negative if it shows it later.
-        deviation: its standard deviation, seconds.
+        seconds: time by which odometry shows a turn earlier than the scans; negative if later.
+        deviation: standard deviation of this time, seconds.
         turns: rotation that odometry reports for each radian of rotation in the scans, radians.
     """
 
@@ -36,8 +42,8 @@ def time_offset(
 ) -> TimeOffset | None:
     """Estimate the offset from headings by odometry and by scans.
 
-    The turns between successive scans are compared with those of odometry over the same intervals, shifted by each
-    offset. At the right offset, odometry explains most of them by least squares.
+    The turns between successive scans are compared with the turns of odometry over the same intervals, shifted by each
+    offset. At the right offset, odometry explains the largest share of the scans' turns (least squares).
 
     Args:
         odometry_times: (m,) seconds, increasing.
@@ -46,8 +52,8 @@ def time_offset(
         scan_headings: (n,) radians; NaN for a scan without a heading.
 
     Returns:
-        The offset. None if it cannot be found: the robot turns too little, the best offset is at the end of the range,
-        or odometry explains too little of the turns.
+        The offset. None if it cannot be found: because the robot turns too little, because the best offset is at the
+        end of the range, or because odometry explains too little of the turns.
 
     Source: Quenouille, Notes on bias in estimation (1956), for the deviation (the jackknife). It is valid for errors
         that are dependent within a part.
@@ -78,7 +84,7 @@ def time_offset(
 
 
 def _best(sums: FloatArray, offsets: FloatArray) -> float | None:
-    """Return the offset at which odometry explains most turns of scans, from (3, n) sums of squares and products."""
+    """Return the offset at which odometry explains the scans' turns best, from (3, n) sums of squares and products."""
     squares, common, seen = sums
     explained = np.where(common > 0.0, common * common / np.maximum(squares, 1e-12), 0.0)
     top = int(np.argmax(explained))

@@ -1,4 +1,4 @@
-"""Obstacles that are in the world but not in the robot's map, drawn as a map of their own."""
+"""Obstacles that are in the world but not in the robot's map. They are drawn as a separate map."""
 
 from pathlib import Path
 
@@ -12,23 +12,24 @@ from thbridge.files.errors import BadFile
 _SAME_YAW = 1e-6
 """Tolerance between the yaws of two origins, radians."""
 _SLIVER = 1e-3
-"""Share of a cell that an obstacle may overlap without filling it, because origins in files are rounded."""
+"""Share of a cell that an obstacle may overlap without occupying the cell, because origins in files are rounded."""
 
 
 def with_unmapped(grid: OccupancyGrid, unmapped: OccupancyGrid, path: Path) -> tuple[OccupancyGrid, int]:
     """Return the true map: the robot's map plus every cell that an occupied cell of the other map overlaps.
 
     Free and unknown cells of the other map have no effect. It may have its own size, resolution and place.
+
     Args:
         grid: the robot's map.
         unmapped: the obstacles, in the same frame and with the same rotation as the map.
         path: file of the obstacles, for errors.
 
     Returns:
-        The true map, and the number of occupied cells outside of it, which are ignored.
+        The true map, and the number of occupied cells of the other map that are outside and ignored.
 
     Raises:
-        BadFile: the rotation differs from that of the map, or no cell is occupied, or none on the map.
+        BadFile: the rotation differs from that of the map, no cell is occupied, or all occupied cells are off the map.
     """
     if abs(wrap_angle(unmapped.origin.theta - grid.origin.theta)) > _SAME_YAW:
         problem = f"it is rotated by {unmapped.origin.theta:g} rad, the map by {grid.origin.theta:g} rad"
@@ -44,7 +45,8 @@ def with_unmapped(grid: OccupancyGrid, unmapped: OccupancyGrid, path: Path) -> t
     if not here.any():
         problem = f"all of its {len(rows)} occupied cells are outside the map"
         raise BadFile(path, problem, "give it an origin in the map's frame", key="origin")
-    # Summed-area table: a rectangle of cells adds to four corners; the sums then count the rectangles over each cell.
+    # This is a summed-area table. A rectangle of cells adds to four corners. Then the cumulative sums are the number of
+    # rectangles over each cell.
     corners = np.zeros((grid.rows + 1, grid.cols + 1), np.int64)
     for row, col, count in ((top, left, 1), (top, right, -1), (bottom, left, -1), (bottom, right, 1)):
         np.add.at(corners, (row[here], col[here]), count)
@@ -59,7 +61,7 @@ IntArray = NDArray[np.int64]
 def _overlapped(
     indices: IntArray, corner: float, side: float, resolution: float, count: int
 ) -> tuple[IntArray, IntArray]:
-    """Return, within the map, the first cell that cells along one axis overlap, and the cell after the last one."""
+    """Return the first cell of the map that cells overlap along one axis, and the cell after the last one."""
     first = np.floor((corner + indices * side) / resolution + _SLIVER)
     last = np.ceil((corner + (indices + 1) * side) / resolution - _SLIVER)
     return np.clip(first, 0, count).astype(np.int64), np.clip(last, 0, count).astype(np.int64)

@@ -27,10 +27,10 @@ FAR = np.float32(1e9)
 
 @njit(cache=True)
 def cost_at(distance: float, inscribed_radius: float, cost_scaling_factor: float) -> int:
-    """Return the cost at a distance from the nearest obstacle: LETHAL, INSCRIBED within that radius, then falling.
+    """Return the cost at a distance: LETHAL at 0, INSCRIBED within the inscribed radius, decreasing beyond it.
 
     Args:
-        distance: meters, at least 0.
+        distance: distance from the nearest obstacle, meters, at least 0.
         inscribed_radius: inscribed radius of the robot's padded footprint, meters.
         cost_scaling_factor: decay rate of the cost, 1/m.
     """

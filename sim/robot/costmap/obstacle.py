@@ -172,7 +172,7 @@ def _clear_along_beams(
 def _clear_between_beams(
     marks: Costs, frame: CostFrame, sweep: Sweep, farthest: float, raytrace_range: float, changed: NDArray[np.int64]
 ) -> None:
-    """Clear lethal cells that two neighboring beams both see past. Arguments as for `_clear_along_beams`.
+    """Clear lethal cells between two neighboring beams that both end farther away.
 
     Far away, neighboring beams are more than a cell apart. No beam passes through a cell between them, so ray tracing
     would leave the cell's mark forever, for example where a person walked by.

@@ -62,7 +62,7 @@ def _around(points: FloatArray) -> tuple[int, int, int, int]:
 def _outline(
     footprint: FloatArray, frame: CostFrame, x: float, y: float, theta: float
 ) -> tuple[FloatArray, tuple[int, int, int, int]]:
-    """Return (n, 2) columns and rows of a footprint's corners with its base at (x, y, theta), and their window."""
+    """Return (n, 2) columns and rows of a footprint's corners, base at (x, y, theta), and the window around them."""
     corners = in_cells(footprint, frame, x, y, theta)
     return corners, _around(corners)
 

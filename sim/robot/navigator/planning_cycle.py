@@ -163,7 +163,7 @@ class PlanningCycle:
             self._clearing.recover(tick, pose, lambda goal: NoPath(goal, refused.code, refused.sentence))
 
     def _asked_to_clear(self, pose: Pose2, neighbours: Sequence[Neighbour]) -> Neighbour | None:
-        """Return the robot with the highest priority, above this one's, that wants a path where this robot stands."""
+        """Return the robot of highest priority (above this one's) that wants a path where this robot stands."""
         own = None if self._execution.goal is None else Claim(self._execution.progress.began, self._robot)
         strongest: Neighbour | None = None
         for other in neighbours:

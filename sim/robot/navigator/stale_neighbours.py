@@ -55,7 +55,7 @@ class _StaleNeighbour(NamedTuple):
 
 
 class StaleNeighbours:
-    """The team as this robot knows it: robots that broadcast, and the last states of those that no longer do."""
+    """The team as this robot knows it: robots that broadcast, and last states of robots that no longer do so."""
 
     def __init__(self) -> None:
         self._current: Sequence[Neighbour] = ()
