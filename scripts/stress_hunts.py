@@ -166,7 +166,7 @@ class Draw:
 def setting_at(place: str) -> StudySetting:
     """Return the setting of a study with this map and with the data for arguing robots.
 
-    Reading these is slow, so it is kept.
+    Reading them is slow, so the setting is kept.
     """
     talk = DialogueSection(condition=DialogueCondition.COLLABORATOR)
     return read_setting(replace(Study(dialogue=talk), map=place), Path())

@@ -21,7 +21,7 @@ class Program:
         folder: working folder.
         arguments: arguments after `thbridge`.
         environment: environment variables of the process.
-        by: command that runs it, such as one that runs it on another machine.
+        by: command that runs it, for example on another machine.
     """
 
     def __init__(

@@ -97,6 +97,8 @@ class HostedStudy:
         return None
 
     def _other_in(self, reason: str, participant: str) -> str | None:
-        """Return another participant whose id is in a reason, because the reason would remain after that participant
-        withdraws."""
+        """Return another participant whose id is in a reason.
+
+        The reason would remain after that participant withdraws.
+        """
         return next((other for other in self.progress.runs if other in reason and other != participant), None)

@@ -23,8 +23,8 @@ SPACE = GAP - 2
 """Distance between tiles, logical pixels."""
 
 _FOLDED, _NARROW, _WIDE = 40, 76, 140
-"""Smallest width of a folded tile, smallest width of a normal tile, and width from which a tile shows the room's name;
-`px`."""
+"""Three widths, `px`: least width of a folded tile, least width of a normal tile, and width from which a tile shows the
+room's name."""
 
 _TALLEST = 1.5
 """Greatest height of a tile, as a multiple of the usual height."""

@@ -87,8 +87,8 @@ ROBOT_SIZE = 40
 class ParticipantWindow(QWidget):
     """Map, robots next to it, rooms below them, pop-ups in a corner of the map.
 
-    It can be a window or a page of a window. It follows the model while it is shown. Its language is that of the model when
-    the window was created.
+    It can be a window or a page of a window. It follows the model while it is shown. Its language is that of the model
+    when the window was created.
 
     Args:
         model: source of all data shown.

@@ -62,7 +62,7 @@ class Note:
     Attributes:
         sentence: the words.
         until: time at which it disappears.
-        about: the pop-up that it is about, and with which it disappears.
+        about: the pop-up that it is about; both disappear at the same time.
     """
 
     sentence: str
