@@ -364,7 +364,10 @@ class _Hunt:
 
 
 class _GraphStation:
-    """The ROS graph as a ground station: one link to all vehicles; frames before it is open are dropped."""
+    """The ROS graph as a ground station: one link to all vehicles.
+
+    Frames that come before the link is open are dropped.
+    """
 
     def __init__(self, session: Session) -> None:
         self._session = session

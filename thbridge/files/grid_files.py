@@ -110,7 +110,8 @@ def read_grid(map_yaml: Path) -> OccupancyGrid:
 def read_grid_file(map_yaml: Path) -> GridFile:
     """Read a `map.yaml` and its image.
 
-    If the image is not at its path in the file, one next to `map.yaml` is used: the map may come from another machine.
+    If the image is not at its path in the file, an image next to `map.yaml` is used, because the map may come from
+    another machine.
 
     Raises:
         BadFile: the file or its image does not exist or has a fault.
@@ -191,7 +192,7 @@ _NEGATE = {"true": "1", "false": "0", "yes": "1", "no": "0", "on": "1", "off": "
 
 
 def _image_of(map_yaml: Path, written: str) -> Path | None:
-    """Return the image that a `map.yaml` names, or else one of the same name next to it, or None."""
+    """Return the image that a `map.yaml` names, otherwise an image of the same name next to it, otherwise None."""
     image = as_on_disk(map_yaml.parent / written)
     if is_regular(image):
         return image

@@ -43,7 +43,7 @@ def read_texts(folders: Iterable[Path], language: str) -> Texts:
     """Read the texts of a language.
 
     Args:
-        folders: folders with a subfolder for each language; a text of a later folder replaces an earlier one.
+        folders: folders with a subfolder for each language; a text of a later folder replaces an earlier text.
         language: name of the language's folder.
 
     Raises:
@@ -114,7 +114,7 @@ def _files(folder: Path, language: str) -> list[Path]:
 
 
 def _read(path: Path, english: dict[str, Text]) -> dict[str, Text]:
-    """Read a file. Each text must have the same values as the English one, if English texts are given to compare."""
+    """Read a file. If English texts are given, each text must have the same values as the English text."""
     tree = parse(path, read_text(path))
     if not isinstance(tree, Section):
         raise BadFile(path, "it has no texts", "Write one NAME: TEXT in each line")

@@ -74,7 +74,8 @@ class Map:
         grid: the occupancy grid.
         rooms: the rooms in the order of their numbers, 1, 2, ...; at least one.
         starts: start poses of robot 1, 2, ... in the map frame; at least one.
-        costs: the map's own cost file `mapTimes`, which replaces that of a template folder, or None if it has none.
+        costs: the map's own cost file `mapTimes`, which replaces the file of a template folder; None if the map has
+            none.
         language: language of the rooms' names. If None, they count as being in every study's language.
         words: names of the rooms in further languages, by the language and the name in `rooms.yaml`.
         warnings: warnings of the check; a game can be played in spite of them.

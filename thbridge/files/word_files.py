@@ -368,7 +368,7 @@ def _move_faults(
 
 
 def _needed(predicate: Predicate, robot: AboutRobot | None) -> frozenset[str]:
-    """Return the values that a wording must name: all, except a robot that speaks of itself."""
+    """Return the values that a wording must name: all values, except a robot that speaks of itself."""
     return frozenset(predicate.values) - ({predicate.robot} if robot is AboutRobot.SELF else set())
 
 

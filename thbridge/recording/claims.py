@@ -1,4 +1,4 @@
-"""Names of recordings that are reserved by one running program.
+"""Reservation of names of recordings for one running program.
 
 A claim is a lock on a small file next to the bag, `.NAME.bag.lock`, which names its owner. The system releases the lock
 when the program ends for any reason, so a file without a lock has no effect.
@@ -72,5 +72,5 @@ def _lock_path(bag: Path) -> Path:
 
 
 def _without_links(path: str, flags: int) -> int:
-    """Open a lock file, but no link: the file is truncated afterwards, and a link could lead to any file."""
+    """Open a lock file; refuse a link. The file is truncated afterwards, and a link could lead to any file."""
     return os.open(path, flags | os.O_NOFOLLOW, 0o666)

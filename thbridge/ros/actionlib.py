@@ -87,8 +87,8 @@ class _Entry:
         text: reason for this state, for people.
         target: the navigator's goal; None if the pose cannot be used.
         refusal: reason why the pose cannot be used.
-        came: True if the goal itself was received; its cancel request may arrive first.
-        left_ns: time of its end, after which it stays in the list for `LISTED_NS`; None before its end.
+        came: True if the goal itself was received. Its cancel request may arrive before the goal.
+        left_ns: time of its end; None before its end. After its end, it stays in the list for `LISTED_NS`.
     """
 
     goal: GoalId

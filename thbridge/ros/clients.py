@@ -90,7 +90,7 @@ class PlanRequest:
 
 
 def _decoder(decode: Callable[[Cursor], T | InvalidMessage]) -> Callable[[bytes], T | InvalidMessage]:
-    """Return a decoder of bytes; bytes that are not such a message give an `InvalidMessage`."""
+    """Return a decoder of bytes; bytes that are not a message of this type give an `InvalidMessage`."""
 
     @functools.wraps(decode)
     def of_bytes(data: bytes) -> T | InvalidMessage:

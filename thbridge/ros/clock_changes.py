@@ -68,7 +68,7 @@ def split_by_clock(messages: Iterable[Message]) -> tuple[list[ClockRun[Message]]
     """
     runs: list[ClockRun[Message]] = []
     odd: list[Message] = []
-    waiting: ClockRun[Message] | None = None  # a message that does not fit, until the next one shows which is wrong
+    waiting: ClockRun[Message] | None = None  # a message that does not fit, until the next message shows which is wrong
     for message in messages:
         if not runs:
             runs.append(ClockRun([message]))

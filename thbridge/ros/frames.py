@@ -61,7 +61,7 @@ class FrameTree:
         return chain
 
     def pose(self, frame: str, reference: str) -> FloatArray | None:
-        """Return the (4, 4) pose of a frame in a reference frame through their common ancestor; None without one."""
+        """Return the (4, 4) pose of a frame in a reference frame, through a common ancestor; None if there is none."""
         up, down = self.chain(frame), self.chain(reference)
         common = next((name for name in up if name in down), None)
         if common is None:

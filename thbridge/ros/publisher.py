@@ -249,7 +249,7 @@ class TeamPublisher:
 
         Args:
             outputs: outputs of all robots.
-            goals: messages of the action servers of the robots that send any.
+            goals: messages of the robots' action servers, for robots whose servers send messages.
         """
         corrected: list[RobotPublisher] = []
         telling: list[int] = []

@@ -20,7 +20,7 @@ Value: TypeAlias = "bool | int | float | str | Sequence[Value] | Mapping[str, Va
 Section: TypeAlias = dict[str, Value]
 
 COLOURS = ("0; 114; 178", "213; 94; 0", "0; 158; 115", "204; 121; 167", "230; 159; 0", "86; 180; 233", "120; 94; 240")
-"""One color per robot, distinguishable by color-blind people (Okabe and Ito, without yellow, which is too pale)."""
+"""One color per robot, which color-blind people can distinguish (Okabe and Ito, without yellow, which is too pale)."""
 
 WINDOW = (1280, 900)
 """Width and height in pixels."""

@@ -34,7 +34,7 @@ class FoxgloveServer(ServerListener):
     """Server of a session's messages for all connected Foxglove windows.
 
     Args:
-        topics: advertised from the start; others are advertised with their first message.
+        topics: topics that are advertised from the start; other topics are advertised with their first message.
         definitions: definitions of their types.
     """
 

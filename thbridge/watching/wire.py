@@ -104,7 +104,7 @@ class WatchStatus:
 
 
 def parse_status(message: SessionMessage) -> WatchStatus | None:
-    """Return the status in a message; None if the message contains none."""
+    """Return the status in a message; None if the message contains no status."""
     if message.topic != STATUS:
         return None
     try:

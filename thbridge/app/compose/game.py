@@ -162,7 +162,7 @@ def build_hider(templates: TemplateSet, seed: int) -> Hider:
 def build_bot(
     templates: TemplateSet, strategy: str, seed: int, attitude: Attitude = Attitude.CREDULOUS
 ) -> Bot | InstalledParticipant:
-    """Return the simulated participant of a built-in strategy, or the installed one of this name.
+    """Return the simulated participant with a built-in strategy, or the installed participant of this name.
 
     Raises:
         BadFile: there is no participant of this name; see `installed_participant`.

@@ -184,7 +184,7 @@ class GuardedLocalizer:
         self._pass_on(lambda localizer: localizer.configure(parameters))
 
     def _pass_on(self, request: Callable[[Localizer], None]) -> None:
-        """Pass a request on; if it fails, the next update reports the failure."""
+        """Pass a request on. If the request fails, the next update reports the failure."""
         localizer = self._localizer
         if localizer is not None:
             try:

@@ -1,4 +1,4 @@
-"""Versions and machine of this process: everything its results could depend on besides study, seed and inputs."""
+"""Versions and machine of this process, which could change its results in addition to study, seed and inputs."""
 
 import os
 import platform

@@ -104,7 +104,7 @@ class StudySetting:
 
 
 def _labelled(declared: TreasureProperty, texts: Texts) -> TreasureProperty:
-    """Return a property of 2016 with its label in a language, unless the set has its own words for it."""
+    """Return a property of 2016 with its label in a language; unchanged if the set has its own words for it."""
     label = texts.text(f"properties.{declared.name}") if declared in OF_2016 else declared.label
     return replace(declared, label=label)
 

@@ -56,6 +56,6 @@ class ClientMessages:
     def _not_ahead(self, stamp: int) -> int:
         """Return a client's stamp, or the present time if the client's clock is ahead, as it is without /use_sim_time.
 
-        The goal with the newest stamp wins, so a stamp ahead would block all other clients until that time.
+        The goal with the newest stamp wins, so a stamp that is ahead would block all other clients until that time.
         """
         return min(stamp, stamp_ns(self._tick))

@@ -320,7 +320,8 @@ async def on_graph(
     Args:
         live: the session's node.
         graph: the ROS graph.
-        joined: called with the master, or the reason why there is none or the node cannot listen; it may raise.
+        joined: called with the master, or with the reason why there is no master or why the node cannot listen; it may
+            raise.
     """
     async with ensure_master(graph) as master:
         joined(master)

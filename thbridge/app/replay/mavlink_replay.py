@@ -97,7 +97,7 @@ class FramesReplayed:
         frames: number of frames given to vehicles.
         unusable: number of messages without a frame, or for a robot that does not exist.
         ticks: number of ticks run.
-        recorded: result of the recorded game; None if the recording has none.
+        recorded: result of the recorded game; None if the recording has no game.
         replayed: result of the fresh session's game.
         compared: number of true poses compared with the recorded ones.
         parted: session time, in seconds, of the first pose that differs in any bit; None if all are equal.

@@ -86,7 +86,7 @@ class Replayed:
         ticks: number of ticks run.
         messages: number of messages found equal.
         difference: the first one; None if all messages were equal.
-        cut_off: True when the recording ends in the middle of a tick, and its messages of that tick are equal.
+        cut_off: True when the recording ends in the middle of a tick, and all recorded messages of that tick are equal.
         finished: True when the recording's end or a difference was reached, False when the replay was stopped.
         wall_seconds: real time of the replay.
         reworded: number of messages found equal only in today's words; see `rewordings`.

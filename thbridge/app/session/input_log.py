@@ -4,11 +4,10 @@ The effects of an input can be computed again, so only the inputs must not be lo
 tick in which it acts sends any message. A resumed game is run again from its study with the logged inputs, as fast as
 possible, up to the last logged tick.
 
-The first line of the file identifies the game. The further lines are one for each tick with inputs, events or
-utterances, one for each tick that took long, and one for each second of simulated time. The lines of seconds contain a
-digest of the robots' poses and the score, so a game that differs from the first run is noticed. All lines contain the
-real time of their tick; no game depends on it. A partly written last line, which remains when the program dies, is
-dropped.
+The first line of the file identifies the game. There are further lines for each tick with inputs, events or utterances,
+for each tick that took long, and for each second of simulated time. The lines of seconds contain a digest of the
+robots' poses and the score, so a game that differs from the first run is noticed. All lines contain the real time of
+their tick; no game depends on it. A partly written last line, which remains when the program dies, is dropped.
 """
 
 import fcntl
@@ -48,7 +47,7 @@ class LoggedTick:
     Attributes:
         tick: its number.
         inputs: inputs that acted in it, in order.
-        digest: digest of poses and score after it; empty if the line has none.
+        digest: digest of poses and score after the tick; empty if the line has none.
         pace: real time up to the tick; None in logs of earlier releases, and after the end of the game.
     """
 
@@ -64,7 +63,7 @@ class InputLog:
     Args:
         path: the file; it is begun if it does not exist or has no complete line.
         record: session record of the game.
-        meter: measures the real time of ticks; it continues where the log ends.
+        meter: measures the real time of ticks; it continues from the end of the log.
         pacer: pacer of the session.
 
     Attributes:

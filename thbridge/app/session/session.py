@@ -127,7 +127,7 @@ NO_OUTLETS = SessionOutlets()
 
 
 class Session:
-    """The roles of one process, which run in step: messages sent in one tick arrive in the next.
+    """The roles of one process, which run together tick by tick: messages sent in one tick arrive in the next tick.
 
     Args:
         keeper: keeper of the game.
@@ -195,7 +195,7 @@ class Session:
 
     @property
     def game_name(self) -> tuple[str, bool]:
-        """Unique name of the latest game, or of the first game if none has begun; and True if that game is over."""
+        """Unique name of the latest game, or of the first game if no game has begun; and True if that game is over."""
         game = self.game
         if game is None:
             return self._named(self._keeper.last_game + 1), False

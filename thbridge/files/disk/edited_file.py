@@ -1,4 +1,7 @@
-"""A text file that both a program and people edit: read with all its bytes, written completely or not at all."""
+"""A text file that both a program and people edit.
+
+It is read with all its bytes, and written completely or not at all.
+"""
 
 from dataclasses import dataclass
 from pathlib import Path

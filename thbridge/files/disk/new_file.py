@@ -1,4 +1,4 @@
-"""New files that are written completely or not at all, and only replace another file if requested."""
+"""New files that are written completely or not at all, and replace another file only if requested."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress

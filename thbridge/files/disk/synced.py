@@ -1,7 +1,8 @@
 """Files and names that survive a power cut.
 
-Written bytes and new names are at first only in memory. A kill does not lose them, but a power cut can, in any order.
-So a file gets its name after its bytes are on the disk, and its folder is synced before success is reported.
+Written bytes and new names are at first only in memory. They survive if the program is killed, but a power cut can lose
+any of them. So a file gets its name after its bytes are on the disk, and its folder is synced before success is
+reported.
 """
 
 import contextlib

@@ -38,12 +38,12 @@ def whole_file(
         remedy: remedy if it cannot be written, as a clause.
         exclusive: True to keep an existing file and raise an error.
         folders: True to create missing folders above it.
-        mode: its permissions. If None, those of the existing file, or the usual ones.
+        mode: permissions of the file. If None, it keeps those of the existing file, or gets the usual permissions.
         synced: False to let the system decide when it reaches the disk.
 
     Raises:
         FileExistsError: the file exists, and `exclusive` is True.
-        BadFile: it cannot be written, or a link of another account leads to it; an existing file is unchanged.
+        BadFile: the file cannot be written, or a link of another account leads to it; an existing file is unchanged.
     """
     target, part = own_target(path), None
     try:

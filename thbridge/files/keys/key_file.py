@@ -34,7 +34,7 @@ def key_text(secret: str, fingerprint: str) -> str:
 
 
 def read_key(path: Path) -> ClientKey:
-    """Read a file with a key: the secret in its first line, a fingerprint in its second, which may be missing.
+    """Read a file with a key: the secret in the first line, and a fingerprint in the second line, which may be missing.
 
     Raises:
         BadFile: it cannot be read, other accounts may read it, or it has no key.

@@ -102,7 +102,7 @@ class KeyRing:
         return f"there is no key {name}" if entry is None else entry.why_not(self._clock())
 
     def add(self, name: str, rights: Sequence[Right], secret: str, expires: str | None) -> Path:
-        """Add a key, write it into a file that can be handed over, and return that file.
+        """Add a key, write it into a file for its holder, and return that file.
 
         The file also has the fingerprint of the folder's certificate, which is created if it does not exist.
 

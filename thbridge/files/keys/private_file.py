@@ -27,7 +27,7 @@ def check_private(path: Path) -> None:
 
 
 def _has_modes(folder: Path) -> bool:
-    """Return True unless new files of ours are open to other accounts in any case, as on FAT."""
+    """Return False on file systems, such as FAT, where other accounts can open all our new files."""
     try:
         with tempfile.TemporaryFile(dir=folder) as file:
             return not os.fstat(file.fileno()).st_mode & _OTHERS

@@ -25,8 +25,8 @@ class Definitions:
     def of(self, msgtype: str) -> Definition:
         """Return the definition of a type, for example "nav_msgs/Odometry".
 
-        An installed text is used only if its fields are ours, because another release of ROS may have changed the type.
-        For types that we do not write, this is the definition from rosbags.
+        An installed text is used only if it has the same fields as ours, because another release of ROS may have
+        changed the type. For types that we do not write, this is the definition from rosbags.
 
         Raises:
             KeyError: the type does not exist.

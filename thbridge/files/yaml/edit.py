@@ -77,7 +77,7 @@ def without(text: str, key: str, tree: Node | None = None) -> str | RequestRefus
 
 
 def moved(text: str, key: str, by: int, tree: Node | None = None) -> str | RequestRefused:
-    """Return the text with an item of a list one place later (`by` is 1) or earlier (-1), together with its comments.
+    """Return the text with an item of a list moved one position later (`by` is 1) or earlier (-1), with its comments.
 
     At the end of the list nothing is changed.
     """

@@ -22,7 +22,7 @@ class TimestampFile:
 
     Args:
         key: file of the signing key.
-        side: name of the side of the link; a side other than the robots has a file of its own.
+        side: name of the side of the link; each side other than the robots has its own file.
     """
 
     def __init__(self, key: Path, side: str = "") -> None:

@@ -281,7 +281,7 @@ class Pilot:
 
 
 def _goal_pose(target: Target, here: Pose2) -> Pose2:
-    """Return the goal pose; if no heading is given, it is the direction from the robot to the target."""
+    """Return the goal pose. If no heading is given, the heading is the direction from the robot to the target."""
     ahead = elementary.atan2(target.y - here.y, target.x - here.x)
     return Pose2(target.x, target.y, ahead if target.heading is None else target.heading)
 

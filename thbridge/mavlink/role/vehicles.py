@@ -1,4 +1,4 @@
-"""The robots of a game as MAVLink vehicles: their hub, stepped with the session, and their pilots."""
+"""The robots of a game as MAVLink vehicles: their hub, which runs in each tick of the session, and their pilots."""
 
 from collections.abc import Callable, Sequence
 from itertools import count

@@ -158,7 +158,7 @@ class UdpPort:
         self._socket.close()
 
     def _forget_stale(self) -> None:
-        """Forget stale peers; each of them would cost a heartbeat of every robot forever."""
+        """Forget stale peers; otherwise every robot would send heartbeats to each of them forever."""
         loop = asyncio.get_running_loop()
         for address, peer in tuple(self._peers.items()):
             if address != self._target and loop.time() - peer.last_received > STALE_SECONDS:

@@ -79,7 +79,7 @@ class HelmLeg:
 
     Attributes:
         number: number that `go_to` returned.
-        state: "under way", "arrived" or "failed"; the last two remain until the next leg.
+        state: "under way", "arrived" or "failed"; the last two states remain until the next leg.
         remaining: meters left to drive; 0 after its end.
         reason: reason of a failure, for people.
     """
@@ -110,7 +110,7 @@ class RobotReadings:
         capacity: energy at the start, in the same units.
         responsive: False if its software does not respond; all other values are then those of its last response.
         lost: True if it has lost its position.
-        under_way: True while it drives to a goal, from any source.
+        under_way: True while it drives to a goal from any source.
         commander: the station in command, as text of `Station`; None if no station commands.
         commanded_by: its commander for people: "participant", "ground station 255", "researcher".
         leg: progress of the last `go_to`; None before the first.

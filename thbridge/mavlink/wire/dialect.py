@@ -33,7 +33,7 @@ TEXT_SIZE = 50
 _KINDS = mav.mavlink_map | ADDED
 
 SECRETS = frozenset({mav.MAVLINK_MSG_ID_SETUP_SIGNING})
-"""Messages that contain a key: they are discarded on receipt, so that they are neither forwarded nor recorded."""
+"""Messages that contain a key. They are discarded on receipt, so that they are neither forwarded nor recorded."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -83,7 +83,7 @@ def reindex(path: Path) -> RepairResult:
 
 
 def compression_of(path: Path) -> Compression:
-    """Return the compression of a file's first chunk if we can write it; otherwise none."""
+    """Return the compression of a file's first chunk if we can write this compression; otherwise `Compression.NONE`."""
     name = next((record.compression for record in scan(path) if isinstance(record, ChunkRecord)), Compression.NONE)
     return Compression(name) if name in set(Compression) else Compression.NONE
 

@@ -186,7 +186,7 @@ def _convert(path: Path, bag: Path) -> dict[str, str]:
 
 
 def _conversion(msgtype: str, theirs: Typestore, ours: Typestore) -> tuple[str, Callable[[bytes], memoryview]]:
-    """Return the ROS 1 type for messages of a ROS 2 type, which is added to `ours` if it is new, and the converter."""
+    """Return the ROS 1 type for messages of a ROS 2 type, and the converter. A new type is added to `ours`."""
     target = _RENAMED.get(msgtype, msgtype)
     if target not in ours.fielddefs:
         text, _ = theirs.generate_msgdef(msgtype, ros_version=1)

@@ -16,9 +16,9 @@ from thbridge.files.disk.regular_files import is_regular
 from thbridge.recording.bag.damage import TooLargeChunk
 
 ALWAYS = 1 << 28
-"""Unpacked size that any chunk may have, in bytes; usual chunks have 768 KiB, or one large message."""
+"""Unpacked size that is allowed for any chunk, in bytes. Usual chunks have 768 KiB, or one large message."""
 TIMES_PACKED = 64
-"""Factor by which a chunk may expand if that is more than `ALWAYS`."""
+"""Factor by which a chunk may expand if its unpacked size is then more than `ALWAYS`."""
 ALWAYS_IN_ALL = 1 << 32
 TIMES_FILE = 1000
 """All chunks of a file may together unpack to `ALWAYS_IN_ALL` plus `TIMES_FILE` times the file's size, because
@@ -35,7 +35,7 @@ _PIECE = 1 << 20
 
 
 TIMES_WHOLE = 1000
-"""Factor by which a file of rosbag2 that is packed as a whole may expand if that is more than `ALWAYS`."""
+"""Factor by which a file of rosbag2 that is packed as a whole may expand if its size is then more than `ALWAYS`."""
 
 
 class UnpackedBytes:

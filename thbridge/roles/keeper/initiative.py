@@ -109,7 +109,7 @@ def _decide_alone(game: OpenGame, state: GameState, robot: int, timeout: int) ->
 
 
 def report_failures(game: OpenGame) -> None:
-    """Let arguing robots suggest another room after they have failed to reach one."""
+    """Let arguing robots suggest another room after they have failed to reach a room."""
     unreached = game.knowledge.unreached
     for robot in unreached.to_report:
         state = game.state

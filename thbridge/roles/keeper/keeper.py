@@ -95,8 +95,8 @@ _BEFORE_AGREEING = RequestRefused(KeeperReason.NOT_AGREED, "You have not agreed 
 _WISHES = {kind_of(kind) for kind in get_args(ParticipantRequest)}
 _AFTER_AGREEING = _WISHES - {kind_of(GiveConsent)}
 _COUNTED_WISHES = _AFTER_AGREEING - {kind_of(PlayAgain)}
-"""Requests that count only once. `PlayAgain` names the finished game, so its repetitions have no effect anyway; it is
-repeated until robots join."""
+"""Requests that count only once. `PlayAgain` is not one of them: it names the finished game, so its repetitions have no
+effect; it is repeated until robots join."""
 _QUOTED = 200
 """Largest number of characters of a refused line that are quoted."""
 
@@ -192,7 +192,7 @@ class Keeper:
         tells_refusals: True sends refusals to programs of 2016, by `%%error`.
 
     Attributes:
-        decisions: decisions of the last step; its entries must be in the journal before anything else is done.
+        decisions: decisions of the last step; the caller must write their entries to the journal before anything else.
     """
 
     name = KEEPER
@@ -233,7 +233,7 @@ class Keeper:
 
     @property
     def state(self) -> GameState | None:
-        """The current game, or the last one if it is over; None before the first."""
+        """The current game, or the last game if it is over; None before the first game."""
         return self._game.state
 
     @property

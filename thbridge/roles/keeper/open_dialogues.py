@@ -56,7 +56,7 @@ class OpenDialogues:
 
 
 class RobotMemories:
-    """By robot: the situation of its last dialogue, and all that was said and believed in it."""
+    """Memories of robots: the situation of each robot's last dialogue, and all that was said and believed in it."""
 
     def __init__(self) -> None:
         self._memories: dict[int, tuple[WhereFacts | WhatFacts, Conversation]] = {}

@@ -177,7 +177,7 @@ class RobotMotion:
         waits_for: the robot that it lets pass.
         progress: driven share of the path, 0 to 1; 0 at rest.
         remaining: meters still to drive; 0 at rest.
-        makes_way_for: the robot with the right of way, while this one waits for it, drives aside or drives round it.
+        makes_way_for: the robot with the right of way, while this robot waits for it, drives aside or drives around it.
     """
 
     doing: Activity = "resting"
@@ -189,7 +189,7 @@ class RobotMotion:
 
 @dataclass(frozen=True, slots=True)
 class Ellipse:
-    """Ellipse with 95 % of the probability of a robot's position: half axes in meters, the longer one at `angle`."""
+    """Ellipse with 95 % of the probability of a robot's position: half axes in meters; the longer one is at `angle`."""
 
     major: float
     minor: float

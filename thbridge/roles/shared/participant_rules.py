@@ -131,7 +131,10 @@ def place(number: int) -> Room:
 
 
 def revealed(view: View) -> Situation:
-    """Return the situation as far as a view reveals it; the rest is empty, and no rule here reads it."""
+    """Return the situation as far as a view reveals it.
+
+    The other parts are empty, and no rule in this module reads them.
+    """
     matters: list[DialogueView | Consent] = [*view.dialogues, *view.consents]
     started = GameStarted(
         seed=0,

@@ -1,4 +1,4 @@
-"""Definitions for types that a bag defines incompletely or not at all: by md5 sum, or by name if messages fit.
+"""Definitions for types that a bag defines incompletely or not at all: found by md5 sum, or by name if messages fit.
 
 Some programs omit definitions from bags, or write a placeholder. The md5 sum over all fields identifies a type exactly.
 """

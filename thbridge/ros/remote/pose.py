@@ -195,7 +195,7 @@ class RemotePose:
         return None
 
     def _continues_suspect(self, stamp_ns: int, base_in_odom: Pose2) -> bool:
-        """Return True if a message continues from the previous one, which seemed to be an outlier."""
+        """Return True if a message continues from the previous message, which seemed to be an outlier."""
         if self._suspect is None:
             return False
         return 0 <= stamp_ns - self._suspect[0] < SET_BACK_NS and _drivable(*self._suspect, stamp_ns, base_in_odom)

@@ -147,7 +147,7 @@ class Fleet:
         return self._clock is not None
 
     def tell_changes(self) -> None:
-        """Log impossible odometry, and parts that have been silent, or back, for a second."""
+        """Log impossible odometry, and parts that became silent, or came back, at least a second ago."""
         if self._clock is None or not self._clock.runs:
             return
         wall_ns = self._wall()

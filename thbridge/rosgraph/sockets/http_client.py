@@ -68,7 +68,7 @@ class _NotAnAnswerError(Exception):
 class XmlRpcClient:
     """XML-RPC client that keeps one idle connection to each of the most recent servers.
 
-    A kept connection that the server has closed is replaced by a new one, as in ROS's own clients.
+    If the server has closed a kept connection, a new connection replaces it, as in ROS's own clients.
 
     Args:
         kept: largest number of idle connections.

@@ -136,7 +136,7 @@ class XmlRpcServer:
             return Fault(_APPLICATION_ERROR, f"internal error: {error!r}")
 
     async def _multicall(self, multicall: MethodCall, peer: str) -> XmlRpcValue | Fault:
-        """Answer several calls: a list of one-element lists, with faults as structs.
+        """Answer several calls. The answer is a list of one-element lists, with faults as structs.
 
         Source: https://mirrors.talideon.com/articles/multicall.html
         """

@@ -36,7 +36,7 @@ CALLER_ID = "/master"
 
 _DISTRIBUTION = "noetic"
 _VERSION = "1.16.0"
-"""Reported ROS release, the last of ROS 1: distribution, and version of its roslaunch."""
+"""Reported ROS release, the last release of ROS 1: distribution, and version of its roslaunch."""
 
 _KEPT_CONNECTIONS = 128
 

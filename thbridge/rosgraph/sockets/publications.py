@@ -24,7 +24,7 @@ class SubscriberQueue:
     """Queue of messages for one subscriber.
 
     The transport reports when the socket is full (`pause`) and when it is writable again (`resume`). In between,
-    messages wait here as references to the same bytes, so that they are not copied for slow subscribers.
+    messages wait here. All queues refer to the same bytes, so that no bytes are copied for slow subscribers.
     """
 
     def __init__(self, transport: Transport, topic: str, number: int, caller: str, address: str) -> None:

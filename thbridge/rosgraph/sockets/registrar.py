@@ -23,7 +23,8 @@ _FIRST_PAUSE = 0.1
 _LAST_PAUSE = 2.0
 
 _REPORTED_MISSES = 2
-"""Consecutive calls without an answer after which the loss is reported: one call may get lost or come too early."""
+"""Number of consecutive calls without an answer after which the loss is reported. One call may get lost or come too
+early."""
 
 _FAREWELL_SECONDS = 3.0
 """Seconds for all calls that unregister the node."""

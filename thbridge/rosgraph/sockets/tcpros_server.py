@@ -183,7 +183,7 @@ class TcprosServer:
         self._one_gone.set()
 
     def handle(self, service: str, request: bytes, respond: Callable[[ServiceAnswer], None]) -> ServiceAnswer | None:
-        """Answer a request: return the answer, or None if `respond` will be called with it later."""
+        """Answer a request: return the answer, or None if `respond` will be called with the answer later."""
         try:
             answer = self._services[service].handler(request)
         except Exception:

@@ -69,7 +69,10 @@ class InboundLink:
         return self._phase is not _Phase.HANDSHAKE
 
     def receive(self, data: bytes) -> list[InboundEvent]:
-        """Process received bytes; after its header, a subscriber's bytes are ignored, because it need not send any."""
+        """Process received bytes.
+
+        After the header, a subscriber's bytes are ignored, because subscribers send no messages.
+        """
         if self._phase is _Phase.DEAF:
             return []
         self._buffer.feed(data)

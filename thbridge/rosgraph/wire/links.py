@@ -101,7 +101,7 @@ class SubscriberAccepted:
 
 @dataclass(frozen=True, slots=True)
 class ServiceRequested:
-    """Request of a client, to be answered by `InboundLink.respond`; no other request comes before that."""
+    """Request of a client, to be answered by `InboundLink.respond`. No other request comes before the answer."""
 
     service: str
     request: bytes

@@ -91,7 +91,7 @@ class ParameterChanged:
 
 @dataclass(frozen=True, slots=True)
 class ShutdownRequested:
-    """Request to end: by the master if another node has taken the name, or by ``rosnode kill``."""
+    """Request to end, from the master if another node has taken the name, or from ``rosnode kill``."""
 
     reason: str
 

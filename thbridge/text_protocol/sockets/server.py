@@ -438,7 +438,7 @@ class _Connection(BufferedProtocol):
 
 
 def _close(transport: Transport, flush: bool) -> None:
-    """Close a connection: at once, or after the other side has had a moment to read the last bytes."""
+    """Close a connection, at once or after the other side has had a moment to read the last bytes."""
     if flush and transport.can_write_eof():
         try:
             transport.write_eof()

@@ -1,7 +1,7 @@
 """Text server without its sockets: it stores the holder of each name and passes messages on.
 
 `MessageRouter` receives bytes, times and messages, and returns outputs for its owner to carry out. It serves two kinds
-of parties under one set of names and rules:
+of parties, with the same set of names and the same rules:
 
 * connections, which send bytes (`connect`, `receive_data`, `eof`, `report_backlog`) and are pinged (`advance`);
 * local endpoints, the programs of this process, which exchange `TextMessage` values (`attach`, `submit`, `take`).
@@ -36,7 +36,7 @@ A connection from another machine has credentials. With a key it may register th
 and send only in its own name. Without a key it is never extended. A client that breaks these rules gets the reason, and
 its connection is closed.
 
-For all other clients the server behaves like that of 2016.
+For all other clients the server behaves like the server of 2016.
 """
 
 from __future__ import annotations
@@ -396,7 +396,7 @@ class MessageRouter:
         return outputs
 
     def display_name(self, connection: ConnectionId) -> str | None:
-        """Return a connection's name, or its number while it has none, for people; None if it is not open."""
+        """Return a connection's name for people, or its number while it has no name; None if it is not open."""
         client = self._connections.get(connection)
         return None if client is None else client.name or f"connection {connection}"
 

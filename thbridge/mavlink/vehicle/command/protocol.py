@@ -1,6 +1,6 @@
 """Command protocol: checks, executes and acknowledges commands.
 
-Each command is answered by one COMMAND_ACK to its sender, or by several with IN_PROGRESS and a final one.
+Each command is answered by one COMMAND_ACK to its sender, or by several with IN_PROGRESS and then a final one.
 
 Source: the MAVLink developer guide, "Command Protocol".
 Differs: a station that repeats a completed command does not always increase `confirmation` (MAVSDK never does). So, for

@@ -1,4 +1,4 @@
-"""Mission protocol without sockets and clocks: upload to a robot; `downloads` handles the other direction.
+"""Mission protocol without sockets and clocks: upload to a robot. The module `downloads` handles the other direction.
 
 Source: the MAVLink developer guide, "Mission Protocol".
 Differs: a station may send a part of the list, as in ArduPilot, but the plan changes only when all of that part has
@@ -43,8 +43,8 @@ class _Upload:
 
     Attributes:
         peer: the sender.
-        kept_before: items of the current plan before the first one that is sent.
-        kept_after: items of the current plan after the last one that is sent.
+        kept_before: items of the current plan before the first item that is sent.
+        kept_after: items of the current plan after the last item that is sent.
         count: number of items that are sent.
         asked: tick of the last request for the next item.
         retries: number of repeated requests for the next item.

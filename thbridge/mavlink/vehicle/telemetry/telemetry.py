@@ -45,7 +45,7 @@ _KNOWS_ITS_PLACE = (
     | mav.EKF_PRED_POS_HORIZ_REL
     | mav.EKF_PRED_POS_HORIZ_ABS
 )
-"""Flags of a good estimate in ArduPilot; DroneKit waits for the last one before it reports a vehicle as armable."""
+"""Flags of a good estimate in ArduPilot; DroneKit waits for the last flag before it reports a vehicle as armable."""
 
 _SATELLITES = 12
 _ACCURACY = 50

@@ -1,4 +1,4 @@
-"""Frame codec of one link: bytes of a stream or of datagrams to complete frames, verified if there is a key, and back.
+"""Frame codec of one link: converts bytes of a stream or of datagrams to complete frames and back; verifies with a key.
 
 It uses no sockets and no clocks.
 """

@@ -24,7 +24,7 @@ _PAIR = Struct("<II")
 _LZ4_FLAGS = 4
 """Offset of the byte FLG in an LZ4 frame, after the magic number."""
 _MESSAGE_HEADER = 38
-"""Length of the usual header of a message record: the fields op, conn and time, each with its length before it."""
+"""Length of the usual header of a message record: the fields op, conn and time, each preceded by its length."""
 _OP_CONN_TIME = Struct("<II3sBI5sII5sII")
 _CONN_OP_TIME = Struct("<II5sII3sBI5sII")
 """The first form has the field order of rosbags, the second form that of ROS 1. Other headers are read field by

@@ -91,7 +91,7 @@ class ChunkBuilder:
         self._add(stamp_ns, (connection,), (data,), len(data) + len(_HEAD))
 
     def add_all(self, connections: Sequence[BagConnection], stamp_ns: int, messages: Sequence[bytes]) -> bool:
-        """Add messages of one stamp if all of them fit; return False, and add none, if not.
+        """Add messages of one stamp if all of them fit. Otherwise add none of them, and return False.
 
         The chunk must accept the first one.
         """

@@ -1,1 +1,1 @@
-"""Everything that participants are shown before, during and after a game; nothing before they agree to take part."""
+"""Everything that participants see before, during and after a game. They see nothing before they agree to take part."""

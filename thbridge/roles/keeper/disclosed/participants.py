@@ -22,7 +22,7 @@ PIECE_PERIOD = TICKS_PER_SECOND // 12
 
 
 class Participants:
-    """The connected programs of participants; each gets what has changed, and a newcomer gets everything.
+    """The connected programs of participants; each program gets what has changed, and a newcomer gets everything.
 
     Args:
         sender: name of the sending role.
@@ -58,7 +58,7 @@ class Participants:
 
         Args:
             name: name of the program.
-            map_name: map name of the robots' map; None while that is unknown.
+            map_name: name of the robots' map; None while it is unknown.
             run: mark of this run of the program; another run counts its requests from 1 again. Empty if unknown.
         """
         if name not in self._members and len(self._members) >= MOST_PARTICIPANTS:

@@ -70,7 +70,7 @@ class LegacyLines:
             needs_consent: True when the sender has its dialogues with this keeper, and so needs an agreement.
 
         Returns:
-            The message that our own Hider shall send to the participant now, or None.
+            The message that our own Hider has to send to the participant now, or None.
         """
         request = decode_request_line(line)
         if request is None:

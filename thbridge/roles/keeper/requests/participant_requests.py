@@ -53,7 +53,7 @@ NoticeRequest: TypeAlias = (
 def handle_participant_request(
     game: OpenGame, state: GameState, request: NoticeRequest, *, awaits_treasures: bool
 ) -> None:
-    """Grant a request, or keep its refusal; requests with lines of 2016 have no effect here.
+    """Grant a request, or store its refusal; requests that have lines of 2016 have no effect here.
 
     Args:
         game: the game in progress.

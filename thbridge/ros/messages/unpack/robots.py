@@ -276,7 +276,7 @@ def path(data: bytes) -> FloatArray:
 
 
 def _poses_alike(data: bytes, count: int) -> FloatArray | None:
-    """Return (n, 7) poses of a path all at once if all frame names have the same length, otherwise None."""
+    """Return (n, 7) poses of a path, decoded at once, if all frame names have the same length; otherwise None."""
     if not count or len(data) < _HEAD:
         return None
     length = int.from_bytes(data[_HEAD - 4 : _HEAD], "little")
