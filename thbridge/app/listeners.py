@@ -114,7 +114,7 @@ async def listeners(
         callbacks: for the results of starting.
         receive_frame: called with MAVLink frames for one robot, also never before that turn; None if the robots are not
             MAVLink vehicles.
-        granted: called with the name of a watcher's key and the request that it was granted; None for no callback.
+        granted: called with the name of a watcher's key and the granted request; None for no callback.
         has_game: True when the game is in this session.
     """
     listening: list[Listener] = []

@@ -170,8 +170,8 @@ async def play(
 
     Args:
         setting: the study.
-        participant: the participant's role; None if an outside program has that role, as `options` may also say. If the
-            study requires consent, that program is asked first: before the answer no tick is run and no file is
+        participant: the participant's role; None if an outside program has that role. See also `options.outside`. If
+            the study requires consent, that program is asked first: before the answer no tick is run and no file is
             written.
         options: options of the hunt.
         ready: called with the address of the text server, or the reason why it cannot listen.
@@ -181,7 +181,7 @@ async def play(
     Raises:
         ParticipantDeclined: the participant did not agree to take part, or left before an answer.
         BadFile: a file cannot be written, or the log of inputs belongs to another game (`GameDiffers`).
-        HuntUnfinished: it was stopped, or the game was not over in time; what was recorded is complete.
+        HuntUnfinished: it was stopped, or the game was not over in time. The recording is complete up to then.
     """
     async with AsyncExitStack() as opened:
         # The MAVLink ports are opened first, so that no recording is started if they cannot be opened.
@@ -287,7 +287,7 @@ class _Hunt:
         self._recording.begin(recorders, log)
 
     async def go_on(self) -> bool:
-        """Run up to the tick where the log of inputs ends, as fast as possible; then close all recorded connections.
+        """Run as fast as possible up to the tick where the log of inputs ends; then close all recorded connections.
 
         Returns:
             False when the run was stopped (Ctrl-C, SIGTERM).

@@ -40,7 +40,7 @@ class HeldTraffic:
     messages, and robots send them only once.
 
     Attributes:
-        recorder: recorder of the bag. If None, nothing is recorded yet, or nothing at all.
+        recorder: recorder of the bag. If None, recording has not started, or nothing is to be recorded.
     """
 
     def __init__(self) -> None:

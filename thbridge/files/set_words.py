@@ -1,6 +1,6 @@
 """Words of a template set in further languages: a folder for each language, with a `words.yaml` and a `DialogueText`.
 
-`words.yaml` has the names of treasures, and texts about properties: labels, values, and answers to questions.
+`words.yaml` has the names of treasures, and texts about properties: labels, values, and the answers to questions.
 """
 
 import difflib

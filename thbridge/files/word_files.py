@@ -43,7 +43,7 @@ class LanguageHead:
         path: the file with its section `language`.
         title: its name in the language itself, such as `English`.
         plural: index of the plural form for a number n; see `TextForms`.
-        falls_back_on: language that is used where this one lacks words, or None.
+        falls_back_on: language that is used where this language lacks words, or None.
         grammar: its own grammar, or the grammar of the language that it falls back on.
     """
 
@@ -117,7 +117,8 @@ def read_language(
     """Read a language, and the languages that it falls back on.
 
     Args:
-        folders: folders with a subfolder for each language; wordings of a later folder replace those for the same case.
+        folders: folders with a subfolder for each language; wordings of a later folder replace earlier wordings for the
+            same case.
         name: name of the language's folder.
         locutions: locutions that need words. If None, the built-in ones.
 
@@ -379,7 +380,10 @@ def _wording_faults(
     allowed: Mapping[str, str],
     ways: Sequence[Collection[str]],
 ) -> Iterator[BadFile]:
-    """Yield faults of wordings that may use the allowed words, and must name all values of one of these sets."""
+    """Yield faults of wordings.
+
+    A wording may use only the allowed words, and must name all values of one of these sets.
+    """
     for place, wording in enumerate(wordings):
         for problem, remedy in _wrong_in(wording, allowed, *ways):
             yield loaded.fault(f"{key}[{place}]", problem, remedy)

@@ -54,7 +54,7 @@ def journal_path(folder: Path, game: int) -> Path:
 
 
 def next_game(folder: Path) -> int:
-    """Return the number of the next game: one more than the highest in this folder, or 1."""
+    """Return the number of the next game: one more than the highest number in this folder, or 1."""
     numbers = [int(found.group(1)) for path in folder.glob("game-*.jsonl") if (found := _NAME.fullmatch(path.name))]
     return max(numbers, default=0) + 1
 

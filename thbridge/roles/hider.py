@@ -43,9 +43,9 @@ _Question = AskTreasure | SnapTreasure | NameTreasure
 class Hider:
     """The treasures' role.
 
-    It chooses the treasures of every game randomly, by its seed and the game's number, and sends them to the keeper,
-    which stores them. So a restarted Hider has nothing to restore. The keeper decides on every question and determines
-    the reply. Without a keeper (at a server that is not ours) Hider answers by itself as in 2016.
+    It chooses the treasures of every game randomly, from its seed and the game's number. The keeper receives and stores
+    them. So a restarted Hider has nothing to restore. The keeper decides on every question and determines the reply.
+    Without a keeper (at a server that is not ours) Hider answers by itself as in 2016.
 
     Args:
         kinds: kinds of treasures, with their pictures.

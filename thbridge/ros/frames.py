@@ -30,7 +30,7 @@ def matrix(transform: SpatialTransform) -> FloatArray:
 
 
 class FrameTree:
-    """Frames with the first received transform of each; names have no leading slash.
+    """Frames, each with its first received transform; names have no leading slash.
 
     Later transforms of the same frame are ignored; amcl also looks up the pose of a laser once and keeps it.
     """

@@ -119,7 +119,8 @@ class SoundOdometry:
         missed: motions that it does not report.
         kept: (n,) indices of the valid samples among all samples, run by run in the order of their time stamps.
         outliers: (o,) indices of the outliers.
-        cuts: (k,) positions in `kept` from which poses have another origin or time stamps of a changed clock.
+        cuts: (k,) positions in `kept`. From each position on, poses have another origin, or time stamps of a changed
+            clock.
     """
 
     runs: tuple[OdometryRun, ...]
@@ -269,7 +270,10 @@ class _Judge:
         self.missed: list[MissedMotion] = []
 
     def _measure(self, max_speed: float | None) -> None:
-        """Compute the usual period, and speed and limit of each step to the next sample; cut at too long steps."""
+        """Compute the usual period, and speed and limit of each step to the next sample.
+
+        Cut at steps that are too long.
+        """
         same = np.diff(self._run_of) == 0
         seconds = np.maximum(np.where(same, np.diff(self._stamps), np.diff(self._received)) / 1e9, 0.0)
         # The mean is used, because messages may arrive in bursts; gaps of the recording are excluded.
@@ -342,7 +346,8 @@ class _Judge:
     def _return_within(self, piece: _Piece, last: int) -> int:
         """Return the first sample of a piece that is nearer to the last valid one than to the start of the piece.
 
-        The step into an outlier may be just too long for a robot, but the step out of it not; see `_return`.
+        The step into an outlier may be just too long for a robot, while the step out of it may be possible; see
+        `_return`.
         """
         for later in range(piece.begin + 1, min(piece.begin + LEAST_MESSAGES, piece.end)):
             if self._effort(last, later) < min(1.0, self._effort(piece.begin, later)):
@@ -382,7 +387,7 @@ class _Judge:
         return RecordedFault(kind, int(self._received[i]), int(self._stamps[i]), *self._moved(sound, i))
 
     def sound(self) -> Iterator[OdometryRun]:
-        """Yield the valid odometry of each run of the clock that has any."""
+        """Yield the valid odometry of each run of the clock that has valid odometry."""
         for number, begins in enumerate(self._begins):
             parts = [(piece, to) for piece, to in self._corrections if self._run_of[piece.begin] == number]
             if parts:

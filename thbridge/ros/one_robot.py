@@ -80,7 +80,7 @@ class RobotPublisher:
         map_to_odom: that transform without its head, packed; to be set together with `odom_in_map`.
         map_to_base: frames of its true pose, packed.
         odom_to_base: frames of its odometry, packed.
-        transform_bytes: length of head, frames and pose in a message of its odometry, which form its transform.
+        transform_bytes: length of head, frames and pose in a message of its odometry; these parts form its transform.
     """
 
     def __init__(self, robot: int, scan_period: float, planners: Planners) -> None:

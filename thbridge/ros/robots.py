@@ -77,7 +77,7 @@ def owner_of(topic: str, robots: Collection[str]) -> str:
 
 
 def usual_first(topics: Iterable[str], usual: Collection[str]) -> list[str]:
-    """Return topics in order of preference: first topics with usual names, in the order of `usual`, then by length."""
+    """Return topics in order of preference: first usual names in the order of `usual`, then names with few slashes."""
     ranks = {name: rank for rank, name in enumerate(usual)}
     return sorted(topics, key=lambda topic: (ranks.get(last_word(topic), len(ranks)), topic.count("/"), topic))
 

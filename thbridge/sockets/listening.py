@@ -130,7 +130,7 @@ class ServerDoor:
 
 
 class _Acceptor:
-    """Acceptor of connections at one listening socket, which gives each its protocol, encrypted or plain.
+    """Acceptor of connections at one listening socket. It gives each connection its protocol, encrypted or plain.
 
     asyncio's own server is not used, because it accepts before the first bytes can be inspected.
     """

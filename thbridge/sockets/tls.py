@@ -66,7 +66,7 @@ def is_encrypted(transport: BaseTransport) -> bool:
 async def begin_connection(
     connection: Callable[[], BaseProtocol], accepted: socket.socket, tls: ssl.SSLContext | None
 ) -> None:
-    """Give an accepted connection its protocol: over TLS if it begins with a handshake and `tls` is given, or plain.
+    """Give an accepted connection its protocol: over TLS if it begins with a handshake and `tls` is given, else plain.
 
     Args:
         connection: factory of the protocol.

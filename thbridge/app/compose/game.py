@@ -85,7 +85,7 @@ def _with_words(language: Language, templates: TemplateSet, words: SetWords) -> 
 
 
 def manners_of(section: DialogueSection) -> dict[int | None, Manner]:
-    """Return the manners of robots by index. The key None has the manner of all robots that have none of their own."""
+    """Return the manners of robots by index. The key None has the manner of all robots that do not have their own."""
 
     def manner(of: MannerSection) -> Manner:
         return Manner(section.condition, of.attitude, of.persistence, of.talkative, of.gives_reasons, of.misheard)

@@ -213,7 +213,7 @@ def _parts(study: Study, keys: "StudyKeys") -> "InstalledParts | None":
 
 
 def _strategy_names(talk: DialogueSection) -> Iterator[tuple[int | None, str, str | None]]:
-    """Yield for each robot with a strategy of its own: index of the robot, key of the study, name of the strategy.
+    """Yield index, key of the study and name of the strategy, for each robot with its own strategy.
 
     The common strategy of the other robots comes first, with the index None.
     """
@@ -225,7 +225,7 @@ def _strategy_names(talk: DialogueSection) -> Iterator[tuple[int | None, str, st
 
 
 def _language(talk: DialogueSection, beside: Path, keys: "StudyKeys", rulebook: Rulebook) -> Language:
-    """Return the language in which robots argue; words of the study's own folder replace the shipped ones."""
+    """Return the language in which robots argue; words of the study's own folder replace the shipped words."""
     folders = _folders(talk, beside)
     if talk.words is not None:
         with keys.naming("dialogue.words", not languages_in(folders[-1])):
@@ -236,7 +236,7 @@ def _language(talk: DialogueSection, beside: Path, keys: "StudyKeys", rulebook: 
 
 
 def texts_of(study: Study, beside: Path) -> Texts:
-    """Return the texts of a study's language; texts of the study's own folder replace the shipped ones.
+    """Return the texts of a study's language; texts of the study's own folder replace the shipped texts.
 
     Args:
         study: the study.
@@ -250,7 +250,7 @@ def texts_of(study: Study, beside: Path) -> Texts:
 
 
 def missing_in(study: Study, beside: Path, resources: Resources | None = None) -> tuple[BadFile, ...]:
-    """Return the words that a study's map and templates lack in its language, each with the file to write.
+    """Return the words that a study's map and templates lack in the study's language, with the files to write.
 
     Raises:
         BadFile: map or templates have a fault. Arguments as for `read_setting`.

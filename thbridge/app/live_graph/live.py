@@ -132,7 +132,7 @@ class LiveGraph:
         offer_loggers(self._node)
 
     def _declare_starts(self) -> None:
-        """Declare each robot's pose for an external amcl; our own localizer starts with it."""
+        """Declare each robot's start pose for an external amcl; our own localizer starts at the same pose."""
         for robot, named in enumerate(self._robots):
             pose = self._team.believed_pose(robot)
             for name, value in (("x", pose.x), ("y", pose.y), ("a", pose.theta)):

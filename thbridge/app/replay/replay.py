@@ -64,7 +64,7 @@ class Difference:
     Attributes:
         number: number of the message among all compared messages, from 1.
         topic: topic of the recorded message, or of the new one if no message was recorded.
-        topic_number: topic number of the message within its topic, from 1.
+        topic_number: number of the message within its topic, from 1.
         seconds: session time of the message.
         what: one sentence.
         fields: recorded and new values, if both are messages of one type.
@@ -85,7 +85,7 @@ class Replayed:
     Attributes:
         ticks: number of ticks run.
         messages: number of messages found equal.
-        difference: the first one; None if all messages were equal.
+        difference: the first difference; None if all messages were equal.
         cut_off: True when the recording ends in the middle of a tick, and all recorded messages of that tick are equal.
         finished: True when the recording's end or a difference was reached, False when the replay was stopped.
         wall_seconds: real time of the replay.
@@ -107,7 +107,7 @@ class ReplayOptions:
 
     Attributes:
         rate: simulated seconds per second; 0 runs as fast as possible.
-        start: session time up to which the replay runs as fast as possible at any rate, seconds.
+        start: session time in seconds. Up to this time, the replay runs as fast as possible, regardless of `rate`.
         to: path of a new recording; None if there is none.
         to_the_end: True to continue after a difference.
         participant: name of a simulated participant that replaces the recorded one. If None, the recorded
@@ -354,7 +354,7 @@ class Comparison:
     Attributes:
         messages: number of messages found equal.
         reworded: number of messages found equal only in today's words.
-        difference: the first one; None as long as all messages are equal.
+        difference: the first difference; None as long as all messages are equal.
     """
 
     def __init__(self, left_out: frozenset[str] = frozenset()) -> None:

@@ -13,8 +13,8 @@ from thbridge.files.errors import BadFile, reason_of
 from thbridge.files.keys.private_file import check_private
 
 CERTIFICATE = "certificate.pem"
-"""File of the certificate and its private key, in the folder of keys. A lab's own file may also have the certificates
-of its authorities."""
+"""File of the certificate and its private key, in the folder of keys. A lab's own file may also contain the
+certificates of its authorities."""
 
 _YEARS = 20
 """Years for which our certificates are valid. Clients do not check this: they know a certificate by its fingerprint."""

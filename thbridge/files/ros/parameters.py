@@ -273,7 +273,7 @@ def _of_one_robot(path: Path, tree: Section) -> Section:
 
 
 def _has_nodes(tree: Section) -> bool:
-    """Return True for a namespace with one of our nodes, or with another such namespace."""
+    """Return True for a namespace that contains one of our nodes, or a namespace with one."""
     inner = [(key, child) for key, child in tree.entries if isinstance(child, Section)]
     return any(key.text in {"amcl", "move_base"} or _has_nodes(child) for key, child in inner)
 
@@ -340,7 +340,7 @@ class _Sorter:
     def homes(self, flat: list[Entry], by_node: bool) -> dict[str, list[Entry]]:
         """Assign sections to parameters without one.
 
-        It is the section that has most of them, or for the rest any section that has them.
+        Parameters get the section that has most of them. The rest get any section that has them.
 
         Unknown sections are under an empty name.
 

@@ -12,7 +12,7 @@ def nested(key: str, node: Node, line: int, written_at: str = "") -> Node:
         key: the path.
         node: value at the path.
         line: line of the keys.
-        written_at: path at which people wrote it, if different; the keys keep it for messages.
+        written_at: path at which people wrote the value, if it is different; the keys store it for messages.
     """
     for name in reversed(key.split(".")):
         node = Section(line, [(Scalar(name, True, line, place=written_at), node)])
@@ -21,7 +21,7 @@ def nested(key: str, node: Node, line: int, written_at: str = "") -> Node:
 
 
 def over(base: Node, top: Node) -> Node:
-    """Return a tree merged with another on top: sections are merged, other values are replaced."""
+    """Return a tree merged with another tree on top: sections are merged, and other values are replaced."""
     if not (isinstance(base, Section) and isinstance(top, Section)):
         return top
     above = {entry[0].text: entry for entry in reversed(top.entries)}

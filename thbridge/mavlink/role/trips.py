@@ -224,7 +224,10 @@ def _with_remaining(trip: VehicleTrip, output: RobotOutput) -> VehicleTrip:
 
 
 def _judge(state: GameState, robot: int, room: Room) -> rules.Ruling:
-    """Return the rules' decision on a move; a moving robot is judged as standing, because it is stopped first."""
+    """Return the rules' decision on a move.
+
+    A moving robot is judged as if it stood still, because it is stopped first.
+    """
     back = rules.fail(state, robot, "", 0.0)
     for event in () if isinstance(back, RequestRefused) else back:
         state = apply(state, event)

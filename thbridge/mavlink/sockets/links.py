@@ -108,7 +108,7 @@ class _Link:
 
 
 class MavlinkLinks:
-    """Transfer of frames between links and a session, within a share of each tick; the session uses the rest.
+    """Transfer of frames between links and a session. It uses a share of each tick; the session uses the rest.
 
     Links take turns. Frames beyond this share wait for the next tick.
 

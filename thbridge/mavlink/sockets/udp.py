@@ -1,4 +1,4 @@
-"""MAVLink over UDP: a socket for each target, one for stations that send first, and a link for each peer."""
+"""MAVLink over UDP: a socket for each target, a socket for stations that send first, and a link for each peer."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ _LARGEST = 8192
 """Number of bytes read from a datagram, more than the packet size of any network."""
 
 BUFFER = 4 * 1024 * 1024
-"""Size of the system's socket buffers in bytes, which fill during a tick; the system may grant less."""
+"""Size of the system's socket buffers in bytes. The buffers fill during a tick. The system may grant less."""
 
 SocketAddress = tuple[str, int] | tuple[str, int, int, int]
 """Address as a tuple of Python's sockets, for IPv4 or IPv6."""

@@ -4,8 +4,8 @@ COMMANDER = "COMMANDER"
 """Name of the NAMED_VALUE_INT with the commander; common MAVLink has no message for it."""
 
 BY_PARTICIPANT, BY_OTHERS = 0, -1
-"""Values of `COMMANDER` when no station commands: the participant does, or a person outside the game such as a
-researcher."""
+"""Values of `COMMANDER` when no station is in command: the participant is, or a person outside the game (a
+researcher)."""
 
 ARRIVED = "Arrived."
 """STATUSTEXT of a robot that has reached its goal."""

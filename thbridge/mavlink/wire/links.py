@@ -38,7 +38,7 @@ class HubLink:
         timeout: ticks after a frame for which its sender counts as present.
         robot: index of the only vehicle on the link. If None, all vehicles are on the link.
         received: number of frames received and accepted.
-        lost: number of frames lost, by the gaps in their senders' sequence numbers.
+        lost: number of frames lost, according to gaps in the senders' sequence numbers.
         dropped: number of frames dropped, by reason.
         sent: number of frames sent.
     """
@@ -64,7 +64,7 @@ class HubLink:
         return self.robot in (None, robot)
 
     def has_room_for(self, station: Station, tick: int) -> bool:
-        """Return True if frames of this sender are accepted; a stale sender makes room for a new one."""
+        """Return True if frames of this sender are accepted; a new sender replaces a stale one."""
         known = self._stations
         return (
             station in known or len(known) < MOST_STATIONS or not all(self.is_present(other, tick) for other in known)

@@ -42,11 +42,11 @@ class RepairResult:
 
 
 def reindex(path: Path) -> RepairResult:
-    """Write a bag's readable messages into a new bag of the same name, and keep the old one next to it.
+    """Write a bag's readable messages into a new bag of the same name, and keep the old bag next to it.
 
     The result for `NAME.bag` and `NAME.bag.active` is `NAME.bag`, and the old file becomes `NAME.orig.bag`. Every
-    complete message is recovered, also those of a chunk that is cut off, and those after an unreadable record or chunk.
-    A connection without a definition gets the known definition with its md5 sum. If there is none, it gets the known
+    complete message is recovered, even in a chunk that is cut off, and after an unreadable record or chunk. A
+    connection without a definition gets the known definition with its md5 sum. If there is none, it gets the known
     definition of its type's name, if its first message fits. The old file stays until the new one is complete.
 
     Raises:
@@ -109,7 +109,8 @@ class _Losses:
             self.spans[-1] = replace(self.spans[-1], lost=self.spans[-1].lost + span.lost)
 
     def renumbered(self, known: BagConnection, other: BagConnection) -> BagConnection:
-        """Note that another connection has the number of a known one; return it with a new number."""
+        """Note that another connection has a known connection's number; return the other connection with a new
+        number."""
         shared = self.sharing.setdefault(other.number, {(known.topic, known.msgtype): known.number})
         fresh = SHARED_NUMBERS + sum(map(len, self.sharing.values()))  # of integers
         shared.setdefault((other.topic, other.msgtype), fresh)

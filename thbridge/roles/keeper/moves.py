@@ -46,7 +46,7 @@ class TeamMoves:
         return state.has_robot(robot) and state.robots[robot].bound_for is not None and self._latest[robot] == move
 
     def orders(self, state: GameState) -> tuple[MoveOrder | None, ...]:
-        """Return the order of each robot, and note the orders as sent."""
+        """Return the order of each robot, and note that the orders are sent."""
         self._ordered = list(self._latest)
         return tuple(
             None

@@ -63,7 +63,7 @@ class InstalledParticipant:
         self.fault = ""
 
     def requests(self, view: View) -> Sequence[ParticipantRequest]:
-        """Return the requests of the lab's participant, or those of the built-in one; see `Player`."""
+        """Return the requests of the lab's participant, or of the built-in participant if it fails; see `Player`."""
         # A copy, so that the lab's program cannot change the view of the session.
         given = copy.deepcopy(view)
         try:

@@ -39,9 +39,9 @@ class ReplyPolicy:
     """Policy for the replies of a simulated participant in dialogues: a function of the view and of its seed.
 
     The credulous make the first choice, which is the most agreeable. The cautious agree to what they would choose
-    themselves. They challenge anything else, and accept the reasons; if they cannot ask for reasons, they stop what
-    costs too much. The sceptical challenge everything they can, and reject half of what is justified to them. They
-    insist on their own choices, and sometimes ask questions. In the end they give in or leave.
+    themselves. They challenge anything else, and accept the reasons. If they cannot ask for reasons, they stop robots
+    whose choice costs too much. The sceptical challenge everything they can, and reject half of what is justified to
+    them. They insist on their own choices, and sometimes ask questions. In the end they give in or leave.
 
     Attributes:
         attitude: attitude toward what robots say.

@@ -127,7 +127,7 @@ class HideRequest(NoticeValue, frozen=True, tag="HidePlease"):
 
 
 class HideTreasures(NoticeValue, frozen=True, tag="HideTreasures"):
-    """Hider to keeper: the treasure of each room, room 1 first, each in the form of journals (`hunt.codec`)."""
+    """Hider to keeper: the treasure of each room, room 1 first, in the form that journals use (`hunt.codec`)."""
 
     game: int
     treasures: tuple[Mapping[str, str | int | None], ...]

@@ -230,7 +230,10 @@ class Tuning:
     world: WorldParameters
 
     def changed(self, values: Sequence[tuple[str, ParameterValue]]) -> "Tuning | ParameterRejection":
-        """Return a copy with all these values, or the reason why one is rejected; their order does not matter."""
+        """Return a copy with all these values, or the reason why one value is rejected.
+
+        The order of values does not matter.
+        """
         true = [(path, value) for path, value in values if path.startswith(WORLD_PREFIX)]
         own = [(path, value) for path, value in values if not path.startswith(WORLD_PREFIX)]
         software, world = with_values(self.software, own), with_values(self.world, true)
@@ -240,7 +243,7 @@ class Tuning:
 
 
 def with_values(parameters: P, values: Sequence[tuple[str, ParameterValue]]) -> P | ParameterRejection:
-    """Return the parameters with all these values, or the reason why one is rejected.
+    """Return the parameters with all these values, or the reason why one value is rejected.
 
     The order of values does not matter: a new minimum above the old maximum waits until the new maximum is set.
     """

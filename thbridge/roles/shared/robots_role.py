@@ -1,4 +1,4 @@
-"""Additional interface of the robots' role to a session: requests in, the state of the team out."""
+"""Additional interface of the robots' role to a session: it takes requests and returns the state of the team."""
 
 from typing import TYPE_CHECKING, Protocol, runtime_checkable
 

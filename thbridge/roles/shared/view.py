@@ -233,7 +233,7 @@ class View(NoticeValue, frozen=True, tag="View"):
         picture_cost: energy of taking a picture.
         identify_cost: energy of naming a treasure.
         refusal: the last refused request.
-        names: possible names of treasures, in alphabetical order; empty until the first one was sensed.
+        names: possible names of treasures, in alphabetical order; empty until the first treasure was sensed.
         called: words for the shown names, in the participant's language; see `word_for`.
         consent: text to which the participant has to agree first; None when they have agreed, or need not agree.
         thinking: robots that were asked where to go and have not answered yet.
@@ -245,8 +245,8 @@ class View(NoticeValue, frozen=True, tag="View"):
         properties: properties of treasures, with words for their values in the participant's language.
         last_words: last words of robots that argue.
         has_last_word: the side that decides in the end, if robots argue; otherwise None.
-        by_position: True if moves from outside rooms are priced by the robot's position, so that the row of the
-            corridor applies nowhere.
+        by_position: True if the robot's position determines the price of moves that start outside rooms. Then the row
+            of the corridor applies nowhere.
     """
 
     game: int
@@ -292,7 +292,8 @@ class View(NoticeValue, frozen=True, tag="View"):
 
     @classmethod
     def of_notice(cls, notice: Notice) -> "View | None":
-        """Return the view in a notice; None if there is no view, or a malformed one, as from another release."""
+        """Return the view in a notice; None if there is no view, or a malformed one, for example from another
+        release."""
         view = decode_notice(notice, cls)
         return view if view is not None and view.is_consistent() else None
 

@@ -56,8 +56,8 @@ def _kinds(text: str) -> list[str]:
 def identified(msgtype: str, md5: str, text: str) -> IdentifiedType | None:
     """Return the definition of a type from the data of its connection; None if that is not enough.
 
-    A complete text is used unchanged. Otherwise the result is the type's known definition, or the text with known
-    definitions of missing types, if that has the md5 sum.
+    A complete text is used unchanged. Otherwise the result is the type's known definition, or the text completed by
+    known definitions of missing types. It must have the md5 sum.
 
     Args:
         msgtype: for example "nav_msgs/Odometry".

@@ -176,7 +176,7 @@ def typestore() -> Typestore:
 def plain_definition(msgtype: str) -> Definition:
     """Return the definition from thbridge's own texts; for types that thbridge does not write, from rosbags.
 
-    ROS plays bags with it; `rosbag check` reports that an installed text has other comments.
+    ROS plays bags that contain this definition, but `rosbag check` reports that an installed text has other comments.
 
     Raises:
         KeyError: there is no such type.
@@ -222,7 +222,7 @@ def service_type(name: str) -> ServiceType:
 def _summed(msgtype: str) -> str:
     """Return the text from which the md5 sum of one of thbridge's texts is computed.
 
-    Its constants, then its fields, inner types replaced by their sums.
+    The text has the constants, then the fields; inner types are replaced by their sums.
 
     Raises:
         KeyError: there is no such text.

@@ -124,7 +124,7 @@ class MoveBaseClient:
         return 0 if self._current is None else self._current.sent_ns
 
     def goal(self, now_ns: int, here: Pose2) -> Goal | None:
-        """Return the current goal, ours or another client's; `here` is used for a goal with an unknown pose."""
+        """Return the current goal of ours or of another client; `here` is used for a goal with an unknown pose."""
         if self._current is not None:
             return self._current.goal
         name = self._foreign_goal(now_ns)
@@ -213,7 +213,7 @@ class MoveBaseClient:
             self._finish(NoPath(goal, "lost", "the robot does not know where it is"))
 
     def _resend_or_give_up(self, current: _ActiveGoal, now_ns: int) -> None:
-        """Send a goal that the server does not list once more; after that, end it as failed."""
+        """Send a goal once more if the server does not list it. If that has been done already, end it as failed."""
         if current.cancelled_ns is not None:
             self._finish(Cancelled(current.goal))
         elif current.again:

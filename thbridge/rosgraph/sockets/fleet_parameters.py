@@ -78,7 +78,7 @@ class FleetParameters:
         return self._publish()
 
     def _set(self, key: str, value: XmlRpcValue) -> None:
-        """Apply a change on the parameter server; a value that is not an offset, or a deletion, is undone."""
+        """Apply a change on the parameter server; a deletion, or a value that is not an offset, is undone."""
         given = dict(leaves(key.rstrip("/"), value))
         if given != {self._key: self._seconds}:
             self._change(given.get(self._key, self._seconds))

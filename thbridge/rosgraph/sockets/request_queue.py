@@ -1,4 +1,7 @@
-"""Queue for services with answers that take milliseconds: answers one request at a time, with other work in between."""
+"""Queue for services with answers that take milliseconds.
+
+It answers one request at a time, with other work in between.
+"""
 
 import asyncio
 from collections.abc import Callable

@@ -1,4 +1,4 @@
-"""ROS master as a state machine: calls in, replies and notifications out.
+"""ROS master as a state machine: it takes calls, and returns replies and notifications.
 
 It stores the registrations of publishers, subscribers and services, and the parameters. It does not transport messages.
 
@@ -307,7 +307,7 @@ class Master:
         return ApiReply(SUCCESS, f"[{caller}] is not a known provider of [{key}]", 0)
 
     def _notify_subscribers(self, topic: str) -> list[str]:
-        """Notify all subscribers of a topic of its publishers; return the subscribers' URIs."""
+        """Notify all subscribers of a topic about its publishers; return the subscribers' URIs."""
         publishers = tuple(self._registrations.apis(ProviderKind.PUBLISHER, topic))
         subscribers = self._registrations.apis(ProviderKind.SUBSCRIBER, topic)
         self._notifications += [PublisherUpdate(api, topic, publishers) for api in subscribers]

@@ -1,4 +1,4 @@
-"""Slave API: a ROS node's answers to the master, to other nodes and to tools.
+"""Slave API: answers of a ROS node to the master, to other nodes and to tools.
 
 Input is a call and the current description of the node. Output is the reply, ``[code, message, value]``, and the
 consequence for the node. Codes are ROS's: 1 done, 0 failed, -1 the caller's error.

@@ -22,7 +22,8 @@ SERVER = "Server"
 """Sender name in the server's own notices."""
 
 UNDELIVERED = "undelivered"
-"""The server's notice of a failed delivery: `command`, `receiver`, `content` (its beginning) and `reason`."""
+"""The server's notice of a failed delivery, with the fields `command`, `receiver`, `content` (its beginning) and
+`reason`."""
 
 REFUSED = "refused"
 """The server's notice before it closes a connection because of its key: `reason`, a clause."""

@@ -522,7 +522,7 @@ def _is_dead(holder: _Connection, newcomer: _Connection, token: str | None) -> b
 
 
 def farewell(name: str, reason: str) -> bytes:
-    """Return the last lines to one of our clients if its key does not allow what it wants, or is no longer valid."""
+    """Return the last lines for one of our clients whose key does not allow a request, or is no longer valid."""
     return encode_line(notice(SERVER, name, REFUSED, reason=reason).line()) + SHUTDOWN_LINE
 
 

@@ -15,7 +15,7 @@ class _Waiting(NamedTuple):
 class Backlog:
     """Records of several channels in order; above the limit, the oldest records of the largest channel are dropped.
 
-    The newest record of a latched channel is never dropped, because it may be the only one for a long time. So the
+    The newest record of a latched channel is never dropped, because it may be the only record for a long time. So the
     queue is bounded by the limit plus these records.
 
     Args:

@@ -276,7 +276,7 @@ class _Watcher(AsyncioProtocol):
         decoder: decodes its lines.
         backlog: messages it has not read.
         status: its status as of the last change.
-        deaf: True once it has sent a wrong key; it gets the answer a moment later.
+        deaf: True once the watcher has sent a wrong key; the watcher gets the answer a moment later.
     """
 
     def __init__(self, server: WatchServer, decoder: WatcherSession, chunks: ChunkMaker) -> None:

@@ -168,8 +168,8 @@ def destination(
     decimeters.
 
     Returns:
-        `Denied` if the latitude or longitude does not exist; None if the command gives no place, by omitting it or by
-        (0, 0) in degrees.
+        `Denied` if the latitude or longitude does not exist; None if the command gives no place: it omits the place, or
+        has (0, 0) in degrees.
     """
     first, second = request.params[4], request.params[5]
     if math.isnan(first) or math.isnan(second):

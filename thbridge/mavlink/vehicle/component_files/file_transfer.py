@@ -5,7 +5,7 @@ Differs:
 
 * A session belongs to the station that opened it, so that stations cannot close or read the sessions of others. A
   session has the number that the station proposes, because MAVProxy identifies its transfers by this number, and MAVSDK
-  accepts no other.
+  accepts no other number.
 * A station may propose the number of an open session. It gets the number if the open file was read to its end, is the
   same file, or is idle, because the request that closes a session may be lost. Otherwise the answer is that no session
   is free.

@@ -26,7 +26,7 @@ class MissionItem:
     Attributes:
         command: a code of MAV_CMD.
         frame: a code of MAV_FRAME.
-        params: the first four parameters; NaN for an unused one.
+        params: the first four parameters; NaN for an unused parameter.
         x: the fifth parameter, as in MISSION_ITEM_INT: 1e-7 degrees of latitude, 1e-4 meters, or a plain number.
         y: the sixth parameter, in the same form.
         z: the seventh parameter.

@@ -176,13 +176,13 @@ class ModeStateMachine:
         return None
 
     def follow_target(self, target: Target) -> Denied | None:
-        """Drive to a point that is sent repeatedly; ignored unless in mode GUIDED."""
+        """Drive to a point that is sent repeatedly; do nothing unless in mode GUIDED."""
         if self._mode is not Mode.GUIDED or self.drive.leads_to(target):
             return None
         return self.go(target)
 
     def follow_velocity(self, velocity: VelocitySetpoint) -> Denied | None:
-        """Drive at a velocity that is sent repeatedly; ignored unless in mode GUIDED."""
+        """Drive at a velocity that is sent repeatedly; do nothing unless in mode GUIDED."""
         if self._mode is not Mode.GUIDED:
             return None
         denied = self._hand.follow(velocity)

@@ -42,8 +42,8 @@ class ParameterProtocol(Microservice):
     Args:
         settings: the parameters.
         announce: sends texts to people.
-        ardupilot: if True, a value is the number itself, whatever type the station states. If False, types other than
-            floats are encoded as their bytes, and are refused.
+        ardupilot: if True, a value is the number itself, with any type that the station states. If False, types other
+            than floats are encoded as their bytes, and are refused.
     """
 
     def __init__(self, settings: ParameterSettings, announce: Announce, ardupilot: bool) -> None:

@@ -1,4 +1,4 @@
-"""STATUSTEXT sentences for people: a few per second, and none repeated within three seconds.
+"""STATUSTEXT sentences for people: a few per second. No sentence is repeated within three seconds.
 
 Source: the MAVLink developer guide, STATUSTEXT: longer sentences are sent in chunks of 50 bytes, and a shorter chunk is
 the last.

@@ -1,4 +1,4 @@
-"""Reader of all records of a ROS 1 bag from beginning to end, without its index, which reports unreadable bytes.
+"""Reader of all records of a ROS 1 bag from beginning to end, without its index. It reports unreadable bytes.
 
 Source: the bag format 2.0 of ROS 1 (rosbag, bag.py and bag.cpp).
 """

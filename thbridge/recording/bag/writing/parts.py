@@ -1,4 +1,4 @@
-"""The files of a recording that is being written: one, or several if it is split."""
+"""The files of a recording that is being written: one file, or several if the recording is split."""
 
 from dataclasses import dataclass
 from pathlib import Path

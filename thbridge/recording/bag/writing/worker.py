@@ -34,7 +34,7 @@ class JobQueue(Protocol):
         """
 
     def end(self) -> None:
-        """Accept no more jobs, and drop the waiting ones; the running one is finished."""
+        """Accept no more jobs, and drop the waiting jobs; the running job is finished."""
 
 
 class WorkerThread:
@@ -55,7 +55,7 @@ class WorkerThread:
         threading.Thread(target=self._run, name=name, daemon=True).start()
 
     def submit(self, job: Job, size: int = 0) -> None:
-        """Add a job after the waiting ones."""
+        """Add a job after the waiting jobs."""
         with self._changed:
             if self.failure is None and not self._ended:
                 self._jobs.append((self._clock(), size, job))
@@ -68,12 +68,12 @@ class WorkerThread:
             return self._clock() - self._jobs[0][0] if self._jobs else 0.0
 
     def wait(self, size: int, seconds: float) -> bool:
-        """Wait until at most `size` bytes, or with 0 no jobs, are pending; return False after `seconds`."""
+        """Wait until at most `size` bytes are pending (with 0, no jobs); return False after `seconds`."""
         with self._changed:
             return self._changed.wait_for(lambda: self.waiting <= size and (size > 0 or not self._jobs), seconds)
 
     def end(self) -> None:
-        """Accept no more jobs, and drop the waiting ones; the running one is finished."""
+        """Accept no more jobs, and drop the waiting jobs; the running job is finished."""
         with self._changed:
             self._ended = True
             self._changed.notify_all()

@@ -71,7 +71,8 @@ class Adviser:
 
     Attributes:
         planner: chooses the room.
-        error_rate: share of wrong advice: another room, chosen randomly among all that the robot could suggest.
+        error_rate: share of wrong advice. Wrong advice names another room, chosen randomly among all rooms that the
+            robot could suggest.
         says_confidence: True when robots state how sure they are.
         confidence_bias: number added to the confidence of a calibrated adviser. Such an adviser only knows the
             probability that its advice is wrong.

@@ -1,4 +1,4 @@
-"""Robots that the participant ignores: after a while each decides by itself what to do next."""
+"""Robots that the participant ignores: after a while, each of these robots decides by itself what to do next."""
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass

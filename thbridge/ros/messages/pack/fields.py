@@ -85,7 +85,7 @@ def fill_poses(rows: FloatArray, poses: FloatArray) -> None:
 
 @cache
 def _kernels() -> ModuleType:
-    """Import the compiler at the first call, because windows pack messages too, but no poses."""
+    """Import the compiler at the first call, because windows also pack messages, but never poses."""
     from thbridge.ros.messages.pack import kernels  # noqa: PLC0415
 
     return kernels
