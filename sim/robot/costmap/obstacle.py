@@ -69,8 +69,7 @@ class KnownObstacles(NamedTuple):
     Attributes:
         distance: distance within which a reading is explained, meters.
         near_walls: (rows, cols) of the static map; True within this distance of a wall.
-        row: row of the marks' cell (0,
-        0) in the static map; `col` is its column.
+        row: row of the marks' cell (0, 0) in the static map; `col` is its column.
         discs: (n, 3) x, y and radius of the other robots, meters.
     """
 
@@ -131,8 +130,7 @@ def _clear_along_beams(
         frame: frame of the marks in the map.
         sweep: the scan.
         farthest: length of beams that hit nothing, meters. If 0, these beams are ignored.
-        raytrace_range: maximum
-        distance that is cleared, meters.
+        raytrace_range: maximum distance that is cleared, meters.
         changed: (4,) window, which grows by the cells that change.
     """
     rows, cols = marks.shape
@@ -339,8 +337,7 @@ def _observe(
         marks: (rows, cols).
         grid_x: x of the static map's cell (0, 0), meters, with `grid_y`; `size` is the side of a cell.
         row: row of the marks' cell (0, 0) in the static map; `col` is its column.
-        laser_x: see `Sweep`, also for the next six
-        arguments.
+        laser_x: see `Sweep`, also for the next six arguments.
         range_max: length of beams that hit nothing, if these are valid, meters.
         sources: (s, 5) for each source: 1 if it clears, 1 if beams that hit nothing are valid, its raytrace_range, 1 if
             it marks, its obstacle_range.
@@ -386,8 +383,7 @@ class ObstacleLayer:
     Args:
         parameters: parameters of costmap_2d.
         grid: the map. The marks have the same cells.
-        footprint: (n, 2) padded corners of the robot, base frame. The
-        cells under it are free.
+        footprint: (n, 2) padded corners of the robot, base frame. The cells under it are free.
         track_unknown_space: value of the costmap, used if the layer's own is None.
         shape: rows and columns of a rolling costmap. If None, the layer covers the map.
         explained_by_walls: True if the costmap shows the map's walls, so that readings near them need no mark.

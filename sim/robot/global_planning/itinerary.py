@@ -48,8 +48,8 @@ class Itinerary:
         points: (m, 2) points in the map, meters. A wait is the same point twice.
         times: (m,) ascending, seconds. Before the first time the robot stands at the first point, after the last time
             at the last point.
-        unhindered_from: time
-        from which on the robot drives as it would without other robots. Before, it makes way for them.
+        unhindered_from: time from which on the robot drives as it would without other robots. Before, it makes way for
+            them.
     """
 
     points: FloatArray

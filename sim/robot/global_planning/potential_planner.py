@@ -60,9 +60,8 @@ class PotentialPlanner:
 
     Args:
         method: functions in which planners differ.
-        space: workspace, used if it fits the costmap. Nothing is kept in it
-        between plans, so planners may share it. A search waits for searches that began before it. If None, the planner
-        makes its own workspace.
+        space: workspace, used if it fits the costmap. Nothing is kept in it between plans, so planners may share it. A
+            search waits for searches that began before it. If None, the planner makes its own workspace.
     """
 
     def __init__(self, method: PotentialMethod, space: Workspace | None = None) -> None:

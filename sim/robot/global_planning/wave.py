@@ -269,8 +269,7 @@ def spread(
 
     Args:
         space: prepared workspace. The potential is set at the seeds, and UNREACHED elsewhere.
-        seeds: cells where the
-        wave begins. Their neighbors are visited first.
+        seeds: cells where the wave begins. Their neighbors are visited first.
         target: cell at which to stop; -1 for the whole map.
         attraction: cost per cell of the straight line to the target. A* adds it to choose the next cells. 0 without A*.
         threshold: cells of at most this cost are visited first.

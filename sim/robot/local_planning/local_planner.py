@@ -65,16 +65,16 @@ class PlannerLimits:
     Attributes:
         acc_lim_x: limit of acceleration, m/s^2; `acc_lim_theta` is the limit for turns, rad/s^2.
         max_vel_theta: maximum angular velocity, rad/s; in place, the minimum is `min_in_place_vel_theta`.
-        escape_vel: velocity for backing up,
-        negative, m/s. Backing up ends after `escape_reset_dist` meters or `escape_reset_theta` radians.
+        escape_vel: velocity for backing up, negative, m/s. Backing up ends after `escape_reset_dist` meters or
+            `escape_reset_theta` radians.
         heading_lookahead: distance along the path to the point that a robot faces before it starts, meters.
         oscillation_reset_dist: distance after which a robot may turn in the opposite direction, meters.
         sim_time: duration of a rollout, seconds.
         sim_granularity: distance between the points of a rollout, meters.
         xy_goal_tolerance: tolerance of the position, meters; `yaw_goal_tolerance` is that of the heading, radians.
         latch_xy_goal_tolerance: True if a robot that once was at the goal only turns from then on.
-        trans_stopped_vel: velocity below which a robot counts as standing,
-        m/s; `theta_stopped_vel` is that of turns, rad/s.
+        trans_stopped_vel: velocity below which a robot counts as standing, m/s; `theta_stopped_vel` is that of turns,
+            rad/s.
     """
 
     acc_lim_x: float

@@ -37,8 +37,7 @@ class RobotBody(NamedTuple):
         outline: (m, 2) points along the footprint.
         inscribed: inscribed radius of the footprint, meters; `circumscribed` is the circumscribed one.
         cost_scaling_factor: parameter of the costmap's inflation, like `inflation_radius`.
-        acc_lim_x: limit of
-        acceleration and braking, m/s^2; `acc_lim_theta` is the limit for turns, rad/s^2.
+        acc_lim_x: limit of acceleration and braking, m/s^2; `acc_lim_theta` is the limit for turns, rad/s^2.
         period: time between two commands, seconds.
         hold: time between two commands plus latency, seconds.
         margin: distance to keep from walls, meters.
@@ -129,8 +128,7 @@ def trajectory_cost(
         costs: (rows, cols) local costmap.
         frame: frame of the costmap in the map.
         now: pose and velocities of the robot.
-        wanted_v: the command, with
-        `wanted_w`.
+        wanted_v: the command, with `wanted_w`.
         body: shape and limits of the robot.
         sim_time: duration, seconds.
         steps: number of poses.

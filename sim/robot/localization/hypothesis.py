@@ -232,8 +232,7 @@ class CloudFilter:
             view: the scan.
             noise: random numbers of this cloud.
             searching: share of the next generation that is drawn from the whole map.
-            besides: pose; poses near it are
-            excluded from the search.
+            besides: pose; poses near it are excluded from the search.
         """
         parameters = self._parameters
         draws = noise.motion.normals(view.tick, 3 * len(before.particles))

@@ -217,9 +217,8 @@ class LikelihoodField:
     """Log probability that a beam ends in each cell of the map.
 
     Attributes:
-        values: (n,) log of
-            `z_hit * exp(-d^2 / (2 sigma_hit^2)) + z_rand / range_max`; d is the distance to the nearest surface that
-            faces the beam, capped at `max_dist`.
+        values: (n,) log of `z_hit * exp(-d^2 / (2 sigma_hit^2)) + z_rand / range_max`; d is the distance to the nearest
+            surface that faces the beam, capped at `max_dist`.
         frame: frame of the table in the map.
         outside: value for points outside the map.
         laser: x and y of the laser in the base frame, meters.

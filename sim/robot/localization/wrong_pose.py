@@ -111,8 +111,7 @@ class GaussianEvidence(NamedTuple):
         deviation: see `ParticleEvidence`.
         turn_deviation: see `ParticleEvidence`.
         drive_noise: logarithm of the factor by which the noise of distances exceeds the parameters.
-        turn_noise: the
-        same for turns.
+        turn_noise: the same for turns.
     """
 
     always: float

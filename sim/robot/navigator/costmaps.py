@@ -56,8 +56,7 @@ class CostmapPublisher:
             tick: the present tick.
             pose: pose estimate of the robot.
             neighbours: the other robots.
-            pending: a scan that the costmap has not
-            processed yet.
+            pending: a scan that the costmap has not processed yet.
         """
         self._first = False
         costs, frame = self._costmap.as_updated(pose.x, pose.y, neighbours, pending)
@@ -72,8 +71,7 @@ class Costmaps:
     Args:
         parameters: parameters of this robot's software.
         footprint: (n, 2) corners of the robot's body, base frame, meters.
-        turned: the map, with the conversion to the
-        grid's frame.
+        turned: the map, with the conversion to the grid's frame.
         robot: index of the robot in the team.
 
     Attributes:
@@ -126,8 +124,7 @@ class Costmaps:
         Args:
             tick: the present tick.
             pose: pose estimate of the robot.
-            stale: the other robots: those that broadcast, and those that are
-            remembered.
+            stale: the other robots: those that broadcast, and those that are remembered.
             pending: a scan that the local costmap has not processed yet.
         """
         whole, around = self._whole_display, self._around_display

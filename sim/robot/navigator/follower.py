@@ -96,8 +96,7 @@ class FollowerOutput:
         waiting: True while the robot waits for its right of way.
         waits_for: other robot for which this one waits, because of that robot's itinerary or body.
         blocked_by_others: True while other robots keep this one from driving farther.
-        valid: True for a command with
-        progress, or if there is a good reason to wait.
+        valid: True for a command with progress, or if there is a good reason to wait.
     """
 
     command: Twist
@@ -120,8 +119,7 @@ class Follower:
         itinerary_planner: planner that made the itinerary.
         tick: the present tick.
         itinerary: itinerary that begins at the robot's position.
-        heading: heading of the pose at the itinerary's last
-        point.
+        heading: heading of the pose at the itinerary's last point.
         turns_at_end: True if the robot must turn to this heading.
         before: previous follower, if its itinerary is replaced while the robot drives on. Maneuvers of this follower
             and of the local planner then continue. Otherwise a robot with ten plans per second would start to back up

@@ -33,8 +33,7 @@ class MakingWay:
         Args:
             tick: the present tick.
             robot: the robot for which this one makes way in this tick, or None.
-            has_goal: True if this robot has a
-            goal. It may have to make way again immediately.
+            has_goal: True if this robot has a goal. It may have to make way again immediately.
         """
         self._reason = robot
         if robot is not None:

@@ -193,8 +193,7 @@ class Navigator:
             twist: velocity of the robot, by odometry.
             scan: scan of the laser, if it was due.
             neighbours: broadcasts of the other robots in the last tick.
-            lost: True if the pose is not
-            reliable. A robot with a goal then looks around until the pose is reliable.
+            lost: True if the pose is not reliable. A robot with a goal then looks around until the pose is reliable.
         """
         execution = self._execution
         if tick != self._tick + 1:

@@ -31,8 +31,7 @@ class Navigation:
         global_costmap: costs for plans, in ticks when they are published.
         local_costmap: costs for commands, in ticks when they are published.
         waits_for: other robot that goes first, if this one stands because of it.
-        makes_way_for: other robot with the
-        right of way, while this one waits for it, drives aside or drives around it.
+        makes_way_for: other robot with the right of way, while this one waits for it, drives aside or drives around it.
         fault: failure of an installed planner or recovery behavior in this tick; empty without one.
     """
 

@@ -28,8 +28,7 @@ class RecoverySituation:
         seconds: simulated time since the behavior began.
         base_in_map: pose estimate of the robot.
         twist: velocity of the robot, by odometry.
-        goal_in_map: pose of the
-        goal; None if the robot has no goal, but makes room for another robot.
+        goal_in_map: pose of the goal; None if the robot has no goal, but makes room for another robot.
         scan: the last scan that the local costmap has not processed yet, or None.
         costs: (rows, cols) local costmap.
         frame: frame of the local costmap in the map.
