@@ -14,7 +14,7 @@ _IMPORT = re.compile(
 def key_of(file: Path) -> str:
     """Return the key of a file: 16 hex digits. It depends on the file and on all files of the project that it imports.
 
-    These include indirect imports. Changes in other files do not change the key. Moving the whole project to another
+    Indirect imports are included. Changes in other files do not change the key. Moving the whole project to another
     folder does not change it either.
     """
     return hashlib.blake2b("".join(sorted(map(_digest, reached(file)))).encode(), digest_size=8).hexdigest()

@@ -14,9 +14,9 @@ class InstalledParts:
     """Factories of installed parts, by name. If a part fails, it raises `PartFailed` and no other exception.
 
     Attributes:
-    localizers: factories of localizers.
-    planners: factories of global planners.
-    recoveries: factories of recovery behaviors.
+        localizers: factories of localizers.
+        planners: factories of global planners.
+        recoveries: factories of recovery behaviors.
     """
 
     localizers: Mapping[str, LocalizerFactory] = field(default_factory=dict)

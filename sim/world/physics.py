@@ -333,7 +333,7 @@ class World:
     def start(self, poses: Sequence[Pose2]) -> WorldState | Misplaced:
         """Return tick 0 with all robots at rest at these poses (map frame) and zero odometry.
 
-        If a pose is impossible, return it.
+        If a pose is impossible, return the reason.
         """
         n = len(poses)
         placed = np.empty((n, 3))

@@ -26,7 +26,7 @@ REACHED = 0.9
 OPENED = 0.97
 """Share of the maximum connected floor over all widths.
 
-A width that reaches it is used if none opens nearly all floor.
+A width that reaches this share is used if no width connects nearly all floor.
 """
 WALLED = 0.8
 """Share of the maximum floor inside over all widths. With a width below this share, walls were also removed."""
@@ -66,7 +66,7 @@ class BlockedPaths:
     Attributes:
         reached: share of the floor that robots reach while the lines exist.
         thinner: width below which lines block the paths, pixels.
-        places: places where lines block paths, map frame; those next to the largest floor first.
+        places: places where lines block paths, map frame. Places between the largest pieces of floor come first.
     """
 
     reached: float

@@ -119,7 +119,7 @@ def drive(
 
 
 def _moved(event: TeamInput, by: Pose2) -> TeamInput:
-    """Return the event, with its place, if it has one, in another frame."""
+    """Return the event in another frame. Events without a place do not change."""
     if not isinstance(event, PutThing):
         return event
     thing = event.thing

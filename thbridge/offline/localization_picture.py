@@ -19,7 +19,7 @@ _JUMP = 1.0
 _MARGIN = 5.0
 """Margin of the map around the path, meters.
 
-Not the whole map is shown, because large parts of many maps are unknown.
+The rest of the map is not shown, because large parts of many maps are unknown.
 """
 
 

@@ -1,5 +1,8 @@
-"""Updates of a localization as rows: pose, covariance, agreement of map and scan, lost or not, and probability that the
-pose is wrong."""
+"""Updates of a localization as rows.
+
+A row has the pose, its covariance, the agreement of map and scan, True if the robot was lost, and the probability that
+the pose is wrong.
+"""
 
 import csv
 import json

@@ -4,8 +4,8 @@ Method: segmentation by the distance transform with the persistence of its peaks
 (distance to the nearest wall) of a room has a peak in its middle and a saddle in each doorway. The algorithm examines
 the floor above a clearance that rises step by step. If the floor splits into parts with peaks high enough above the
 saddle, each part is a separate place. A watershed that starts from these places puts the borders onto the narrowest
-lines. All floor that connects places is
-corridor: floor without a peak, long floor with many doorways, floor with many openings.
+lines. All floor that connects places is corridor: floor without a peak, long floor with many doorways, floor with many
+openings.
 
 Sources: R. Bormann, F. Jordan, W. Li, J. Hampp and M. Haegele, "Room Segmentation: Survey, Implementation, and
 Analysis", ICRA 2016 (distance transform, clutter); S. Thrun, "Learning metric-topological maps for indoor mobile robot
@@ -42,7 +42,7 @@ LEVEL = 0.05
 PASSAGE = 0.3
 """Clearance above which floor is a passage and not a corner of a room, meters."""
 CORNER = 1.5
-"""Distance from a robot's positions within which floor belongs to a room, in radii of the robot's inner circle."""
+"""Maximum distance of a room's floor from places where a robot can drive, in radii of the robot's inner circle."""
 WIDEST_DOOR = 10.0
 """Width above which an opening does not separate rooms, meters."""
 SHED = 3.0

@@ -26,7 +26,7 @@ def with_unmapped(grid: OccupancyGrid, unmapped: OccupancyGrid, path: Path) -> t
         path: file of the obstacles, for errors.
 
     Returns:
-        The true map, and the number of occupied cells of the other map that are outside and ignored.
+        The true map, and the number of occupied cells of the other map outside it. These cells are ignored.
 
     Raises:
         BadFile: the rotation differs from that of the map, no cell is occupied, or all occupied cells are off the map.

@@ -14,7 +14,7 @@ Costs = NDArray[np.uint8]
 
 FREE = 0
 INSCRIBED = 253
-"""Cost of cells where the robot, if its center is there, touches an obstacle for any heading."""
+"""Cost of cells that the robot's center must avoid, because the robot would touch an obstacle for any heading."""
 LETHAL = 254
 """Cost of cells with an obstacle."""
 UNKNOWN = 255

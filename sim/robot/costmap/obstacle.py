@@ -309,9 +309,9 @@ def _any_lethal(marks: Costs, row: int, col: int, standing: NDArray[np.int64]) -
     """Return True if a mark in a window is lethal. Otherwise make the window empty.
 
     Args:
-    marks: (rows, cols).
-    row: row of the marks' cell (0, 0) in the static map; `col` is its column.
-    standing: (4,) window of the static map.
+        marks: (rows, cols).
+        row: row of the marks' cell (0, 0) in the static map; `col` is its column.
+        standing: (4,) window of the static map.
     """
     for r in range(max(0, standing[0] - row), min(marks.shape[0], standing[2] - row)):
         for c in range(max(0, standing[1] - col), min(marks.shape[1], standing[3] - col)):

@@ -42,12 +42,12 @@ RETRY_TICKS = 25
 """Ticks after which a lost robot, or one with badly explained scans, weighs the next scan even if it stands still."""
 
 MARGINS = (0.03, 0.1)
-"""Additional share of a scan that a rival must explain to be better than the pose. First value: for a pose found by a
-search not long ago. Second value: for a pose that was set or has been tracked for long."""
+"""Additional share of a scan that a rival must explain to be better than the pose. The first value is for a pose that
+was found by a recent search, the second value for a pose that was set or has been tracked for long."""
 MOST_OF_ONE_SCAN = 0.25
 """Maximum effect of one scan for or against a rival, so that no single scan decides."""
 CHALLENGED = 0.15
-"""Lead of a rival from which on the tracked pose is not reliable."""
+"""Minimum lead of a rival with which the tracked pose is not reliable."""
 WON = 1.0
 """Lead at which a rival replaces the tracked pose. A rival needs at least four scans to reach it."""
 DOUBT = 0.5
@@ -55,8 +55,8 @@ DOUBT = 0.5
 scans have reduced this lead to 0. This takes two scans that fit the other pose much worse, or seventeen scans that fit
 both poses equally, because the two places look alike."""
 PROVEN_SCANS = 100
-"""Number of scans for which a pose found by a search must be tracked to be as reliable as a set pose. Before, it may be
-the pose at another place that looks the same. So the robot is lost as soon as scans fit worse than usual."""
+"""Number of scans for which a pose found by a search must be tracked to be as reliable as a set pose. Before that, the
+robot may be at another place that looks the same. So it is lost as soon as scans fit worse than usual."""
 
 
 @frozen(eq=False)

@@ -71,8 +71,7 @@ class TrackingState:
         shared: (3, 3) covariance of the error that all matches nearby have in common. It does not decrease with more
             matches. Read-only.
         matched: odometry pose at the last accepted scan; None before the first.
-        motion_noise_scales: factors by which the variances of distances and of turns are larger than according to the
-            parameters.
+        motion_noise_scales: factors of the variances of distances and of turns, relative to the parameters.
         walls_off: weighted sums over scans of `ScanMatch.walls_off`. Older scans have less weight.
         refused: number of rejected scans since the last accepted one.
         poor: number of consecutive scans that fit badly, accepted or not.

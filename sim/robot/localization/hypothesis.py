@@ -41,7 +41,7 @@ MAX_CANDIDATES = 400_000
 ROUGH_BEAMS = 15
 """Maximum number of beams for a first comparison of candidates. Most candidates fit so badly that few beams show it."""
 ROUGH_SHARE = 0.1
-"""Share of the candidates, the best in the first comparison, that all beams compare: ten times `FITTING_SHARE`."""
+"""Share of the candidates (the best in the first comparison) for which all beams are used: 10 x `FITTING_SHARE`."""
 
 MOST_BESIDES = 2000
 """Maximum number of particles in a search away from a given pose.
@@ -108,7 +108,7 @@ class Hypothesis:
         agreement: share of the scans that the map explains.
         settled: number of scans with a narrow cloud. They count while nearly all particles agree on one pose that fits
             the map.
-        noise_scales: factors by which the odometry noise is larger than according to the parameters.
+        noise_scales: factors of the odometry noise, relative to the parameters.
         share: share of the weight in the heaviest cluster at the last update.
     """
 
@@ -401,7 +401,7 @@ class CloudFilter:
     def _fitting(
         self, count: int, candidates: FloatArray, share: float, view: ScanView, noise: CloudNoise
     ) -> FloatArray:
-        """Draw (count, 3) of the candidates by tempered likelihoods, with this share of them effective."""
+        """Draw (count, 3) of the candidates, by likelihoods that are tempered to keep this share effective."""
         fit = self._field.log_likelihood(candidates, view.points)
         offset = noise.resampling.uniforms(view.tick, 3)[2]
         chosen: FloatArray = candidates[systematic(tempered(fit, share), count, offset)]

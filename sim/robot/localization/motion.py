@@ -60,7 +60,7 @@ class Alphas(NamedTuple):
 
 
 class NoiseScales(NamedTuple):
-    """Factors by which the noise of distances and turns is larger than according to the alphas."""
+    """Factors of the noise of distances and turns, relative to the alphas."""
 
     drive: float
     turn: float
@@ -267,7 +267,7 @@ class MotionModel:
         If the odometry noise equals the noise of the particles, the particles that a scan confirms have errors of the
         same size as all particles. If the odometry noise is larger, particles with the largest errors survive. The
         ratio of their mean square error to that of all particles shows how much larger the noise is. The factors are
-        never below 1, so the noise is never less than according to the alphas.
+        never below 1, so the alphas give the minimum noise.
 
         Args:
             scales: previous factors, with which the particles were moved.

@@ -43,7 +43,7 @@ def tempered(logs: FloatArray, share: float) -> FloatArray:
         share: minimum effective number, as a share of n.
 
     Returns:
-        (n,) likelihoods with a maximum of 1, raised to the greatest power up to 1 that fulfills this.
+        (n,) likelihoods with a maximum of 1. The power is the greatest one up to 1 that keeps the share effective.
 
     Source: Probabilistic Robotics, section 6.3.4, on exponents below 1; Liu (1996) for the effective number.
         Difference: the exponent is not fixed, but as low as the cloud requires.

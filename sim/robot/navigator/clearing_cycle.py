@@ -21,12 +21,12 @@ class ClearingCycle:
     """State "clearing" of one robot's move_base.
 
     Args:
-    execution: execution of the robot's goal.
-    controller: controller of the robot.
-    costmaps: costmaps of the robot.
-    rotated: the map.
-    recoveries: installed recovery behaviors, by name.
-    seed: random seed of recovery behaviors.
+        execution: execution of the robot's goal.
+        controller: controller of the robot.
+        costmaps: costmaps of the robot.
+        rotated: the map.
+        recoveries: installed recovery behaviors, by name.
+        seed: random seed of recovery behaviors.
     """
 
     def __init__(

@@ -15,8 +15,8 @@ class ControlCycle:
     """State "controlling" of one robot's move_base.
 
     Args:
-    execution: execution of the robot's goal.
-    controller: controller of the robot.
+        execution: execution of the robot's goal.
+        controller: controller of the robot.
     """
 
     def __init__(self, execution: GoalExecution, controller: Controller) -> None:

@@ -29,7 +29,7 @@ robot drives toward this end."""
 SEARCH_TURN = 0.5
 """Angle between a lost robot's heading and the heading to which it turns, radians.
 
-Its number is also the angular velocity, rad/s.
+The same value is the angular velocity, rad/s.
 """
 SEARCH_SPEED = 0.1
 """Velocity at which a lost robot drives on if it cannot turn, m/s."""

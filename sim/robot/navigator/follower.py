@@ -62,8 +62,8 @@ class Escaping:
     """State in which the robot backs up, because no command makes progress.
 
     Attributes:
-    begun: pose where the robot began to back up.
-    then: state in which the robot continues.
+        begun: pose where the robot began to back up.
+        then: state in which the robot continues.
     """
 
     begun: Pose2
@@ -194,10 +194,10 @@ class Follower:
         """Return the next command along the itinerary.
 
         Args:
-        tick: the present tick, in which a command is due.
-        pose: pose estimate of the robot.
-        twist: velocity of the robot.
-        neighbours: last states of the other robots.
+            tick: the present tick, in which a command is due.
+            pose: pose estimate of the robot.
+            twist: velocity of the robot.
+            neighbours: last states of the other robots.
         """
         if self._controller.update_due(tick) or self._held_up_since == tick:
             self._controller.update_costmap(pose, neighbours)

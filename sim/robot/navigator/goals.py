@@ -40,8 +40,8 @@ class NoPath:
     """Result of a goal that was given up.
 
     Attributes:
-    reason: code of the cause for programs; it never changes.
-    sentence: the cause for people.
+        reason: code of the cause for programs; it never changes.
+        sentence: the cause for people.
     """
 
     goal: Goal

@@ -3,14 +3,14 @@
 from sim.common.observations import TICKS_PER_SECOND
 
 PAUSE = 1.0
-"""Seconds without a reason after which making way ends.
+"""Seconds without a reason to make way after which making way ends.
 
-They bridge pauses, because robots in a queue advance in small steps.
+Shorter pauses are ignored, because robots in a queue advance in small steps.
 """
 
 
 class MakingWay:
-    """Memory of the robot for which another one makes way. Short pauses are bridged."""
+    """Memory of the robot for which another one makes way. Short pauses are ignored."""
 
     def __init__(self) -> None:
         self._robot: int | None = None

@@ -38,12 +38,12 @@ class PlanningCycle:
     """State "planning" of one robot's move_base.
 
     Args:
-    execution: execution of the robot's goal.
-    planner: planner of itineraries.
-    controller: controller for the followers of itineraries.
-    clearing: recovery behaviors.
-    rotated: the map.
-    robot: index of the robot in the team.
+        execution: execution of the robot's goal.
+        planner: planner of itineraries.
+        controller: controller for the followers of itineraries.
+        clearing: recovery behaviors.
+        rotated: the map.
+        robot: index of the robot in the team.
     """
 
     def __init__(
@@ -199,9 +199,9 @@ class PlanningCycle:
 
     @property
     def _driven_on(self) -> Controlling | None:
-        """The present state if the robot drives on while its plan is replaced, e.g.
+        """The present state if the robot drives on while its plan is replaced.
 
-        with a planner_frequency above 0.
+        An example is a planner_frequency above 0.
         """
         state = self._execution.state
         often = self._execution.move_base.planner_frequency > 0.0

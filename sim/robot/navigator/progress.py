@@ -15,7 +15,7 @@ STAY_TIMEOUT = 20.0
 """Seconds of driving within STAY_DISTANCE of one place after which a recovery behavior is due, even if
 `oscillation_timeout` is 0. It allows for the slowest robots of other labs, which drive 0.1 m/s."""
 STAY_DISTANCE = 0.5
-"""Distance from one place for STAY_TIMEOUT, meters."""
+"""Distance within which a robot counts as staying in one place, meters."""
 GIVE_WAY_TIME = 5.0
 """Seconds for which a robot that gave way lets the other one plan first."""
 
@@ -48,7 +48,7 @@ class GoalProgress:
         self._planning_since, self._retries = tick, 0
 
     def note_others_arriving(self, tick: int) -> None:
-        """Record that robots will still arrive on the path. Only after their arrival they can be asked to clear it."""
+        """Record that robots will still arrive on the path. They can be asked to clear it only after their arrival."""
         self._planning_since = tick
 
     def count_retry(self) -> int:

@@ -129,8 +129,8 @@ class OscillationDetector:
     """Detector of robots that try to move, but remain in one place.
 
     Args:
-    timeout: seconds after which a robot counts as oscillating. If 0, it never does.
-    distance: distance that counts as motion, meters.
+        timeout: seconds after which a robot counts as oscillating. If 0, it never does.
+        distance: distance that counts as motion, meters.
     """
 
     def __init__(self, timeout: float, distance: float) -> None:

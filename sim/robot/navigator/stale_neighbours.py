@@ -65,7 +65,7 @@ class StaleNeighbours:
     def update(self, tick: int, neighbours: Sequence[Neighbour]) -> None:
         """Process the broadcasts of this tick.
 
-        Robots that did broadcast in the last tick, but not in this one, become stale.
+        Robots that broadcast in the last tick, but not in this one, become stale.
         """
         robots = list(map(_ROBOT, neighbours))
         if robots != self._robots:
