@@ -28,7 +28,7 @@ DATABASE = "https://github.com/pypa/advisory-database"
 PIN = re.compile(r"^([A-Za-z0-9._-]+)==([^\s;\\]+)", re.MULTILINE)
 SUFFIXES = {".yaml", ".yml", ".json"}
 EVERY = Version("0.dev0")
-"""Version that OSV writes as 0: before all versions."""
+"""Version that OSV writes as 0; it precedes all other versions."""
 
 
 @dataclass(frozen=True)

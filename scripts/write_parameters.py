@@ -65,7 +65,7 @@ TITLES = {
     ("DWAPlannerROS",): "dwa_local_planner",
     ("move_base",): "move_base",
 }
-"""Headings by the sections that they contain; the two costmaps have nearly the same parameters."""
+"""Headings by the sections below them; the two costmaps have nearly the same parameters."""
 OURS = "not ROS's"
 NOTHING = "–"
 

@@ -1,4 +1,4 @@
-"""The command line: `thbridge`."""
+"""Command line: `thbridge`."""
 
 import logging
 import signal

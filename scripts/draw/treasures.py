@@ -315,7 +315,7 @@ def wooden(shape: Callable[[Floats], Floats], body: int, board: float) -> Solid:
 
 
 def metallic(shape: Callable[[Floats], Floats], body: int, rims: Sequence[float]) -> Solid:
-    """Return a thing of painted sheet metal, bare at rims of these heights."""
+    """Return an object of painted sheet metal, with bare metal at rims of these heights."""
 
     def colour(points: Floats) -> Floats:
         paint = painted(points, rgb(body))

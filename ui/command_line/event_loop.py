@@ -1,4 +1,4 @@
-"""The event loop that runs a program and, if a person plays, reads the keyboard."""
+"""Event loop that runs a program and, if a person plays, reads the keyboard."""
 
 import asyncio
 import os

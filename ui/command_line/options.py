@@ -137,7 +137,7 @@ SimulatedParticipant = Annotated[
 
 @dataclass(frozen=True, slots=True)
 class ClientOptions:
-    """A study, and the text server that a program connects to."""
+    """Study, and the text server that a program connects to."""
 
     study_file: StudyFile = None
     study_option: StudyOption = None

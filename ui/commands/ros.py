@@ -28,7 +28,7 @@ def ros_messages(
     from thbridge.files.ros.package import write_packages
     from thbridge.recording.bag.options import Readers
 
-    os.umask(Readers.EVERYONE.umask)  # They contain no secrets, and a system's ROS has many users.
+    os.umask(Readers.EVERYONE.umask)  # The message types contain no secrets, and many users share a system's ROS.
     with bad_input():
         packages = write_packages(folder)
     for package in packages:

@@ -1,1 +1,1 @@
-"""The first start: compile the simulator before the hunt, on several cores, with a progress bar."""
+"""First start: compile the simulator before the hunt, on several cores, with a progress bar."""

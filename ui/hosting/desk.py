@@ -1,4 +1,4 @@
-"""The researcher's desk of a running study: it receives the state of the study, and its requests are carried out."""
+"""Researcher's desk of a running study: it receives the state of the study, and its requests are carried out."""
 
 import asyncio
 from collections.abc import Callable

@@ -48,7 +48,7 @@ def offer_of(setting: StudySetting, given: bool, languages: Mapping[str, str] | 
 
     Args:
         setting: setting of the game; `participant: robots` of its study gives the numbers of robots.
-        given: True if an option gives a number of robots, which is then the only choice.
+        given: True if an option gives the number of robots. This number is then the only choice.
         languages: languages that the participant may choose, by name. If None, the study determines the language.
     """
     study = setting.study

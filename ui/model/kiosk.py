@@ -68,7 +68,7 @@ class ConsentToAsk(msgspec.Struct, frozen=True, tag=True):
 
 
 class FormItem(msgspec.Struct, frozen=True):
-    """An item of a form in the window; most attributes are those of `questionnaires.form.Item`.
+    """Item of a form in the window; most attributes are those of `questionnaires.form.Item`.
 
     Attributes:
         labels: labels of the options, in their order; if empty, the options themselves are shown.
@@ -180,7 +180,7 @@ class GameNews(msgspec.Struct, frozen=True, tag=True):
 
 
 class InstructionText(msgspec.Struct, frozen=True):
-    """A text of the study's instructions; `markdown` is True if it is Markdown."""
+    """Text of the study's instructions; `markdown` is True if it is Markdown."""
 
     text: str
     markdown: bool = False

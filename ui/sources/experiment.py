@@ -1,4 +1,4 @@
-"""A running study with people, read from its folder."""
+"""Running study with people, read from its folder."""
 
 from collections.abc import Callable
 

@@ -31,11 +31,11 @@ class FlowLayout(QLayout):
         return self._items.pop(index) if 0 <= index < len(self._items) else None
 
     def expandingDirections(self) -> Qt.Orientation:
-        """Return no direction: more room has no effect."""
+        """Return no direction, because more space has no effect."""
         return Qt.Orientation(0)
 
     def hasHeightForWidth(self) -> bool:
-        """Return True: a smaller width needs more rows."""
+        """Return True, because a smaller width needs more rows."""
         return True
 
     def heightForWidth(self, width: int) -> int:

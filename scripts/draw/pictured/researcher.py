@@ -160,7 +160,7 @@ class _Connection(session.WatchConnection):
 
 
 class _MessageCollector:
-    """Collects the messages of a session, as a watch client would receive them."""
+    """Collector of the messages of a session, as a watch client would receive them."""
 
     def __init__(self) -> None:
         self.events: list[WatchEvent] = [WatchConnected()]

@@ -11,7 +11,10 @@ Task = TypeVar("Task", bound=BatchTask)
 
 
 class InlineEngine(Generic[Task]):
-    """Engine that runs tasks in this process; before each task, `dies` returns True if its worker dies."""
+    """Engine that runs tasks in this process.
+
+    It calls `dies` before each task. If this returns True, the worker dies.
+    """
 
     def __init__(self, dies: Callable[[Task], bool] = lambda _task: False) -> None:
         self._dies = dies

@@ -102,7 +102,7 @@ def open_in_browser(page: Path | None) -> None:
 
 
 class _ProgramPager(Pager):
-    """A program of the system that shows a text page by page."""
+    """System program that shows a text page by page."""
 
     def __init__(self, words: list[str]) -> None:
         self._words = words

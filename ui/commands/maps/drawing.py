@@ -78,7 +78,7 @@ class PaperSize:
 
     @property
     def given(self) -> str | None:
-        """Return the first of these options that was given."""
+        """Return the first of these options that the user gave."""
         return next((f"--{each.name}" for each in fields(self) if getattr(self, each.name) not in {None, 0.0}), None)
 
 

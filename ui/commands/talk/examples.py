@@ -39,7 +39,7 @@ class TerminalTalk:
         exchange: exchange to play.
         people: sides that a person plays.
         game: the only game that players may open. If None, the nine cases determine the games.
-        seed: random seed of programs' choices among moves that the example leaves open.
+        seed: random seed of the programs' choices, if the example permits several moves.
         wording: wording that turns moves into sentences.
         show: function that prints a line.
         heard: function that receives each utterance.

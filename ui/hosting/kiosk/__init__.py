@@ -1,1 +1,1 @@
-"""The kiosk: people go through a study at one computer, page after page. Its only state is the log of the study."""
+"""Kiosk: people go through a study at one computer, page after page. Its only state is the log of the study."""

@@ -66,7 +66,7 @@ class GameWatcher(Protocol):
         """Return True if the window shows the end."""
 
     def broken_off(self, bag: Path | None) -> None:
-        """Record that a game is abandoned; `bag` is where its recording was moved, or None."""
+        """Record that a game is abandoned; `bag` is the new path of its recording, or None."""
 
     def cut_off(self, bag: Path) -> None:
         """Record, once, that a recording ended with its program and that its game is resumed."""

@@ -1,4 +1,4 @@
-"""The host of the kiosk: shows pages one after the other, and logs all actions of the person at once.
+"""Host of the kiosk: shows pages one after the other, and logs all actions of the person at once.
 
 Its only state is the log. After a crash it resumes with the same person at the same step.
 """

@@ -11,7 +11,7 @@ from ui.hosting.kiosk.pages import KioskPages
 
 
 class HostedStudy:
-    """The kiosk as the researcher's desk sees and controls it; see `StudyUnderWay`.
+    """Kiosk as the researcher's desk sees and controls it; see `StudyUnderWay`.
 
     Args:
         conductor: conductor of the study.

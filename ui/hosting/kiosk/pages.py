@@ -35,7 +35,7 @@ from ui.model.kiosk import (
 
 
 class WindowOfKiosk(Protocol):
-    """The kiosk's window, implemented by `WindowProcess`."""
+    """Kiosk's window, implemented by `WindowProcess`."""
 
     async def send(self, message: ToKiosk) -> None:
         """Send a message."""

@@ -1,4 +1,4 @@
-"""An arena that a person draws: rooms and start poses, changes of them, and undo."""
+"""Arena that a person draws: rooms and start poses, changes of them, and undo."""
 
 import dataclasses
 import math
@@ -33,7 +33,7 @@ class ArenaTool(StrEnum):
 
 
 class ArenaDraft:
-    """An arena that a person is drawing.
+    """Arena that a person is drawing.
 
     Each method that changes the arena returns None. If the change is impossible, it changes nothing, and returns a
     refusal with a sentence for people.
@@ -214,14 +214,14 @@ def _turned(pose: Pose2, angle: float) -> Pose2:
 
 
 class ArenaPointer:
-    """The pointer on an arena: a press, a drag and a release, with each tool.
+    """Pointer on an arena: a press, a drag and a release, with each tool.
 
     Attributes:
         tool: the selected tool.
         chosen: number of the selected room, or None.
         start: index of the selected start pose, or None.
         stroke: both ends of the box or line that a person is drawing, in the map frame; otherwise None.
-        shown: the arena as it would be if the pointer were released here.
+        shown: arena that a release of the pointer at its present place would give.
         refusal: reason why the arena would not change; empty if it would.
     """
 
@@ -297,7 +297,7 @@ class ArenaPointer:
 
     @property
     def handle(self) -> ArenaHandle | None:
-        """The selected goal or start pose."""
+        """Selected goal or start pose."""
         if self.start is not None:
             return ArenaHandle(0, self.start)
         return None if self.chosen is None else ArenaHandle(self.chosen)

@@ -53,7 +53,7 @@ Outcome = Arena | RequestRefused
 
 
 class ArenaFloor:
-    """The floor of a map for rooms and robots.
+    """Floor of a map for rooms and robots.
 
     Args:
         grid: the map.

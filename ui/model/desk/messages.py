@@ -28,7 +28,7 @@ class DeskCell(msgspec.Struct, frozen=True):
 
 
 class DeskRun(msgspec.Struct, frozen=True):
-    """A person's run.
+    """Run of a person.
 
     Attributes:
         participant: id of the person.
@@ -64,7 +64,7 @@ class DeskRun(msgspec.Struct, frozen=True):
 
 
 class DeskEvent(msgspec.Struct, frozen=True):
-    """An event of the log in words, without answers.
+    """Event of the log in words, without answers.
 
     Attributes:
         sequence: its number in the log.
@@ -80,7 +80,7 @@ class DeskEvent(msgspec.Struct, frozen=True):
 
 
 class DeskNote(msgspec.Struct, frozen=True):
-    """A note of the experimenter.
+    """Note of the experimenter.
 
     Attributes:
         wall: date and time of day, ISO 8601 in UTC.
@@ -177,4 +177,4 @@ FromDesk: TypeAlias = NextParticipant | ShowRun | WriteNote | ExcludeRun | EndRu
 DESK: WindowProtocol[DeskState, FromDesk] = WindowProtocol(
     msgspec.json.Decoder(DeskState), msgspec.json.Decoder(FromDesk), DeskClosed(), lambda _, state: (state,)
 )
-"""The messages of the desk."""
+"""Messages of the desk."""

@@ -1,4 +1,4 @@
-"""The desk's view of a study with people, made of its design, its log and the reports of its host."""
+"""Desk's view of a study with people, made of its design, its log and the reports of its host."""
 
 from collections import Counter, defaultdict
 from collections.abc import Collection, Iterable, Sequence

@@ -1,4 +1,4 @@
-"""The whole screen, computed from the participant's memory."""
+"""Whole screen, computed from the participant's memory."""
 
 from collections.abc import Collection, Sequence
 from dataclasses import replace

@@ -50,7 +50,7 @@ BLEND = 0.07
 """Time constant of blending, seconds: 95 % in 0.2 s."""
 
 MAX_HELD_CORRECTION = 0.2
-"""A correction smaller than this, in meters, never moves a driving robot backwards."""
+"""Size in meters below which a correction never moves a driving robot backwards."""
 
 MOVING_SPEED = 0.03
 """Speed in m/s above which a robot counts as driving."""

@@ -24,7 +24,7 @@ from ui.model.shared.scene import RobotMark, RoomMark
 
 
 class Participant:
-    """The view model of the participant's window.
+    """View model of the participant's window.
 
     It receives messages of the game and acts of the participant, and returns the screen to show and the requests to
     send. Arguments called `now` are monotonic seconds that never decrease, with one exception: a message may have
@@ -79,7 +79,7 @@ class Participant:
 
     @property
     def followed(self) -> int | None:
-        """The robot that the map follows."""
+        """Robot that the map follows."""
         return self._memory.followed
 
     @property

@@ -67,7 +67,7 @@ class NextRobot(Act):
 
 @dataclass(frozen=True, slots=True)
 class ConsiderRoom(Act):
-    """Look at a room without choosing it. If None, look away."""
+    """Look at a room without choosing it. If None, look at no room."""
 
     room: int | None
 
@@ -166,7 +166,7 @@ class AskWhatItIs(Act):
 
 @dataclass(frozen=True, slots=True)
 class LeaveTreasureAct(Act):
-    """Leave the treasure shown; `TakeUpTreasureAct` undoes this until its robot sets out."""
+    """Leave the treasure shown; until its robot leaves the room, `TakeUpTreasureAct` undoes this."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -262,7 +262,7 @@ class SwitchSound(Act):
 
 @dataclass(frozen=True, slots=True)
 class Action:
-    """An act on a button.
+    """Act on a button.
 
     Attributes:
         act: the act of the button.
@@ -390,7 +390,7 @@ class TreasureFact:
 
     @property
     def shown(self) -> str:
-        """The value in the participant's language."""
+        """Value in the participant's language."""
         return self.words or self.value
 
     @property

@@ -1,4 +1,4 @@
-"""The colors of all windows, light and dark, and measures of their contrast and difference."""
+"""Colors of all windows, light and dark, and measures of their contrast and difference."""
 
 from dataclasses import dataclass
 from math import dist

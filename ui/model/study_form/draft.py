@@ -1,4 +1,4 @@
-"""A study file in an editor: its text, its form, and its faults."""
+"""Study file in an editor: its text, its form, and its faults."""
 
 import dataclasses
 from collections.abc import Iterable, Mapping
@@ -196,7 +196,7 @@ def search_fields(fields: Iterable[FormField], words: str) -> tuple[FormField, .
 
 
 def keys_like(words: str, keys: Mapping[str, FormField]) -> tuple[FormField, ...]:
-    """Return the keys for a search, the likeliest first; all of them if there are no words.
+    """Return the keys for a search, the most likely ones first; without words, return all keys.
 
     A key fits if each word occurs in its name, its meaning or its choices. If none fits, those with the most similar
     names are returned, so that a typing error still finds its key.

@@ -1,4 +1,4 @@
-"""The file of a study with people in an editor, in the same form as a study file."""
+"""File of a study with people in an editor, in the same form as a study file."""
 
 import dataclasses
 from collections.abc import Iterator, Mapping
@@ -45,7 +45,7 @@ _OF_KINDS: Mapping[str, frozenset[StepKind]] = {
 
 @dataclasses.dataclass(frozen=True, slots=True)
 class ExperimentDraft(StudyDraft):
-    """A text of the file of a study with people, with its form and its faults."""
+    """Text of the file of a study with people, with its form and its faults."""
 
     def keys_for(self, group: FormGroup) -> Mapping[str, FormField]:
         """Return the keys of studies that a section does not have yet."""

@@ -45,7 +45,7 @@ class FieldKind(StrEnum):
     TEXT = "text"
     PATH = "path"
     LIST = "list"
-    """A list, or another value that people type as YAML."""
+    """List, or another value that people type as YAML."""
 
 
 class RepeatKind(StrEnum):
@@ -100,7 +100,7 @@ class FormField:
 
     @property
     def value(self) -> str:
-        """The value that applies, as YAML."""
+        """Value that applies, as YAML."""
         return self.default if self.written is None else self.written
 
     @property
@@ -111,7 +111,7 @@ class FormField:
 
 @dataclass(frozen=True, slots=True)
 class FormGroup:
-    """A section of a study.
+    """Section of a study.
 
     Attributes:
         key: its path; empty for the whole study.

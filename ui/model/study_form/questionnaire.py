@@ -1,4 +1,4 @@
-"""A questionnaire of a study with people in an editor, in the same form as a study file."""
+"""Questionnaire of a study with people in an editor, in the same form as a study file."""
 
 import dataclasses
 import re
@@ -47,7 +47,7 @@ _OF_SCALES: Mapping[str, frozenset[Scale]] = {
 
 @dataclass(frozen=True, slots=True)
 class QuestionnaireDraft(StudyDraft):
-    """A text of a questionnaire, with its form and its faults."""
+    """Text of a questionnaire, with its form and its faults."""
 
     def keys_for(self, group: FormGroup) -> Mapping[str, FormField]:
         """Return the keys that all items can share and that a section does not have yet."""

@@ -1,1 +1,1 @@
-"""A template set in an editor."""
+"""Template set in an editor."""

@@ -1,4 +1,4 @@
-"""A template set in an editor: its typed texts, and all their faults, as `templates check` finds them."""
+"""Template set in an editor: its typed texts, and all their faults, as `templates check` finds them."""
 
 import tempfile
 from collections.abc import Mapping
@@ -13,7 +13,7 @@ from thbridge.files.treasure_files import PARTICIPANT_TREASURES, TREASURES, TREA
 
 @dataclass(frozen=True, slots=True)
 class TemplateDraft:
-    """The texts of a set, and the result of reading them.
+    """Texts of a set, and the result of reading them.
 
     Attributes:
         folder: folder of the set.

@@ -10,12 +10,12 @@ from thbridge.hunt.refusals import RequestRefused
 Texts = Mapping[str, str]
 """Texts of files by name."""
 Changed = Texts | RequestRefused
-"""The changed files, with their new texts."""
+"""Changed files, with their new texts."""
 
 
 @dataclass(frozen=True, slots=True)
 class SheetColumn:
-    """A column of a sheet.
+    """Column of a sheet.
 
     Attributes:
         title: heading.

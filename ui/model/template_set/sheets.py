@@ -1,4 +1,4 @@
-"""The sheets of a template set."""
+"""Sheets of a template set."""
 
 from collections.abc import Sequence
 from pathlib import Path

@@ -25,7 +25,7 @@ _TREASURES, _PROPERTIES = "treasures", "properties"
 
 
 class _YamlSheet(Sheet):
-    """A sheet for a list of mappings in a YAML file."""
+    """Sheet for a list of mappings in a YAML file."""
 
     key: str
 
@@ -93,7 +93,7 @@ class _YamlSheet(Sheet):
 
 
 class TreasureSheet(_YamlSheet):
-    """The treasures of a `treasures.yaml`, with a column for each declared property."""
+    """Treasures of a `treasures.yaml`, with a column for each declared property."""
 
     key = _TREASURES
 
@@ -116,7 +116,7 @@ class TreasureSheet(_YamlSheet):
 
 
 class PropertySheet(_YamlSheet):
-    """The properties that a `treasures.yaml` declares."""
+    """Properties that a `treasures.yaml` declares."""
 
     key = _PROPERTIES
     columns = (

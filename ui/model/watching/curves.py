@@ -113,7 +113,7 @@ def as_steps(rows: FloatArray, end: float) -> FloatArray:
     the end.
 
     Args:
-        rows: (n, 1 + columns) of a curve that has a sample only when something changes.
+        rows: (n, 1 + columns) samples of a curve that gets a sample only when its value changes.
         end: time of the end; no effect if it is before the last sample.
     """
     steps = np.repeat(rows, 2, axis=0)

@@ -13,7 +13,7 @@ SIDES: Mapping[str, str] = {"robot": "robot", "human": "participant"}
 
 
 class DialogueList(StrEnum):
-    """List about a dialogue that a researcher can choose."""
+    """List about a dialogue; a researcher selects one of these lists."""
 
     ARGUMENTS = "Arguments"
     BELIEFS = "Beliefs of the robot (Σ)"

@@ -50,7 +50,7 @@ def children_of(data: bytes) -> bytes:
 
 
 class Frames:
-    """The frames at one moment.
+    """Frames at one moment.
 
     The name of a frame is unique within the namespace of its topic; only the map frame is common to all namespaces.
 

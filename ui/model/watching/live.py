@@ -31,7 +31,7 @@ more than this time.
 
 @dataclass(slots=True)
 class _Snapshot:
-    """The last message of each topic, and the recent frames by their children."""
+    """Last message of each topic, and the recent frames by their children."""
 
     at_ns: int = 0
     last: dict[str, WatchedMessage] = field(default_factory=dict)

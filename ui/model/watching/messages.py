@@ -10,7 +10,7 @@ TF_TYPES = frozenset({types.TFMESSAGE, "tf/tfMessage"})
 
 
 class WatchedMessage(Protocol):
-    """A message of a topic."""
+    """Message of a topic."""
 
     @property
     def topic(self) -> str:
@@ -34,11 +34,11 @@ class TopicSnapshot(Protocol):
 
     @property
     def at_ns(self) -> int:
-        """The moment, nanoseconds of ROS time."""
+        """Moment, nanoseconds of ROS time."""
 
     @property
     def topics(self) -> Mapping[str, str]:
-        """The type of each topic, by its name; topics without a message can be included."""
+        """Type of each topic, by its name; topics without a message can be included."""
 
     def newest(self, topic: str) -> WatchedMessage | None:
         """Return the last message of a topic."""

@@ -29,7 +29,7 @@ _OURS = re.compile(r"robot([1-9][0-9]*)")
 
 @dataclass(frozen=True, slots=True)
 class WatchedRobot:
-    """A robot and its topics; a topic is None if the robot does not have it.
+    """Robot and its topics; a topic is None if the robot does not have it.
 
     Attributes:
         robot: its index; if robots are called robot1, robot2, ..., the index in the team.

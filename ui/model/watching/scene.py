@@ -1,4 +1,4 @@
-"""A session at one moment, as a researcher sees it: the true state, the robots' beliefs, and everything that moves
+"""Session at one moment, as a researcher sees it: the true state, the robots' beliefs, and everything that moves
 robots.
 
 Everything is in the map frame, meters and radians, unless stated otherwise.
@@ -44,7 +44,7 @@ class ShownLayers:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RobotScene:
-    """A robot at one moment.
+    """Robot at one moment.
 
     Attributes:
         robot: its index; in sessions of thbridge, the index in the team.
@@ -101,7 +101,7 @@ class RobotScene:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ThingScene:
-    """An obstacle that is not on the map: its name, and the (v, 2) corners of its closed outline."""
+    """Obstacle that is not on the map: its name, and the (v, 2) corners of its closed outline."""
 
     name: str
     outline: FloatArray
@@ -154,7 +154,7 @@ class Wizard:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Scene:
-    """A session at one moment.
+    """Session at one moment.
 
     Attributes:
         stamp_ns: the moment, nanoseconds of ROS time.
@@ -180,7 +180,7 @@ log."""
 
 @dataclass(frozen=True, slots=True)
 class Entry:
-    """A line of a list.
+    """Line of a list.
 
     Attributes:
         stamp_ns: its time, nanoseconds of ROS time.

@@ -120,7 +120,7 @@ class Series:
 
 
 class _Tf:
-    """The present frames, decoded on demand."""
+    """Present frames, decoded on demand."""
 
     def __init__(self) -> None:
         self._messages: dict[tuple[str, bytes], WatchedMessage] = {}

@@ -58,7 +58,7 @@ def is_logged(topic: str, msgtype: str) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class RoomStatus:
-    """A room at a certain time.
+    """Room at a certain time.
 
     Attributes:
         state: state of the room in the game.

@@ -315,7 +315,7 @@ class MapView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no types
             super().mousePressEvent(event)
 
     def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
-        """Start a tool's stroke also at a second press."""
+        """Start a tool's stroke also at the second press of a double click."""
         if self._tool is not None:
             self.mousePressEvent(event)
         else:

@@ -17,7 +17,7 @@ _NAMES = {
     **{key: key for key in ("Tab", "Shift+Tab", "Enter", "Esc", "Space", "Up", "Down", "Home", "End", "F1")},
     "Return": "Enter",
 }
-"""Name of a key in `ui.model.playing.keys`, by Qt's name for it."""
+"""Names of keys in `ui.model.playing.keys`, by Qt's names."""
 
 _REPEATING = ("Tab", "Shift+Tab", "Up", "Down")
 

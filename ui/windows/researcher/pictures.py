@@ -19,7 +19,7 @@ NO_FFMPEG = "Videos need the program ffmpeg. Install it (Debian: apt install ffm
 
 
 def image_of(part: QWidget) -> QImage:
-    """Return a picture of a part of the window as shown.
+    """Return a picture of a part of the window in its present state.
 
     A picture of plots also includes the parts that are scrolled out of view.
     """

@@ -1,4 +1,4 @@
-"""The study file as a form."""
+"""Study file as a form."""
 
 from pathlib import Path
 

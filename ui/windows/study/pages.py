@@ -315,7 +315,7 @@ def _shape_of(group: FormGroup) -> tuple[str, ...]:
 
 
 class TextPage(QWidget):
-    """The file as text.
+    """Page with the file as text.
 
     Attributes:
         edited: signal: a person typed something; with the whole text.

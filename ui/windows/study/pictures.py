@@ -178,7 +178,7 @@ def scan_image(scan: RoomScan, canvas: Canvas) -> QImage:
 
 
 def fan_painter(course: Literal["straight", "square"], *, believed: bool) -> PaintFunction:
-    """Return the function that draws a course, either as the wheels report it or as the particle filter predicts it."""
+    """Return the function that draws a course with the wheels' odometry, or with the particle filter's prediction."""
 
     def paint(preview: NoisePreview, canvas: Canvas) -> QImage:
         drive = preview.straight if course == "straight" else preview.square

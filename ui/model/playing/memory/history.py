@@ -31,7 +31,7 @@ class GameHistory:
 
     @property
     def lines(self) -> tuple[HistoryLine, ...]:
-        """The lines, oldest first."""
+        """Lines of the history, oldest first."""
         return tuple(self._lines)
 
     def take_announcements(self) -> str:

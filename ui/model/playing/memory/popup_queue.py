@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class DestinationItem:
-    """A dialogue with a robot, open or requested, about where to go."""
+    """Dialogue with a robot, open or requested, about where to go."""
 
     robot: int
 
@@ -23,7 +23,7 @@ PopupItem = DestinationItem | TreasureItem
 
 
 class PopupQueue:
-    """The pop-up shown and those that wait, oldest first.
+    """Queue of the pop-up shown and the pop-ups that wait, oldest first.
 
     Only an act of the participant replaces the pop-up shown.
     """

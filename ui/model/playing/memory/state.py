@@ -57,7 +57,7 @@ class LeaveWindow:
 
 @dataclass(frozen=True, slots=True)
 class Note:
-    """A sentence shown for a while.
+    """Sentence shown for a while.
 
     Attributes:
         sentence: the words.
@@ -71,7 +71,7 @@ class Note:
 
 
 PendingStep = Reroute | DepartUndecided | EndGameEarly | LeaveLastTreasure | LeaveWindow
-"""A step that waits for the participant's confirmation."""
+"""Step that waits for the participant's confirmation."""
 
 
 @dataclass(slots=True)
@@ -134,7 +134,7 @@ class HuntMemory:
 
     @property
     def picked(self) -> str | None:
-        """The name selected in the pop-up shown."""
+        """Name selected in the pop-up shown."""
         return None if self.choice is None else self.choice.name
 
     def robot_in_room(self, room: int) -> int | None:
@@ -170,7 +170,7 @@ class HuntMemory:
         )
 
     def last_words(self, robot: int) -> LastWords | None:
-        """Return the end of the last dialogue with a robot, as long as it is relevant."""
+        """Return the end of the last dialogue with a robot, while it is relevant."""
         return next((words for words in self.view.last_words if words.robot == robot), None)
 
     def unread_words(self, robot: int) -> LastWords | None:
@@ -234,7 +234,7 @@ class DrawnState:
 
     @property
     def subject(self) -> tuple[PopupItem | None, int | None]:
-        """The pop-up, and the number of the dialogue that replaces a treasure in it."""
+        """Pop-up, and the number of the dialogue that replaces a treasure in it."""
         return self.item, self.dialogue[0] if self.dialogue and isinstance(self.item, TreasureItem) else None
 
 

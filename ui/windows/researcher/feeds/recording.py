@@ -134,7 +134,7 @@ class RecordingTransport:
 
 
 class RecordingFeed:
-    """A recording; see `Feed`.
+    """Recording; see `Feed`.
 
     Args:
         opener: opener that is still running, or done.

@@ -1,4 +1,4 @@
-"""A running session as a feed: a thread receives its messages and sends requests."""
+"""Running session as a feed: a thread receives its messages and sends requests."""
 
 import asyncio
 import threading
@@ -117,7 +117,7 @@ class SessionTransport:
 
 
 class SessionFeed:
-    """A running session; see `Feed`.
+    """Running session; see `Feed`.
 
     Args:
         connection: connection to the watch server.

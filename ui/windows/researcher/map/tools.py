@@ -50,7 +50,7 @@ class Gesture:
 
     @property
     def size(self) -> float:
-        """Diameter or side of an obstacle that is dragged from its middle, meters."""
+        """Diameter or side of an obstacle whose stroke starts at its middle, meters."""
         return DEFAULT_SIZE if self.is_click else max(2.0 * self.length, LEAST_SIZE)
 
 
