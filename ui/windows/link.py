@@ -55,7 +55,7 @@ _FIRST_NUMBERS = 1 << 31
 
 
 class ParticipantLink:
-    """Keeps a participant's program connected to a server until it is stopped.
+    """Link that keeps a participant's program connected to a server until the link is stopped.
 
     Args:
         host: host of the server.

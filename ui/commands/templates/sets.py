@@ -24,7 +24,7 @@ def read_set(name: str) -> TemplateSet:
 
 
 def copy_set(source: Path, folder: Path) -> None:
-    """Copy a set as a start for changes, in its own language: without further languages and their words."""
+    """Copy a set, so that the user can change the copy; further languages and their words are not copied."""
     others = shutil.ignore_patterns(*languages_beside(source, (DIALOGUE_TEXT, WORDS)))
     shutil.copytree(source, folder, ignore=others, dirs_exist_ok=True)
     path = folder / SET

@@ -85,7 +85,7 @@ class GameSteps:
         self._token = secrets.token_hex(8)
 
     async def practise(self, step: PlannedStep) -> None:
-        """Repeat the practice game until all goals of its step are reached, or it was played often enough."""
+        """Repeat the practice game until all goals of its step are reached, but at most `MOST_PRACTICE` times."""
         for game in range(MOST_PRACTICE):
             await self._pages.show(GamePrepared(0, self._pages.texts.text("kiosk.practice_comes")))
             visit = _Visit(self._pages, self._clock, self._token, practice=True)

@@ -11,7 +11,7 @@ from thbridge.experiment.store.events import JsonValue, RunState, StepOutcome
 from ui.model.kiosk import ConsentToAsk, FormToFill, GamePrepared, GameRecorded, GameToJoin, TextToRead, ToKiosk
 
 NO_PLACES = {NoPlace.FULL: "full", NoPlace.TAKEN: "taken"}
-"""Names of the texts for people who come when no place is free."""
+"""Names of the texts for people who arrive when no place in the study is free."""
 
 # For the researcher
 

@@ -128,7 +128,7 @@ class SessionLog:
         return self._at(until_ns).commanders
 
     def game_start(self, until_ns: int) -> int | None:
-        """Return the stamp at which the game at a time began; None before the first game."""
+        """Return the stamp of the beginning of the game that is played at a time; None before the first game."""
         return self._at(until_ns).started_ns
 
     def carried(self, robot: int) -> Sequence[int]:

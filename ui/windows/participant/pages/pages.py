@@ -41,7 +41,7 @@ def page_keys(texts: Texts) -> tuple[tuple[str, str], ...]:
 
 
 def window_keys(texts: Texts) -> tuple[tuple[str, str], ...]:
-    """Return the keys of the game's window, without those of the game."""
+    """Return the keys of the game's window that are not keys of the game."""
     keys = texts.text("keys.one_or_other", key="F6", other_key=shown_key(texts, "Ctrl+Tab"))
     return (keys, texts.text("pages.key_next_part")), *page_keys(texts)
 
