@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
-# Installs the programs that tests/peers plays against: MAVLink clients, evo, roslibpy and Node.js into .peers, with the hashes in
-# scripts/peers; the real ROS 1 tools, Java for the clients of 2016, and R for the scripts of exports (53 MB) as Debian packages, which
-# only root can install. Tests whose program is missing are skipped and say so; nothing else needs them. It requires .venv (make setup).
+# Installs the programs that tests/peers uses. MAVLink clients, evo, roslibpy and Node.js are installed into .peers, with the
+# hashes in scripts/peers. The real ROS 1 tools, Java for the clients of 2016, and R for the scripts of exports (53 MB) are Debian
+# packages, which only root can install. A test is skipped with a message if its program is missing; nothing else needs the
+# programs. This script requires .venv (make setup).
 set -uo pipefail
 cd "$(dirname "$0")/.."
 . scripts/packages.sh
@@ -36,7 +37,7 @@ if [ -x .peers/node/bin/python ] && [ "$(cat $scripts/installed 2>/dev/null)" !=
         echo "They could not be installed; the tests that need them will be skipped." >&2
 fi
 
-# All that tests execute, import or load, and their message packages; apt finds further dependencies.
+# All packages that tests execute, import or load, and packages with ROS messages; apt finds further dependencies.
 packages="ros-core python3-roslaunch python3-rosmaster python3-rosbag python3-rostopic python3-rosnode python3-rosparam
     python3-rosservice python3-rosmsg python3-rosgraph python3-rospy python3-actionlib python3-tf2 python3-tf2-ros
     python3-dynamic-reconfigure python3-genpy rviz default-jdk-headless

@@ -14,7 +14,7 @@ fi
 mkdir -p "$folder"/{state/lists/partial,cache/archives/partial,debs,root,emulator,wheels,site}
 touch "$folder/state/status"
 
-# Apt's state on this machine does not include another architecture, so it gets a separate state.
+# Apt's state on this machine does not include another architecture, so apt uses a separate state here.
 foreign=(-qq -o APT::Architecture=arm64 -o APT::Architectures=arm64 -o Dir::State="$folder/state"
     -o Dir::State::status="$folder/state/status" -o Dir::Cache="$folder/cache" -o APT::Sandbox::User=root)
 apt-get "${foreign[@]}" update

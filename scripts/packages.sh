@@ -1,6 +1,6 @@
 # Functions about Debian and Ubuntu packages, for scripts that source this file.
 
-# True if one of the named packages is installed, also if its triggers are still pending.
+# True if one of the named packages is installed, even if its triggers are still pending.
 is_installed() {
     { dpkg-query -W -f '${db:Status-Status}\n' "$@" 2>/dev/null || true; } |
         grep -qxE 'installed|triggers-pending|triggers-awaited'

@@ -13,7 +13,7 @@ if [ -x $venv/bin/python ] && [ "$(cat $stamp 2>/dev/null)" = "$wanted" ]; then
     exit 0
 fi
 
-# The first Python from 3.11 on that can create environments; PYTHON can name one. The last one is uv's.
+# Prints the first Python from version 3.11 on that can create environments. PYTHON can name one. The Python of uv is tried last.
 find_python() {
     local candidate
     for candidate in ${PYTHON:-python3.11 python3 python3.12 python3.13 "${HOME:-}/.local/bin/python3.11"}; do
@@ -32,7 +32,7 @@ if ! python=$(find_python); then
     fi
     packaged=$(packaged_python)
     if [ -z "$packaged" ] || dpkg --compare-versions "$packaged" lt 3.11; then
-                # On Ubuntu 22.04, for example, upgrading packages does not help.
+                # On Ubuntu 22.04, for example, an upgrade of the packages does not bring Python 3.11.
         cat >&2 <<END
 Set-up needs Python 3.11 or later with its venv module. This system's packages have ${packaged:-none}. Do one of these, then run set-up again:
   as any user, with uv:  python3 -m pip install --user uv && ~/.local/bin/uv python install 3.11    (pip is in the package python3-pip)
@@ -54,14 +54,14 @@ END
     fi
 fi
 
-# System packages for Qt's windows, and their typeface. Without them everything except the windows works.
+# System packages for Qt's windows and for their typeface. Without them, everything except the windows works.
 missing_for_windows() {
     local package
     for package in libgl1 libegl1 libxkbcommon0 libdbus-1-3 libfontconfig1 libxkbcommon-x11-0 libxcb-cursor0 \
         libxcb-icccm4 libxcb-keysyms1 libxcb-shape0 fonts-inter; do
         is_installed "$package" || echo "$package"
     done
-        # In Debian 13, it has the second name.
+        # In Debian 13, the package has the second name.
     is_installed libglib2.0-0 libglib2.0-0t64 || echo libglib2.0-0
 }
 

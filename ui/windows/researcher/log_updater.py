@@ -1,4 +1,4 @@
-"""Updates the lists and the timeline's marks from the log of the session or recording."""
+"""Update of the lists and of the timeline's marks, from the log of the session or recording."""
 
 from collections.abc import Iterator, Sequence
 
