@@ -183,7 +183,7 @@ class _RoomWords:
 def write_rooms(
     folder: Path, rooms: Sequence[MapRoom], starts: Sequence[Pose2], *, language: str | None = None
 ) -> None:
-    """Write or replace `rooms.yaml`. Raises BadFile if it cannot be written; an older one is then unchanged."""
+    """Write or replace `rooms.yaml`. Raises BadFile if it cannot be written; an older file is then unchanged."""
     write_whole(folder / "rooms.yaml", rooms_text(rooms, starts, language).encode())
 
 
@@ -484,7 +484,7 @@ def _findings_of_regions(loaded: Loaded[_RoomsYaml], floor: TraversabilityMap) -
 def _findings_of_ways(
     loaded: Loaded[_RoomsYaml], floor: TraversabilityMap, goals: list[_Place], starts: list[_Place], crowded: bool
 ) -> Iterator[MapFinding]:
-    """Yield faults of places that no path from a start reaches, among those where a robot can stand.
+    """Yield faults of places where a robot can stand, but which no path from a start reaches.
 
     Args:
         loaded: rooms.yaml.

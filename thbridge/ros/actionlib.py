@@ -1,4 +1,4 @@
-"""The action server move_base of one robot for its clients: the list of all goals with their states.
+"""The action server move_base of one robot, for its clients. It has the list of all goals with their states.
 
 Clients set and cancel goals; the game is one of these clients. The newest goal wins. The server is called twice per
 tick: `take` turns the requests of clients into inputs of the navigator, and `follow` reads the actions of the navigator

@@ -41,7 +41,7 @@ _DRIVES_AHEAD: Mapping[str, Tree] = {
     "TrajectoryPlannerROS": {"holonomic_robot": False},
     "DWAPlannerROS": {"max_vel_y": 0.0, "min_vel_y": 0.0, "vy_samples": 1},
 }
-"""Parameters for ROS's planners of a robot that cannot drive sideways; by default, planners assume that it can."""
+"""Parameters by which ROS's planners know that a robot cannot drive sideways; by default, they assume that it can."""
 _LOWEST = -1.0
 """Smallest height of laser readings that count, meters above the base. It is negative, because rounding must not
 exclude the floor's plane."""

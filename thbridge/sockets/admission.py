@@ -39,7 +39,7 @@ class Admission:
 
     @classmethod
     def to(cls, networks: Iterable[str]) -> "Admission":
-        """Return the admission of these networks; invalid ones are left out."""
+        """Return the admission of these networks; invalid networks are left out."""
         return cls(tuple(network for text in networks if (network := parse_network(text)) is not None))
 
     def refused(self, transport: BaseTransport) -> str | None:

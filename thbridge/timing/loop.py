@@ -99,8 +99,8 @@ def _short_turns() -> Iterator[None]:
     try:
         yield
     finally:
-        # Later loops found the short interval, so the largest entry is the original interval, even if the loops end in
-        # another order.
+        # Later loops found the short interval, so the largest entry is the original interval, for any order in which
+        # loops end.
         before = _turns_before.pop()
         if not _turns_before:
             sys.setswitchinterval(before)

@@ -1,4 +1,4 @@
-"""Replay: a fresh session gets the inputs of a recorded one, and must send the same messages.
+"""Replay: a fresh session gets the inputs of a recorded session, and must send the same messages.
 
 A recording is read a tick at a time. The fresh session receives the inputs of the tick through the same methods as the
 recorded one. Each message that it sends is compared with the recorded one, bit for bit. The session record is left out:
@@ -51,7 +51,7 @@ from thbridge.timing.loop import run_ticks
 from thbridge.timing.pacer import Pacer
 
 BEFORE_THERE_WERE = (StudyChange("robot.amcl.odom_noise_learning_rate", "0"),)
-"""Keys that the studies of older recordings lack, with the values that reproduce what robots did then."""
+"""Keys that the studies of older recordings lack, with values that reproduce the robots' behavior of that time."""
 NOT_IN_OLDER = frozenset({names.ROOMS, names.DIAGNOSTICS, names.ROSOUT})
 """Topics that are not compared if the recording has no names of rooms. Later releases record these names; their
 diagnostics and log also name the robot for which another one makes way."""
@@ -208,7 +208,7 @@ class RecordingReplay:
 
     Args:
         path: the bag.
-        setting: the study to run: the recorded one, or a changed one.
+        setting: the study to run: the recorded study, or a changed study.
         options: options of the replay.
         progress: called with every tick from `options.start` on.
 

@@ -37,7 +37,7 @@ _MACHINE_KEYS = ("libc", "processor", "compiler", "architecture")
 
 
 class GameDiffers(BadFile):
-    """The inputs of a log do not lead to the game for which it was written."""
+    """The inputs of a log do not lead to the game for which the log was written."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -104,7 +104,7 @@ class BagRecorder:
             yield score
 
     def _states_of_dialogues(self, utterances: Sequence[moves.DialogueUtterance]) -> Iterator[DialogueStateRecord]:
-        """Yield the dialogue states of robots that have changed by the utterances of this tick."""
+        """Yield the robots' dialogue states that the utterances of this tick have changed."""
         for utterance in {utterance.topic.robot: utterance for utterance in utterances}.values():
             if utterance.conversation is None:
                 continue

@@ -104,7 +104,7 @@ class WatchRequestHandler:
         ask: called with granted requests and the names of their senders.
         robots: the team.
         pacer: pacer of the session.
-        granted: called with the name of a key and the request that it was granted; None for no callback.
+        granted: called with the name of a key and the granted request; None for no callback.
         has_game: True when the game is in this session, so that a watcher can speak in a robot's place.
     """
 

@@ -6,7 +6,8 @@ from pathlib import Path
 from thbridge.files.errors import BadFile, visible
 
 LONGEST_NAME = 240
-"""Longest name, in bytes of UTF-8. File systems accept 255; 15 of them are needed while a file is being written."""
+"""Longest name, in bytes of UTF-8. File systems accept 255 bytes; 15 of these are needed while a file is being
+written."""
 LONGEST_PATH = 4095
 """Longest path, in bytes, as in Linux."""
 

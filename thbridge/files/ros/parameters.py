@@ -60,7 +60,7 @@ LAYERS = {
     "obstacle_layer": ("obstacle", "voxel", "laser", "scan"),
     "inflation_layer": ("inflat",),
 }
-"""Layers of a costmap, with the words in a plugin's type or name by which they are recognized."""
+"""Layers of a costmap, with the words by which they are recognized in a plugin's type or name."""
 
 _PERIOD = "the time between commands, which always follows from move_base's controller_frequency here"
 _UNREAD = "ROS does not read it there; probably meant is "
@@ -140,8 +140,7 @@ class RosFiles:
 
         A node with any entries in the files begins with all of ROS's defaults. Without `plugins`, a costmap has the map
         only if `static_map: true` is given (costmap_2d_ros.cpp, loadOldParameters). A costmap without entries would
-            have neither the
-        map nor a sensor in ROS, so it keeps the standard ones and the robot's body.
+        have neither the map nor a sensor in ROS, so it keeps the standard layers and the robot's body.
 
         Args:
             standard: parameters of other nodes, and parameters that ROS does not have.
@@ -273,7 +272,7 @@ def _of_one_robot(path: Path, tree: Section) -> Section:
 
 
 def _has_nodes(tree: Section) -> bool:
-    """Return True for a namespace that contains one of our nodes, or a namespace with one."""
+    """Return True for a namespace that contains one of our nodes, directly or in an inner namespace."""
     inner = [(key, child) for key, child in tree.entries if isinstance(child, Section)]
     return any(key.text in {"amcl", "move_base"} or _has_nodes(child) for key, child in inner)
 

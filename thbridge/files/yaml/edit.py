@@ -161,7 +161,7 @@ class _Edit:
         return text[:at] + self._newline + added + text[at:]
 
     def _neighbour(self, node: Node, steps: Sequence[Step], known: int) -> int:
-        """Return the index of the entry of a section after which a new one belongs."""
+        """Return the index of the entry after which a new entry belongs in a section."""
         if not isinstance(node, Section):
             return -1
         names = list(self._names(path_of(steps[:known])))

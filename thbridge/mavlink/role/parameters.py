@@ -56,7 +56,8 @@ class VehicleParameter:
         return choices[int(number)]
 
     def description(self, default: ParameterValue) -> ParameterDescription:
-        """Return its description for ground stations; `default` is the value at the start of the session."""
+        """Return the description for ground stations; `default` is the parameter's value at the start of the
+        session."""
         parameter = self.declaration
         path = parameter.path if parameter.path.startswith(WORLD_PREFIX) else f"robot.{parameter.path}"
         may_be_none = NoneType in parameter.types

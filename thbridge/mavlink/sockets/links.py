@@ -37,7 +37,7 @@ TICK_ANSWERS = 100
 """Number of answers per tick after which no further frame is processed, because recording answers takes time."""
 
 MOST_WAITING = 2048
-"""Largest number of waiting frames of a link; further ones are dropped."""
+"""Largest number of waiting frames of a link; further frames are dropped."""
 
 _STORE_SECONDS = 0.1
 """Seconds between two writes of the timestamps."""

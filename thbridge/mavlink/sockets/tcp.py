@@ -19,7 +19,7 @@ from thbridge.sockets.http_refusal import begins_http
 from thbridge.sockets.listening import ServerDoor
 
 CONNECTIONS = 32
-"""Largest number of connections; one more closes the oldest silent connection, or is refused."""
+"""Largest number of connections. A further connection replaces the oldest silent connection, or is refused."""
 
 BACKLOG = 1024 * 1024
 """Number of unread bytes after which a peer is disconnected."""

@@ -1,4 +1,6 @@
-"""A robot as a MAVLink rover. `vehicle` composes it of microservices; each handles and sends messages.
+"""A robot as a MAVLink rover.
+
+`vehicle` composes the rover of microservices; each microservice handles and sends messages.
 
 The microservices are in `command`, `mission`, `mode`, `parameter`, `component_files`, `telemetry` and `ping_timesync`.
 They pass commands to `mode.state_machine`, which moves the robot in its current mode, for the station in command.

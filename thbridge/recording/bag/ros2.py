@@ -115,7 +115,7 @@ def _kept() -> tempfile.TemporaryDirectory[str]:
 
 
 def _folder() -> Path:
-    """Return a new folder inside one that is removed when the process ends."""
+    """Return a new folder, inside a folder that is removed when the process ends."""
     return Path(tempfile.mkdtemp(dir=_kept().name))
 
 

@@ -137,7 +137,7 @@ def size_of(path: Path) -> int:
 
 
 def _unpacked_folder(path: Path, work: Path) -> Path | None:
-    """Return an unpacked copy of a folder with packed files; None for any other folder."""
+    """Return an unpacked copy of a folder that has packed files; None for a folder without packed files."""
     text = content_of(path / METADATA, LARGEST_METADATA).decode()
     _check_aliases(path / METADATA, text)
     metadata = cast(dict[str, dict[str, object]], YAML(typ="safe").load(text))

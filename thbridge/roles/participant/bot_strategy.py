@@ -6,8 +6,8 @@ from enum import StrEnum
 class BotStrategy(StrEnum):
     """Strategy of a simulated participant for choosing rooms.
 
-    `suggestion` follows the robot's advice, `nearest` chooses the room that costs the robot least, `random` any room.
-    `random` also breaks off one dialogue in ten.
+    `suggestion` follows the robot's advice; `nearest` chooses the room that costs the robot least; `random` chooses any
+    room. `random` also breaks off one dialogue in ten.
     """
 
     SUGGESTION = "suggestion"

@@ -133,7 +133,7 @@ class DialogueView:
 
     Attributes:
         dialogue: its number.
-        turn: number of moves so far; an answer must contain it, so that no answer counts twice.
+        turn: number of moves so far. An answer must contain this number, so that no answer counts twice.
         robot: index of the robot, from 0.
         matter: matter of the dialogue.
         room: number of the room it is about.
@@ -287,7 +287,8 @@ class View(NoticeValue, frozen=True, tag="View"):
         return robot.costs or self.costs[robot.place]
 
     def costs_when_stopped(self) -> tuple[float | None, ...] | None:
-        """Return the energy of moves of a robot that is stopped while moving; None if that depends on its position."""
+        """Return the energy of moves of a robot that is stopped while moving; None if it depends on the robot's
+        position."""
         return None if self.by_position else self.costs[0]
 
     @classmethod
@@ -329,7 +330,7 @@ class View(NoticeValue, frozen=True, tag="View"):
 
 
 class SelectRoom(NoticeValue, frozen=True, tag="Select"):
-    """Ask a robot to go to this room; opens a dialogue."""
+    """Ask a robot to go to this room; this opens a dialogue."""
 
     robot: int
     room: int

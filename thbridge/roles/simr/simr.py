@@ -239,7 +239,8 @@ class SimR(RobotsRole):
         return 0 <= robot < self._team.size and robot not in self._moves and robot not in taken
 
     def _is_judged(self, message: TextMessage) -> bool:
-        """Return True for a line of 2016 if there is a keeper, which decides on it and refuses unknown rooms."""
+        """Return True for a line of 2016 if there is a keeper, because the keeper decides on it and refuses unknown
+        rooms."""
         return (
             self._orders is not None
             and self._dialect is Dialect.LEGACY_2016

@@ -107,8 +107,7 @@ class DialogueMoveRecord:
         is_booked: True if it followed automatically from the move before it.
         text: the sentence; empty for a move that followed automatically.
         heard: sentence of the move that the robot understood instead; empty if the robot understood the move correctly.
-        fault: why the robot's own strategy chose the move after the study's strategy failed; empty if that did not
-            fail.
+        fault: why the robot's own strategy chose the move after the study's strategy failed; empty if it did not fail.
     """
 
     talk: int

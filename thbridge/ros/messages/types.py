@@ -161,12 +161,13 @@ class Definition:
 def typestore() -> Typestore:
     """Return the message types of rosbags for ROS 1 Noetic, with thbridge's types and those that rosbags lacks.
 
-    It is for those that read messages of any type: its classes take long to make, and games need none of them.
+    Use it only to read messages of arbitrary types, because its classes take long to create, and games do not need
+    them.
     """
     store = get_typestore(Stores.ROS1_NOETIC)
     for name, text in {**ROS_TEXTS, **OWN_TEXTS}.items():
         known_as = normalize_msgtype(name)
-        # The parser takes no text without fields, and an empty message is one all the same.
+        # The parser rejects a text without fields, but a message may be empty.
         has_fields = any(line.partition("#")[0].strip() for line in text.splitlines())
         store.register(get_types_from_msg(text, known_as) if has_fields else {known_as: ([], [])})
     return store
@@ -212,7 +213,7 @@ def service_type(name: str) -> ServiceType:
     """Return the service type of this name.
 
     Raises:
-        KeyError: there is no such type.
+        KeyError: the type is unknown.
     """
     request, response = f"{name}Request", f"{name}Response"
     fields = _summed(request) + _summed(response)
@@ -225,7 +226,7 @@ def _summed(msgtype: str) -> str:
     The text has the constants, then the fields; inner types are replaced by their sums.
 
     Raises:
-        KeyError: there is no such text.
+        KeyError: the text is unknown.
 
     Source: ros/genmsg, gentools.py, compute_md5_text.
     """
@@ -256,11 +257,11 @@ def full_text(msgtype: str, text_of: Callable[[str], str | None]) -> str | None:
 
     Args:
         msgtype: for example "nav_msgs/Odometry".
-        text_of: the content of a type's .msg file, or None when there is none.
+        text_of: returns the content of a type's .msg file, or None if there is no such file.
 
     Returns:
-        The type's own text, then each type it contains once, in the order of first mention, outer before inner;
-        None when the text of any of them is missing.
+        The type's own text, then each type that it contains once, in the order of first mention, outer types before
+        inner types. None if the text of any type is missing.
 
     Source: ros/genmsg, gentools.py, compute_full_text.
     """

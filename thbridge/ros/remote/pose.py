@@ -23,8 +23,8 @@ from thbridge.ros.remote.names import RemoteNames
 STALE_NS = 5_000_000_000
 """Default time without messages after which a part of a robot counts as dead."""
 SET_BACK_NS = 5_000_000_000
-"""A message older than the last one by more than this is not late: the robot's clock was set back, or its program was
-restarted."""
+"""If a message is older than the last one by more than this time, it is not late: the robot's clock was set back, or
+its program was restarted."""
 UNLOCALIZED_DISTANCE = 3.0
 """Meters of odometry without a correction after which a robot with only amcl_pose is lost.
 

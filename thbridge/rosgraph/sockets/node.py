@@ -224,7 +224,7 @@ class RosNode:
         tcp_nodelay: bool = True,
         on_publisher: PublisherCallback = ignore_publisher,
     ) -> None:
-        """Subscribe to a topic of all publishers, this node included.
+        """Subscribe to a topic of all publishers, including this node.
 
         Args:
             topic: global name.
@@ -286,8 +286,8 @@ class RosNode:
 
         Args:
             key: global name.
-            changed: called with the key that was set, at or below the given one, and its value; an empty dictionary
-                means that it was deleted.
+            changed: called with the key that was set, which is at or below the given key, and its value. An empty
+                dictionary means that the key was deleted.
 
         Raises:
             ValueError: this node already subscribes to it.

@@ -26,7 +26,7 @@ UNDELIVERED = "undelivered"
 `reason`."""
 
 REFUSED = "refused"
-"""The server's notice before it closes a connection because of its key: `reason`, a clause."""
+"""The server's notice before it closes a connection because of its key, with the field `reason`, a clause."""
 
 COUNTED = range(1, 1 << 32)
 """Valid numbers of games and dialogues; they are also keys of random numbers. Other numbers come from faulty
@@ -155,7 +155,7 @@ def parse_notice(message: TextMessage) -> Notice | UnreadableText:
 
 
 def _has_half_a_character(text: str) -> bool:
-    """Return True if an escape is half of a surrogate pair without the other half, which JSON's grammar allows."""
+    """Return True if an escape is half of a surrogate pair without the other half; JSON's grammar allows this."""
     if r"\u" not in text:
         return False
     try:

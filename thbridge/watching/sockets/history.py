@@ -1,4 +1,4 @@
-"""History of a session for watchers that connect late, so that they see the same as those from the start."""
+"""History of a session for watchers that connect late, so that they see the same as earlier watchers."""
 
 from collections import defaultdict, deque
 from collections.abc import Sequence
@@ -23,7 +23,8 @@ LISTED = frozenset({GAME_EVENTS, UTTERANCES, DIALOGUE_MOVES, DIALOGUE_STATES, SE
 state."""
 
 MAX_MESSAGES = 1000
-"""Largest number of messages kept for a listed topic; for the game's events, the number for each kind of event."""
+"""Largest number of messages kept for a listed topic; for the game's events, the limit applies to each kind of
+event."""
 MAX_BYTES = 2**20
 """Largest total size of these messages, in bytes."""
 

@@ -11,8 +11,8 @@ Differs:
   is free.
 * Requests to all vehicles at once are ignored: a file belongs to one vehicle, and bursts of all vehicles would be a
   flood.
-* The last piece of a file ends its burst. No EOF follows it, because MAVSDK would take the EOF for a failure if it
-  missed that piece.
+* The last piece of a file ends its burst. No EOF follows that piece. If MAVSDK missed the piece, it would take the EOF
+  for a failure.
 """
 
 from collections.abc import Callable, Iterator, Mapping

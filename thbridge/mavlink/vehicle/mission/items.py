@@ -147,7 +147,7 @@ def _off_earth(item: MissionItem) -> InvalidItem | None:
 
 
 _Rule = tuple[Callable[[float, int], bool], str]
-"""Predicate of a valid parameter in a mission of a given number of items, and the complaint if it is invalid."""
+"""Predicate of a valid parameter in a mission of a given number of items, and the complaint about an invalid one."""
 
 _SECONDS: _Rule = (lambda value, _: value >= 0.0 and math.isfinite(value), "has to be seconds, 0 or more")
 _SECONDS_IF_ANY: _Rule = (lambda value, _: math.isnan(value) or 0.0 <= value < math.inf, _SECONDS[1])

@@ -88,8 +88,8 @@ class RejectedFrame:
 def parse_key(content: bytes) -> SigningKey | InvalidKey:
     """Return the key in a file: 32 raw bytes, 64 hexadecimal digits, or a passphrase.
 
-    A line of text is a passphrase, and its SHA-256 is the key, as in MAVProxy and Mission Planner. QGroundControl has
-    derived keys from passphrases differently since 2025, but shows them as 64 digits.
+    A line of text is a passphrase, and its SHA-256 is the key, as in MAVProxy and Mission Planner. Since 2025,
+    QGroundControl derives keys from passphrases differently, but shows the keys as 64 digits.
 
     Args:
         content: whole content of the file. Printable characters are text, with or without a line end.

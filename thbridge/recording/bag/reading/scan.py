@@ -82,7 +82,7 @@ class ConnectionRecord:
 
 @dataclass(frozen=True, slots=True)
 class ChunkRecord:
-    """A chunk record; the connections and messages in it follow.
+    """A chunk record; the connections and messages in the chunk follow as separate records.
 
     Attributes:
         position: offset of the record in the file.

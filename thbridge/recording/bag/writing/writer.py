@@ -53,7 +53,7 @@ class BagWriter:
 
     Args:
         path: path of the finished bag, normally `*.bag`.
-        definitions: definitions of message types; by default those that are the same on every machine.
+        definitions: definitions of message types; by default, definitions that are the same on every machine.
         clock: monotonic clock, seconds, for the times of syncing.
         compression: compression of the bag's chunks.
         splitting: limits after which the recording continues in another file.

@@ -18,7 +18,8 @@ MOST_NUMBERS = 256
 PIECE_SIZE = 30_000
 """Bytes of a picture in one line: 40,000 characters in base 64."""
 PIECE_PERIOD = TICKS_PER_SECOND // 12
-"""Ticks between two pieces. Without pauses, a large picture would overload a slow connection, which would be closed."""
+"""Ticks between two pieces. Without pauses, a large picture would overload a slow connection, and the server would
+close the connection."""
 
 
 class Participants:
@@ -54,7 +55,7 @@ class Participants:
     def join(self, name: str, map_name: str | None, run: str = "") -> list[TextMessage]:
         """Add a participant's program, perhaps again; return the messages to send at once; empty if there is no room.
 
-        If there is no room, the new program replaces one that could not be reached.
+        If there is no room, the new program replaces a program that could not be reached.
 
         Args:
             name: name of the program.
