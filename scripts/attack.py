@@ -569,7 +569,7 @@ async def links_of_others() -> int:
 
 
 async def links_in_a_recording(folder: Path) -> int:
-    """Create links at the paths of the next parts of a recording, which has a new part every two seconds.
+    """Create links at the paths of the next parts of a recording; a new part begins every two seconds.
 
     Raises:
         BreachError: the session wrote to a link's target.

@@ -11,8 +11,10 @@ from thbridge.offline.room_finding import find_rooms
 
 
 def three_rooms() -> OccupancyGrid:
-    """Return 12 m x 8 m: a corridor of 2 m at the bottom, three rooms above it with doors of 1.2 m, and a door from
-    room 1 to room 2."""
+    """Return an arena of 12 m x 8 m.
+
+    It has a corridor of 2 m at the bottom, three rooms above it with doors of 1.2 m, and a door from room 1 to room 2.
+    """
     cells = np.full((80, 120), FREE, dtype=np.int8)
     cells[[0, -1], :] = OCCUPIED
     cells[:, [0, -1]] = OCCUPIED
@@ -29,7 +31,7 @@ FOUND = arena_of(GRID, find_rooms(GRID, *radii(np.array(FOOTPRINT))), 2, ["West"
 
 
 def two_rooms() -> OccupancyGrid:
-    """Return 8 m x 4 m: a room, a corridor and a room, with doors 1 m wide at the bottom of both walls."""
+    """Return an arena of 8 m x 4 m: a room, a corridor and a room, with doors 1 m wide at the bottom of both walls."""
     cells = np.full((40, 80), FREE, dtype=np.int8)
     cells[[0, -1], :] = OCCUPIED
     cells[:, [0, -1]] = OCCUPIED

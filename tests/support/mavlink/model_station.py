@@ -16,7 +16,8 @@ ITEM, OTHER = 13, 75
 
 RETRIES = 5
 
-# The vehicle sends MAV_MISSION_ERROR if its message that it gave up the transfer was lost, and an item arrives later.
+# If an item arrives after the vehicle gave up the transfer, because its message about that was lost, the vehicle sends
+# MAV_MISSION_ERROR.
 GIVEN_UP = ("timeout", mav.MAV_MISSION_OPERATION_CANCELLED, mav.MAV_MISSION_ERROR)
 
 
@@ -148,7 +149,7 @@ class Air:
         stations: ground stations, each on a separate link.
         robot: robot with `readings`.
         seed: random seed.
-        loss, repeats, late: probability that a message is lost, repeated or delayed, in both directions.
+        loss, repeats, late: probabilities that a message is lost, repeated or delayed, in both directions.
     """
 
     def __init__(self, parts, stations, robot, seed=0, loss=0.0, repeats=0.0, late=0.0):

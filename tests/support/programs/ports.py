@@ -9,7 +9,7 @@ _FIRST, _COUNT = 20_000, 12_000
 0. No other program takes such a port by accident between its choice and its use."""
 
 _APART = 97
-"""Distance between the first ports of workers that were started one after the other; no worker needs as many ports."""
+"""Distance between the first ports of workers that were started one after the other; no worker needs more ports."""
 
 _numbers = itertools.count(os.getpid() * _APART)
 

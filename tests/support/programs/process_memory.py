@@ -31,8 +31,8 @@ def found_in_memory(pid: int, words: Iterable[str]) -> set[str]:
                     data = memory.read(min(CHUNK + widest, end - place))
                 except OSError:
                     continue  # the memory has just been freed
-                # Without zero bytes, text with 2 or 4 bytes per letter equals text with 1, and little of the memory
-                # remains.
+                # Without zero bytes, text with 2 or 4 bytes per letter equals text with 1 byte per letter, and
+                # little memory remains to be searched.
                 data = data.translate(None, b"\0")
                 found |= {word for word, form in narrow.items() if form in data}
     return found

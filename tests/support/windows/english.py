@@ -74,7 +74,7 @@ _VALUE = re.compile("£\\w+£")
 
 
 def english_in(words: Iterable[str], language: str = "de") -> list[tuple[str, str]]:
-    """Return the English texts in words that should be in another language, each with the words that contain it."""
+    """Return the English texts found in words of another language, each with the words that contain it."""
     whole = [each for each in words if each]
     return [(text, each) for each in whole for text, found in _english(language) if found.search(each)]
 

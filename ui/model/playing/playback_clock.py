@@ -13,7 +13,7 @@ FIRST_DELAY = 0.05
 """Delay in seconds before the network is known."""
 
 CATCH_UP_BURST = 0.1
-"""Seconds after a standstill in which the network may deliver delayed samples at once."""
+"""Seconds after a standstill in which the network may deliver all delayed samples at once."""
 
 MAX_SAMPLES = 128
 """Largest number of kept samples, at any rate."""
