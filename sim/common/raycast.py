@@ -160,8 +160,8 @@ def _cast(
             row = 0 if row_step > 0 else rows - 1
     quadrant = squares[(1 - col_behind) + 2 * (1 - row_behind)]
     free = int(quadrant[np.uintp(row), np.uintp(col)])
-    # Invariant: the beam enters cell (row, col) at `distance`, all cells before it are free, and `free` is the side of
-    # the free square that starts there: 0 in an occupied cell, which ends the beam.
+    # Invariant: the beam enters cell (row, col) at `distance`, and all cells before it are free. `free` is the side of
+    # the free square that starts at this cell. It is 0 in an occupied cell, which ends the beam.
     while free > 0:
         # Far column and row of the square, and the distances at which the beam reaches them. The beam leaves the square
         # at the smaller distance.

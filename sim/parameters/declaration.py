@@ -6,7 +6,7 @@ A class of ROS parameters may have these class variables:
   names. They have no effect, and the reader of the file reports this.
 * `renamed: Mapping[str, str]`: old names that ROS still reads, and the present names.
 * `passed_on: Mapping[str, str]`: names that ROS passes on to a section, where they override the section's own value,
-  and the path of this value. Example: `obstacle_range` and `obstacle_layer.obstacle_range`.
+  and the path of this value. Example: `obstacle_range` overrides `obstacle_layer.obstacle_range`.
 * `sections_named_in: str`: the name of a field with a tuple of sections, each with a `name`. In a file, the field is a
   text of these names, separated by blanks. Each section is in the same place as the field, under its own name.
 * `not_in_ros: frozenset[str]`: the fields that ROS does not have.

@@ -72,12 +72,12 @@ class PropagatedOutput(RobotOutput):
 
     @property
     def tick(self) -> int:
-        """The same as in `RobotOutput`, without making any part."""
+        """The same as in `RobotOutput`. No other attribute is computed for it."""
         return self._parts[1]
 
     @property
     def lost(self) -> bool:
-        """The same as in `RobotOutput`, without making any part."""
+        """The same as in `RobotOutput`. No other attribute is computed for it."""
         return self._parts[0].lost
 
     @cached_property

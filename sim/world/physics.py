@@ -149,7 +149,7 @@ def _touches(
     if not is_clear_of_walls(x, y, radius + margin, clearance, frame):
         wall = near_wall(placed_at(footprint, x, y, theta), clearance, frame, margin)
     for j in range(poses.shape[0]):
-        # Circles first: most robots are too far away for the exact test.
+        # Compare circles first. Most robots are so far away that the exact test is not needed.
         if j == robot or elementary.hypot(poses[j, 0] - x, poses[j, 1] - y) > 2.0 * radius + margin:
             continue
         body = placed_at(footprint, poses[j, 0], poses[j, 1], poses[j, 2])

@@ -52,8 +52,8 @@ def time_offset(
         scan_headings: (n,) radians; NaN for a scan without a heading.
 
     Returns:
-        The offset. None if it cannot be found: because the robot turns too little, because the best offset is at the
-        end of the range, or because odometry explains too little of the turns.
+        The offset. None if the robot turns too little, if the best offset is at the end of the range, or if odometry
+        explains too little of the turns.
 
     Source: Quenouille, Notes on bias in estimation (1956), for the deviation (the jackknife). It is valid for errors
         that are dependent within a part.

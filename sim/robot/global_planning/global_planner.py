@@ -154,7 +154,7 @@ def fill_around(potential: Potential, costs: CellCosts, cols: int, cell: int, re
 
 
 class GlobalPlanner:
-    """The part that is specific to global_planner; see `PotentialMethod`.
+    """Functions that are specific to global_planner; see `PotentialMethod`.
 
     Args:
         parameters: parameters of global_planner.

@@ -1,11 +1,11 @@
 """Dynamic window approach: choose the best of the commands that are reachable within the next period.
 
 The dynamic window is the set of velocities (v, w) that the motors can reach within one control period. Samples on a
-grid of this window are rolled out into arcs. Critics score each arc. They use distances from its last pose to the path
-and to the path's end, for the robot's center and for a nose in front of it, and the costs along the arc. All arcs are
-rolled out first, so that distances are counted only for cells where arcs end (`map_grid`). Two checks are slow:
-collisions of the outline, and room to brake. They start with the best score and end at the first command that passes
-(`rollout.best_safe_command`).
+grid of this window are rolled out into arcs. Critics score each arc by distances and by the costs along the arc. The
+distances are from the last pose to the path and to the path's end. They are computed for the robot's center and for a
+nose in front of it. All arcs are rolled out first, so that distances are counted only for cells where arcs end
+(`map_grid`). Two checks are slow: collisions of the outline, and room to brake. They start with the best score and end
+at the first command that passes (`rollout.best_safe_command`).
 
 Source: ros-planning/navigation, dwa_local_planner/src/dwa_planner.cpp; base_local_planner/src/
 simple_trajectory_generator.cpp, simple_scored_sampling_planner.cpp and the cost functions; Fox, Burgard, Thrun, The

@@ -173,7 +173,10 @@ class LocalPlanner(ABC):
         return bool(command_safe(around, self._body, _motion(pose, twist), command.linear, command.angular))
 
     def turn(self, pose: Pose2, twist: Twist, heading: float, around: Surroundings) -> PlannedCommand:
-        """Turn in place toward a heading, and slow down near it. If something is near, turn in the other direction."""
+        """Turn in place toward a heading, and slow down near it.
+
+        If the turn is blocked, turn in the other direction.
+        """
         if abs(twist.linear) > 0.1:
             return PlannedCommand(STANDSTILL, self._preview(pose, twist, STANDSTILL), False)
         limits = self.limits

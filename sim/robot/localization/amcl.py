@@ -39,7 +39,10 @@ SEARCH_SHARE = 0.2
 """Share of the particles that are drawn from the whole map at each resampling during a search."""
 
 RETRY_TICKS = 25
-"""Ticks after which a lost robot, or one with badly explained scans, weighs the next scan even if it stands still."""
+"""Ticks after which the next scan is weighed even if the robot stands still.
+
+This applies to a lost robot, and to a robot with scans that fit badly.
+"""
 
 MARGINS = (0.03, 0.1)
 """Additional share of a scan that a rival must explain to be better than the pose. The first value is for a pose that

@@ -169,7 +169,7 @@ class BeamModel:
         """Compare (m,) ranges with the map from one pose; None if no beam met anything.
 
         A reading is explained if it ends where the map has a wall. A reading that was cut short has only a tenth of the
-        weight of a reading that went through a wall: other robots shorten readings, but nothing lengthens them.
+        weight of a reading that went through a wall, because other robots shorten readings but nothing lengthens them.
         """
         beams, place = self.beams, base_in_map
         laser, raycaster = beams.mount.laser_in_base, self.raycaster

@@ -59,7 +59,7 @@ class CloudSummary(NamedTuple):
 
 @njit(cache=True)
 def _slot(slots: NDArray[np.int64], corners: NDArray[np.int64], col: int, row: int, sector: int) -> int:
-    """Return the table's slot of the bin with this lattice position; if there is no such bin, the empty slot for it.
+    """Return the slot of the bin with this lattice position. If there is no such bin, return the empty slot for it.
 
     The method is open addressing with linear probing. The table is at least half empty, so the search ends.
     """

@@ -53,7 +53,7 @@ _DOUBTING = 1.5
 """Factor of the covariance after a match that fits, but is too far away to be accepted: pose or match may be wrong."""
 
 _LOST_AFTER = 20
-"""Number of consecutive rejected scans until the robot is lost: about two seconds of scans."""
+"""Number of consecutive rejected scans until the robot is lost. For a common laser, this takes two seconds."""
 
 _LEVER = 3.0
 """Distance of a typical wall, meters. It converts the uncertainty of the heading to an uncertainty of position."""

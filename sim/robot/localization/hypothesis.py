@@ -39,7 +39,10 @@ With it, one candidate is close enough to the truth on a map of some hundred squ
 MAX_CANDIDATES = 400_000
 """Maximum number of candidates."""
 ROUGH_BEAMS = 15
-"""Maximum number of beams for a first comparison of candidates. Most candidates fit so badly that few beams show it."""
+"""Maximum number of beams for a first comparison of candidates.
+
+Most candidates fit so badly that a few beams show it.
+"""
 ROUGH_SHARE = 0.1
 """Share of the candidates (the best in the first comparison) for which all beams are used: 10 x `FITTING_SHARE`."""
 
@@ -391,7 +394,7 @@ class CloudFilter:
         """Return (count, 3) poses around a pose, drawn in proportion to the scan's (tempered) likelihood there.
 
         If the wheels have an error of a fifth, or the map an error of some decimeters, a cloud moves away from the
-        truth step by step, and copies of its particles do not return.
+        truth step by step. Copies of its particles do not return to the truth.
         """
         if count == 0:
             return np.empty((0, 3))

@@ -32,7 +32,7 @@ _MOST_LEVERAGE = 0.9
 _NEAR_A_SURFACE = 0.25
 """Weight above which a point counts as being on a surface of the map."""
 _SAME_WALL = (0.95, 0.1)
-"""Limits for neighboring points of one wall: minimum cosine between normals, maximum meters between planes."""
+"""Limits for neighboring points of one wall: minimum cosine between normals; maximum distance of planes, meters."""
 
 
 @njit(cache=True)

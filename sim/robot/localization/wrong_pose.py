@@ -36,7 +36,7 @@ class ParticleEvidence(NamedTuple):
     Attributes:
         always: 1.
         lost: 1 if the filter reports that the robot is lost.
-        anywhere: 1 while the pose is searched all over the map.
+        anywhere: 1 while the pose is searched on the whole map.
         unproven: 1 if the pose was found by a search not long ago.
         unproven_updates: logarithm of the number of updates since an unproven pose was found, from 0.
         updates: logarithm of the number of updates of any pose.

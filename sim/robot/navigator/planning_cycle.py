@@ -61,7 +61,7 @@ class PlanningCycle:
         self._clearing = clearing
         self._rotated = rotated
         self._robot = robot
-        # True if the robot continues with its present itinerary if the present search finds no other one.
+        # True if the robot keeps its present itinerary when the present search finds no other one.
         self._keeps = False
 
     def run(self, tick: int, pose: Pose2, neighbours: Sequence[Neighbour]) -> None:

@@ -1,4 +1,4 @@
-"""Progress of a goal: times without a plan, and times without approaching the goal."""
+"""Progress toward a goal: clocks for the time without a plan and for the time without coming nearer."""
 
 import math
 
@@ -7,8 +7,8 @@ from sim.common.observations import TICKS_PER_SECOND
 from sim.robot.global_planning.itinerary import ITINERARY_SPEED
 
 PROGRESS_TIMEOUT = 120.0
-"""Time within which the remaining path must become shorter than ever before, seconds, in addition to the time for the
-goal's longest path. Otherwise the goal is given up, so every goal ends."""
+"""Seconds within which the remaining path must become shorter than ever before. The time for the goal's longest path is
+added. If the path does not become shorter, the goal is given up. So every goal ends."""
 PROGRESS_DISTANCE = 0.5
 """Meters by which the remaining path must become shorter."""
 STAY_TIMEOUT = 20.0
