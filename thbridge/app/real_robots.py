@@ -56,7 +56,7 @@ class HeldTraffic:
             self._latched[topic.name, publisher] = (topic, publisher, stamp_ns, data)
 
     def sent(self, message: RosMessage) -> None:
-        """Record a message to a robot. If that is not allowed yet, keep it if it is latched."""
+        """Record a message to a robot. While recording is not allowed yet, keep only latched messages."""
         if self.recorder is not None:
             self.recorder.sent(message)
         elif message.topic.latched:

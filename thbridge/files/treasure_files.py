@@ -149,7 +149,7 @@ def check_copy(path: Path, treasures: TreasureList) -> None:
 
 
 def _check_beside(path: Path, number: int, kind: TreasureKind, earlier: list[TreasureKind]) -> None:
-    """Check a treasure of a list of 2016 against those above it."""
+    """Check a treasure of a list of 2016 against the treasures above it."""
     if any(same_name(kind.name, other.name) for other in earlier):
         raise BadFile(
             path, f"{kind.name!r} is there twice", "give every treasure its own name", line=number, key="Name"

@@ -136,7 +136,7 @@ def read_language(
 
 
 def check_words(folder: Path, *, locutions: Sequence[Locution] | None = None) -> tuple[Language, ...]:
-    """Return the languages of a folder, read together with the built-in ones.
+    """Return the languages of a folder, read together with the built-in languages.
 
     Raises:
         BadFile: a fault of a file, or all faults together; or the folder has no language.

@@ -80,7 +80,7 @@ class Pacer:
         self._due = None
 
     def pause(self) -> None:
-        """Stop ticks, also the remaining ones of an earlier `step`."""
+        """Stop ticks, including the remaining ticks of an earlier `step`."""
         self._paused = True
         self._steps = 0
 

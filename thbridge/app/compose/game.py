@@ -131,7 +131,7 @@ def build_floor_plan(setting: StudySetting) -> FloorPlan:
 
 
 def room_outlines(setting: StudySetting) -> tuple[RoomOutline, ...]:
-    """Return the rooms of the map with the names that it has."""
+    """Return the rooms of the map with the map's own names for them."""
     return tuple(
         RoomOutline(entry.room.people, entry.name, entry.region, (entry.goal.x, entry.goal.y, entry.goal.theta))
         for entry in setting.map.rooms

@@ -48,7 +48,7 @@ def machine() -> dict[str, str]:
     """Return the properties of this machine, by the names in `MACHINE`.
 
     The processor's features are listed as numpy and the compiler of our kernels see them; environment variables may
-    have switched some off.
+    have switched some features off.
     """
     features = {name: bool(has) for name, has in __cpu_features__.items()}
     compiled = llvm.get_host_cpu_features()

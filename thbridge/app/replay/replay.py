@@ -240,7 +240,7 @@ class RecordingReplay:
         return self._session.tick
 
     def tick(self) -> bool:
-        """Run one tick; return True if another one follows."""
+        """Run one tick; return True if another tick follows."""
         was = next(self._recorded, None)
         if was is None:
             self._over = True

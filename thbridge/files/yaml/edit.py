@@ -363,7 +363,7 @@ def _with_changed(tree: Node, steps: tuple[Step, ...], value: Node) -> list[Leaf
 
 
 def _with_dropped(tree: Node, steps: tuple[Step, ...]) -> list[Leaf]:
-    """Return the leaves of a tree without those at a path."""
+    """Return the leaves of a tree without the leaves at a path."""
     parent = node_at(tree, steps[:-1])
     if isinstance(parent, Listing):
         items = [item for index, item in enumerate(parent.items) if index != steps[-1]]

@@ -239,7 +239,7 @@ class GameDialogues:
 
     @property
     def discussed(self) -> tuple[Discussed, ...]:
-        """Matters of open dialogues, then those of agreements."""
+        """Matters of open dialogues, then matters of agreements."""
         topics = (dialogue.topic for dialogue in self.under_way)
         return (
             *(Discussed(topic.robot, MATTERS[topic.scenario], topic.room.people) for topic in topics),

@@ -79,7 +79,7 @@ class Situation:
 
     Attributes:
         state: state of the game.
-        discussed: matters of open dialogues, then those of agreements.
+        discussed: matters of open dialogues, then matters of agreements.
         awaits_treasures: True while Hider is about to hide the treasures; until then no robot is sent.
     """
 

@@ -42,7 +42,7 @@ class WizardMode:
     Attributes:
         robot: index in the team, from 0.
         on: True makes its turns in dialogues wait for `WizardMove`, and its advice for `WizardAdvice`. False lets its
-            strategy decide pending turns at once, and all later ones.
+            strategy decide pending turns at once, and all later turns.
     """
 
     robot: int

@@ -135,7 +135,7 @@ class DialogueStateRecord:
     Attributes:
         talk: number of the dialogue of utterances.
         robot: the robot.
-        json: portrait of its conversation with the participant.
+        json: JSON object that describes its conversation with the participant.
     """
 
     talk: int

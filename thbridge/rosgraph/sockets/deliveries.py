@@ -61,7 +61,10 @@ class Deliveries:
         return len(self._calls)
 
     def post(self, notification: Notification) -> None:
-        """Queue a notification. If too many wait, make room by dropping those for an address that never answered."""
+        """Queue a notification.
+
+        If too many wait, make room by dropping notifications for an address that never answered.
+        """
         address = _address_of(notification.api)
         if self._count >= MOST_WAITING and not self._drop_some(address):
             return

@@ -52,7 +52,7 @@ class ApiReply:
 
 @dataclass(frozen=True, slots=True)
 class PublisherUpdate:
-    """Notification of a subscriber: the current publishers of a topic; ``api`` and ``publishers`` are slave URIs."""
+    """Notification to a subscriber: the current publishers of a topic; ``api`` and ``publishers`` are slave URIs."""
 
     api: str
     topic: str
@@ -70,7 +70,7 @@ class ParamUpdate:
 
 @dataclass(frozen=True, slots=True)
 class NodeShutdown:
-    """Notification of a node that it must end, because another node has taken its name."""
+    """Notification to a node that it must end, because another node has taken its name."""
 
     api: str
     node: str

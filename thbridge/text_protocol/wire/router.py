@@ -238,7 +238,7 @@ class LocalEndpoints:
     """Programs of this process at a router.
 
     Args:
-        holders: holders of names, also those of connections.
+        holders: holders of names, including connections.
     """
 
     def __init__(self, holders: dict[str, _Connection | _Endpoint]) -> None:

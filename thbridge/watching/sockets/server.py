@@ -42,7 +42,7 @@ from thbridge.watching.wire import (
 )
 
 MAX_WATCHERS = 8
-"""Largest number of watchers at a time; further ones are rejected."""
+"""Largest number of watchers at a time; further watchers are rejected."""
 
 MAX_CONNECTIONS = 256
 """Largest number of connections, with or without a key. A further connection replaces one that is not admitted. The

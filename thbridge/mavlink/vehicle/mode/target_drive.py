@@ -24,7 +24,7 @@ class TargetDrive:
 
     @property
     def leg(self) -> HelmLeg | None:
-        """Its progress; None if another leg has replaced it."""
+        """Progress of the drive; None if another leg has replaced it."""
         leg = self._readings.leg
         return leg if leg is not None and leg.number == self.number else None
 

@@ -172,7 +172,7 @@ class SignatureTimestamps:
 
 
 class Signing:
-    """Signer of the outgoing frames of a link, and verifier of the incoming ones.
+    """Signer of the outgoing frames of a link, and verifier of the incoming frames.
 
     Args:
         key: key of both sides.

@@ -10,7 +10,7 @@ Job = Callable[[], None]
 
 
 class JobQueue(Protocol):
-    """Queue of jobs, which are done one after another. After a job has failed, no further one is done.
+    """Queue of jobs, which are done one after another. After a job has failed, no further job is done.
 
     Attributes:
         failure: the error of the failed job.
