@@ -53,10 +53,9 @@ def pose_in(triple: tuple[float, float, float]) -> Pose2:
 def read_localization_parameters(
     files: list[Path], localization: str
 ) -> tuple[RobotParameters, tuple[str, ...], tuple[RosDefault, ...]]:
-    """Return a localizer's parameters from ROS files, messages about the parameters, and the defaults of amcl that
-    differ from those of hunts.
+    """Return a localizer's parameters, messages about them, and the defaults of amcl that differ from those of hunts.
 
-    Parameters of amcl that no file sets have ROS's defaults, also without files.
+    The parameters are those in ROS files. Parameters of amcl that no file sets have ROS's defaults, even without files.
     """
     hunts = RobotParameters()
     of_ros = parse_ros_files(files)

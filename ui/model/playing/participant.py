@@ -216,11 +216,9 @@ class Participant:
         return bool(moved) and self._screen is not None and self._screen.confirmation is not None
 
     def _until_arrived(self, motions: tuple[RobotMotion, ...]) -> tuple[RobotMotion, ...]:
-        """Return the motions.
+        """Return the motions of all robots.
 
-        A robot that has stopped at the end of its path keeps this progress until the view shows it at its goal.
-
-        A robot that came to rest is at the end of its path until the view shows it at its goal.
+        A robot that has come to rest keeps its last motion until the view shows the robot at its goal.
         """
         hunt, before = self._memory.hunt, self._memory.motions
         if hunt is None or not len(motions) == len(before) == len(hunt.view.robots):
