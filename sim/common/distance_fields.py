@@ -55,7 +55,7 @@ def _distances(grid: OccupancyGrid, max_distance: float) -> NDArray[np.float32]:
 
 @lru_cache(maxsize=8)
 def distance_field(grid: OccupancyGrid, max_distance: float) -> NDArray[np.float32]:
-    """Return the meters from each cell's center to the center of the nearest occupied cell, up to a cap.
+    """Return the meters from each cell's center to the center of the nearest occupied cell, at most `max_distance`.
 
     The distance is exactly Euclidean, while ROS's likelihood field and inflation propagate it approximately.
 

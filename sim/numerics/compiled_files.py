@@ -22,7 +22,7 @@ _VERSION = re.compile(r"(?P<module>.+)-[0-9a-f]{16}")
 KEPT_DAYS = 30
 """Days after which unused compiled code is deleted."""
 KEPT_VERSIONS = 16
-"""Number of a module's versions with stored code: those used last. More versions will hardly run at the same time."""
+"""Maximum number of a module's versions with stored code. The versions that were used last are kept."""
 
 
 @once

@@ -146,7 +146,7 @@ def adaptive(
     repeated with growing size, until the number of particles is what their bins require, or `most`.
 
     Args:
-        weights: (n,) as for `systematic`.
+        weights: (n,) see `systematic`.
         of_particle: (n,) bin of each particle, from 0.
         offset: uniform in [0, 1).
         error: see `sample_limit`.

@@ -171,7 +171,7 @@ class Navigator:
         return poses if isinstance(poses, PlanRefusal) else turned.poses_in_map(poses)
 
     def _planner(self, parameters: RobotParameters, space: Workspace | None = None) -> RobotPathPlanner:
-        """Return the global planner for these parameters; `space` as for `Navigator`."""
+        """Return the global planner for these parameters. See `Navigator` for `space`."""
         if (factory := self._planners.get(parameters.move_base.base_global_planner)) is not None:
             return factory(parameters, int(noise.key(self._seed, "global planner")))
         return global_planner(*_plans_by(parameters), space)
