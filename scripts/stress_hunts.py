@@ -7,7 +7,7 @@ robots collided, a hunt did not end, or a goal was given up.
 With `--conditions all --count 200` it plays hunts in all conditions of dialogues instead. The seed of a hunt determines
 map, team, energy, participant, manner of robots, obstacles and failures, equally in all conditions. It prints score,
 rooms and energy by condition, and compares each condition with the scripted questions on the same seeds. Goals may be
-given up there, because obstacles stand in rooms and robots die.
+given up there, because there are obstacles in rooms, and robots die.
 """
 
 import argparse

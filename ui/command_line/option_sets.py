@@ -12,7 +12,7 @@ P = ParamSpec("P")
 def with_option_sets(function: Callable[P, None]) -> Callable[P, None]:
     """Return a command that has an option for each field of its parameters that are dataclasses.
 
-    A field declares its option as a parameter of a command does.
+    A field declares its option in the same form as a parameter of a command.
     """
     sets: dict[str, type] = {}
     options: list[inspect.Parameter] = []

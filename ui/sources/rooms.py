@@ -16,7 +16,7 @@ def rooms_of(session: SessionRecord, path: Path) -> tuple[MapRoom, ...]:
 
     Args:
         session: description of the session, from a bag or a running session.
-        path: path of the bag; a relative path of the map starts there.
+        path: path of the bag; a relative path of the map starts from the bag's folder.
     """
     try:
         study = read_study_text(path, session.study)

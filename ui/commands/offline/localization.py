@@ -39,7 +39,7 @@ LONGEST_GIVEN = 10.0
 WARNED = 0.05
 """Least time offset that causes a warning, seconds."""
 MOST_STRETCHES = 10
-"""Greatest number of printed stretches in which the robot was lost."""
+"""Greatest number of printed lines about periods in which the robot was lost."""
 
 
 def pose_in(triple: tuple[float, float, float]) -> Pose2:

@@ -50,7 +50,7 @@ class RobotScene:
         robot: its index; in sessions of thbridge, the index in the team.
         name: name for people: "robot 1", or the robot's namespace in a foreign bag.
         truth: its true pose; None if it is not published.
-        estimate: its estimated pose: odometry under the localizer's last correction.
+        estimate: its estimated pose: odometry with the localizer's last correction applied.
         error: distance between `truth` and `estimate` in meters; None if one of them is missing.
         ellipse: ellipse with 95 % of its belief, from the last message of its localizer.
         deviation: standard deviation of the position, meters.
