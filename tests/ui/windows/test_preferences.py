@@ -138,7 +138,7 @@ def test_the_page_of_settings(qtbot: QtBot, qapp: QApplication, tmp_path: Path, 
     qtbot.keyClick(window, Qt.Key.Key_Comma, Qt.KeyboardModifier.ControlModifier)
     dialog = window.findChild(SettingsDialog)
     assert dialog is not None and dialog.isVisible() and dialog.windowTitle() == "Einstellungen"
-    assert [dialog.look.itemText(at) for at in range(3)] == ["Wie auf dem Desktop", "Hell", "Dunkel"]
+    assert [dialog.look.itemText(at) for at in range(3)] == ["Wie am Computer eingestellt", "Hell", "Dunkel"]
     dialog.look.setFocus()
     qtbot.keyClick(dialog.look, Qt.Key.Key_End)
     assert preferences.look == "dark" and look.colours() is DARK
