@@ -98,12 +98,12 @@ def test_before_there_is_a_game_it_says_what_it_waits_for():
     screen = model.screen(0.0)
     assert (screen.phase, screen.waiting_for) == (
         Phase.CONNECTING,
-        "Looking for the game.",
+        "Connecting to the game.",
     )
     model.receive(view(ready=False), 0.1)
     assert model.screen(0.1).phase is Phase.CONNECTING
     model.connected(0.2)
-    assert model.screen(0.2).waiting_for == "The game is found. The robots are getting ready."
+    assert model.screen(0.2).waiting_for == "Connected to the game. The robots are getting ready."
     model.lost("Nobody answers.", 1.0)
     screen = model.screen(1.0)
     assert screen.waiting_for == "Cannot reach the game. Nobody answers. Reconnecting…"
