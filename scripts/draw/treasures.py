@@ -195,7 +195,7 @@ def basketball() -> Solid:
 
     def seam(points: Floats) -> Floats:
         unit = tilted(points) / radius
-        # There are two great circles, and on each side a curve that bulges towards the poles.
+        # There are two great circles, and on each side a curve that bulges toward the poles.
         bulge = np.abs(np.abs(unit[:, 0]) - 0.48 - 0.24 * unit[:, 1] ** 2)
         return np.minimum(np.minimum(np.abs(unit[:, 0]), np.abs(unit[:, 1])), bulge)
 

@@ -1,4 +1,4 @@
-"""Particle filter localization, under amcl's names."""
+"""Parameters of particle filter localization, with the names of ROS's amcl."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -9,7 +9,7 @@ from sim.parameters.declaration import live, param
 
 @dataclass(frozen=True, slots=True)
 class AmclParameters:
-    """Particle filter localization, under amcl's names and with the defaults of amcl's node."""
+    """Particle filter localization, with the parameter names and defaults of ROS's amcl node."""
 
     not_in_ros: ClassVar[frozenset[str]] = frozenset({"odom_noise_learning_rate"})
     ros_only: ClassVar[Mapping[str, str]] = {

@@ -32,7 +32,7 @@ class TrajectoryPlannerParameters:
     min_vel_theta: float = live(-1.0, "maximum angular velocity to the right, as a negative number", "rad/s", -20, 0)
     min_in_place_vel_theta: float = live(0.4, "minimum angular velocity when turning in place", "rad/s", 0, 20)
     escape_vel: float = live(
-        -0.1, "velocity for backing up when no trajectory leads on; negative means backwards", "m/s", -2, 2
+        -0.1, "velocity for backing up when no trajectory leads on; negative means backward", "m/s", -2, 2
     )
     escape_reset_dist: float = live(0.1, "distance backed up before the planner tries to drive on", "m", 0, 5)
     escape_reset_theta: float = live(math.pi / 2, "or angle turned before the planner tries to drive on", "rad", 0, 5)
@@ -104,7 +104,7 @@ class DwaPlannerParameters:
         20,
     )
     max_vel_x: float = live(0.55, "maximum forward velocity", "m/s", -20, 20)
-    min_vel_x: float = live(0.0, "minimum forward velocity; negative means backwards", "m/s", -20, 20)
+    min_vel_x: float = live(0.0, "minimum forward velocity; negative means backward", "m/s", -20, 20)
     max_vel_theta: float = live(1.0, "maximum angular velocity", "rad/s", 0, 20)
     min_vel_theta: float = live(0.4, "minimum angular velocity when turning in place", "rad/s", 0, 20)
     sim_time: float = live(1.7, "simulated duration of a trajectory", "s", 0.1, 10)

@@ -167,7 +167,7 @@ def _touches(
 
 @njit(cache=True)
 def _towards(value: float, target: float, limit: float, change: float) -> float:
-    """Return `value` moved by at most `change` towards the target, which is limited to +-limit."""
+    """Return `value` moved by at most `change` toward the target, which is limited to +-limit."""
     target = min(limit, max(-limit, target))
     return min(value + change, max(value - change, target))
 
@@ -372,7 +372,7 @@ class World:
     def step(self, state: WorldState, commands: FloatArray) -> WorldState:
         """Return the world one tick later: the things move, then the robots.
 
-        Each robot's velocity moves towards its command within the motors' limits of speed and acceleration. The robot
+        Each robot's velocity moves toward its command within the motors' limits of speed and acceleration. The robot
         moves along an exact arc. If its body would touch a wall or another body anywhere along the arc, the robot stays
         where it was and loses its velocity. If it would touch another robot, both are in contact. Odometry has the
         noise of Probabilistic Robotics, table 5.6, keyed by (seed, robot, tick).

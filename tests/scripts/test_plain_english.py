@@ -32,6 +32,7 @@ INSTEAD = {
     r"to the bit": "bit for bit",
     r"at (?:the|its|their|a|each|every|all its) doors?": "at the port, at the connection",
     r"colour\w*|behaviour\w*|neighbour\w*|favour\w*|honour\w*|licence\w*|grey\w*": "American spelling",
+    r"backwards|towards": "backward, toward",
     r"centre|centres|centred|metre|metres|\w+metres?|catalogue\w*|programmes?|analys(?:e|ed|ing)": "American spelling",
     r"(?:local|normal|initial|organ|recogn|optim|minim|maxim|serial|synchron|visual|general)is(?:e|ed|es|ing|ation)":
         "American spelling",

@@ -33,7 +33,7 @@ _OWN_READING = ("base", "factors", "conditions")
 class SweepFile:
     """Contents of the file of a design."""
 
-    study: Path | None = param(None, "path of the study file of all games, from this file's folder; if null, defaults")
+    study: Path | None = param(None, "study file of all games, relative to this file's folder; if null, the defaults")
     base: Mapping[str, str] = field(default_factory=dict, metadata={"help": "keys of the study, overriding its file"})
     factors: Mapping[str, str] = field(
         default_factory=dict,

@@ -43,8 +43,10 @@ def least_tour_cost(costs: CostMatrix, at: Room, unvisited: Collection[Room], kn
 
 
 def _tree_bound(moves: FloatArray, known: float) -> float:
-    """Return the bound by 1-trees. The (n + 1, n) moves go to each room: from each room and, in the last row, from the
-    start."""
+    """Return the lower bound from 1-trees.
+
+    The (n + 1, n) moves go to each room: from each room and, in the last row, from the start.
+    """
     count = moves.shape[1]
     between = np.full((count + 1, count + 1), np.inf)
     between[:, :count] = moves

@@ -199,6 +199,6 @@ def faults_of_mishaps(loaded: Loaded[S], mishaps: Sequence[MishapEntry], robots:
             problem = f"there is no robot {entry.robot}: the study has {robots}"
             yield loaded.fault(f"{key}.robot", problem, f"Write a number from 1 to {robots}, or raise robots")
         if entry.what is Mishap.CARRIED and entry.to is None:
-            yield loaded.fault(key, "the place to move the robot to is missing", "Add to: [x, y, yaw]")
+            yield loaded.fault(key, "the place to move the robot to is missing", "Add the key `to: [x, y, yaw]`")
         if entry.what is not Mishap.CARRIED and entry.to is not None:
             yield loaded.fault(f"{key}.to", f"a robot that {entry.what} stays where it is", "Delete it")

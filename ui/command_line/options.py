@@ -119,8 +119,8 @@ ParticipantName = Annotated[
         metavar="|".join((PERSON, *_SIMULATED, "NAME")),
         callback=one_of((PERSON, *_SIMULATED), "thbridge.participants"),
         autocompletion=lambda: [PERSON, *_SIMULATED],
-        help="Play without a window: you in the terminal (`person`), a built-in simulated participant, or the NAME of "
-        "an installed one.",
+        help="Play without a window. The player is `person` (you, in the terminal), a built-in simulated "
+        "participant, or the NAME of an installed one.",
     ),
 ]
 SimulatedParticipant = Annotated[

@@ -28,7 +28,8 @@ def _converted(path: Path) -> Path:
 Recording = Annotated[
     Path,
     typer.Argument(
-        help="A ROS 1 bag or the first name of a split one, a rosbag2 folder, or an MCAP file.", callback=_converted
+        help="A ROS 1 bag (of a split one, the common name, such as `hunt.bag`), a rosbag2 folder, or an MCAP file.",
+        callback=_converted,
     ),
 ]
 

@@ -123,7 +123,7 @@ def astar(space: Workspace, start: int, target: int, neutral: float, quad: bool,
         space: prepared workspace.
         start: first cell.
         target: cell where the search ends; -1 for the whole map.
-        neutral: estimated cost of a step towards the target.
+        neutral: estimated cost of a step toward the target.
         quad: see `quadratic` of `spread`.
         portion: number of cells to visit at a time.
 

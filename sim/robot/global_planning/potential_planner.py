@@ -3,7 +3,7 @@
 Source: ros-planning/navigation, navfn/src/navfn_ros.cpp, global_planner/src/planner_core.cpp.
 Differences: a start in a lethal cell is refused, while ROS clears the cell. A path to a goal that can be reached ends
 exactly there even with a tolerance, while navfn ends at a point of a raster around the goal. Positions refer to the
-cells' centers, while navfn's paths are shifted by half a cell towards the origin. The costmap is not changed.
+cells' centers, while navfn's paths are shifted by half a cell toward the origin. The costmap is not changed.
 """
 
 import math

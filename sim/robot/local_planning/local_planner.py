@@ -36,7 +36,7 @@ STALL_DISTANCE = 0.3
 FREE_AGAIN_DISTANCE = 1.0
 """Distance after which a robot is no longer stalled, and the costs of obstacles count again, meters."""
 BACK_ALONG = 0.1
-"""Maximum change of heading, since it drove forwards, with which a robot with little margin may back up, radians.
+"""Maximum change of heading, since it drove forward, with which a robot with little margin may back up, radians.
 Costmaps forget obstacles under the padded outline, and a laser does not see behind the robot. So only the space where
 the body has been is certainly free."""
 MIN_ARC_RADIUS = 0.05
@@ -199,9 +199,9 @@ class LocalPlanner(ABC):
         return PlannedCommand(STANDSTILL, self._preview(pose, twist, STANDSTILL), True)
 
     def escape(self, pose: Pose2, twist: Twist, around: Surroundings) -> PlannedCommand:
-        """Drive slowly backwards, in an arc if necessary.
+        """Drive slowly backward, in an arc if necessary.
 
-        If there is no room behind, drive forwards if this is safe.
+        If there is no space behind the robot, drive forward, provided that this is safe.
         """
         backs_up = self._body.margin == WALL_MARGIN or (
             self._came is not None and abs(wrap_angle(pose.theta - self._came)) < BACK_ALONG

@@ -103,7 +103,7 @@ def diff_increment(before: Pose2, after: Pose2) -> DiffIncrement:
 def _turning(angle: float) -> float:
     """Return the angle that the robot turned, radians.
 
-    Driving backwards looks like half a turn, but the robot does not turn.
+    Driving backward looks like half a turn, but the robot does not turn.
     """
     return min(abs(angle), abs(wrap_angle(angle - math.pi)))
 

@@ -1,4 +1,4 @@
-"""Inputs of a session as records of a bag, and requests as JSON for other programs; both contain the whole value."""
+"""Inputs of a session as records of a bag, and requests as JSON for other programs; both hold all fields."""
 
 import json
 from dataclasses import replace

@@ -1,6 +1,6 @@
 """Strategies of programs in dialogue games: the choice among legal moves, by attitude and persistence.
 
-Attitudes towards the other's statements are those of Parsons, Wooldridge and Amgoud (2003, Properties and Complexity of
+Attitudes toward the other's statements are those of Parsons, Wooldridge and Amgoud (2003, Properties and Complexity of
 Some Formal Inter-agent Dialogues), with grounded semantics. Credulous agents accept all statements with a reason.
 Cautious agents accept a statement unless an argument of their own in the grounded extension attacks it. Sceptical
 agents accept statements for which the grounded extension contains an argument of their own.

@@ -50,8 +50,8 @@ class TemplatePhrasing:
 
     The wording of a question depends only on the seed, the dialogue's number and the question. So other dialogues do
     not change it, and a restored dialogue has the same sentences. A wording that contains an unknown value is left out
-    if there is another wording. If a confidence is to be stated and the wording does not contain it, a sentence before
-    it states it.
+    if there is another wording. If a confidence must be stated and the wording does not contain it, an extra sentence
+    before the wording states the confidence.
 
     Attributes:
         template: the questions.

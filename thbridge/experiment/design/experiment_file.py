@@ -73,7 +73,7 @@ class ExperimentFile:
 
     title: str = field(metadata={"help": "title of the study"})
     seed: int = param(1, "random seed", "", 0, LARGEST_SEED)
-    study: Path | None = param(None, "path of the study file of all games, from this file's folder; if null, defaults")
+    study: Path | None = param(None, "study file of all games, relative to this file's folder; if null, the defaults")
     base: Mapping[str, str] = field(default_factory=dict, metadata={"help": "keys of the study, overriding its file"})
     within: Mapping[str, str] = field(
         default_factory=dict, metadata={"help": "factors with all of their levels for each participant"}

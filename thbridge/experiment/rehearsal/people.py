@@ -45,7 +45,7 @@ class SimulatedPeople:
     within: float = param(0.15, "standard deviation of a person's answers between items and conditions", "", 0, 1)
     effects: tuple[PutInEffect, ...] = param((), "effects on scores")
     attitudes: tuple[Attitude, ...] = param(
-        (), "attitudes towards what robots say; each participant has one of them. If empty, the attitude of the study"
+        (), "attitudes toward what robots say; each participant has one of them. If empty, the attitude of the study"
     )
     words_per_minute: float = param(220.0, "reading speed of people", "1/min", 10, 2000)
     answering: float = param(4.0, "median time for answering an item", "s", 0.1, 600)

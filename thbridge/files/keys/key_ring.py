@@ -216,7 +216,7 @@ class KeyRing:
 def _lock(opened: int) -> bool:
     """Lock a folder.
 
-    Other programs keep the lock for milliseconds. Give up after a while, so that a session never hangs.
+    Other programs hold the lock only for a few milliseconds. Give up after a while, so that a session never hangs.
     """
     for _ in range(_LOCK_TRIES):
         with contextlib.suppress(BlockingIOError):

@@ -81,7 +81,7 @@ def twist_towards(
     """Return the twist by which a robot, which cannot move sideways, follows a velocity in a frame of `LOCAL`.
 
     In body frames, the twist has the forward part of the velocity and the yaw rate. In map frames, the robot turns
-    towards the direction of the velocity, and drives at the speed times the cosine of the remaining angle. Without a
+    toward the direction of the velocity, and drives at the speed times the cosine of the remaining angle. Without a
     velocity, it turns at the given rate.
     """
     if frame in _BODY:

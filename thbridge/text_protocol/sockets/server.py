@@ -98,7 +98,7 @@ class TextServer:
     """TCP server of one router, for plain connections; with keys, also for TLS connections.
 
     Args:
-        clock: returns seconds; must not run backwards.
+        clock: returns seconds; must not run backward.
         admission: admission of plain connections, by address.
         keys: keys for the admission of TLS connections from any machine. If None, there are no TLS connections.
     """

@@ -302,7 +302,7 @@ class LocalEndpoints:
 class MessageRouter:
     """State of the text server; see the module's description.
 
-    Times are seconds on any clock that does not run backwards. Not safe for use by several threads at once.
+    Times are seconds on any clock that does not run backward. Not safe for use by several threads at once.
 
     Attributes:
         limits: limits of the server.

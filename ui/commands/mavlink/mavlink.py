@@ -138,7 +138,8 @@ def mavlink_replay(
 ) -> None:
     """Run a new hunt in which robots receive only the MAVLink frames of a recording.
 
-    The exit code is 1 if rooms were reached in another order or the score differs, and nothing was changed.
+    Without another study and without `--with`, the exit code is 1 if the rooms were reached in another order or the
+    score differs.
     """
     import asyncio
 

@@ -121,7 +121,7 @@ def talk_check(
     conversations: Annotated[
         int,
         typer.Option(
-            help="Number of conversations of each kind for a trial of a strategy or an author.", min=1, max=1000
+            help="Number of conversations with which each strategy and author is tested, per kind.", min=1, max=1000
         ),
     ] = 2,
     seed: Seed = 0,

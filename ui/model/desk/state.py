@@ -13,7 +13,7 @@ from ui.model.desk.messages import DeskCell, DeskEvent, DeskNote, DeskRun, DeskS
 
 NO_PLACE = {
     NoPlace.FULL: "Enough runs count already.",
-    NoPlace.TAKEN: "All places are taken. One becomes free when a run under way ends without counting.",
+    NoPlace.TAKEN: "All places are taken. A place becomes free when a run in progress ends and does not count.",
 }
 _BEGINNINGS = frozenset({EventKind.STEP_BEGUN, EventKind.STEP_RESUMED})
 _BY_ITSELF = frozenset(EventKind) - {EventKind.NOTE, EventKind.FAREWELL_READ, EventKind.RUN_EXCLUDED}

@@ -50,7 +50,7 @@ BLEND = 0.07
 """Time constant of blending, seconds: 95 % in 0.2 s."""
 
 MAX_HELD_CORRECTION = 0.2
-"""Size in meters below which a correction never moves a driving robot backwards."""
+"""Size in meters below which a correction never moves a driving robot backward."""
 
 MOVING_SPEED = 0.03
 """Speed in m/s above which a robot counts as driving."""
@@ -246,7 +246,7 @@ class MotionPlayback:
         """Reduce the offsets by the part that fades between the last call and now.
 
         If a driving robot corrects its place slightly back along its path, it is held in place until the correction has
-        faded, so that it never seems to drive backwards.
+        faded, so that it never seems to drive backward.
         """
         passed = max(now - self._faded, 0.0)
         self._faded = max(self._faded, now)

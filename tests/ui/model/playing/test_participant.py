@@ -619,7 +619,7 @@ def test_a_server_that_is_killed_in_the_middle_goes_on_by_its_journal():
     assert seat.screen.cards[1].state == "stopping"
     seat.restart_server()
     screen = seat.run(40)
-    assert screen.banner.text == "Robot 2 has stopped before room 4. 6.5 energy comes back."
+    assert screen.banner.text == "Robot 2 has stopped before room 4. It gets 6.5 energy back."
     assert screen.cards[1].state == "ready"
     assert [event.at.people for event in events(seat, MoveFailed)] == [0]
     assert len(screen.history) > lines

@@ -698,7 +698,7 @@ def test_everything_that_happened_is_in_the_history():
         "Shall I go?",
         "Continue",
         "Robot 1 sets out for room 3; it has 93 energy left.",
-        "Robot 1 has stopped before room 3. 3.5 energy comes back.",
+        "Robot 1 has stopped before room 3. It gets 3.5 energy back.",
         "Robot 1 is lost: it does not know where it is.",
     ]
 
@@ -706,7 +706,7 @@ def test_everything_that_happened_is_in_the_history():
 def test_energy_that_comes_back_to_a_robot_that_stopped_is_shown_for_a_while():
     model = model_of(UNDER_WAY)
     model.receive(with_robot(view(), 0, energy=99.2), 1.0)
-    assert model.screen(1.0).banner.text == "Robot 1 has stopped before room 3. 6.2 energy comes back."
+    assert model.screen(1.0).banner.text == "Robot 1 has stopped before room 3. It gets 6.2 energy back."
     assert model.screen(1.0).announcement == model.screen(1.0).banner.text, "and read out once"
     assert model.screen(8.0).banner is None
     model.receive(UNDER_WAY, 9.0)
