@@ -40,18 +40,18 @@ class AmclParameters:
     update_min_a: float = live(0.5235987755982988, "angle turned before the next filter update", "rad", 0, 6.2832)
     resample_interval: int = live(2, "number of filter updates between two resamplings", "", 1, 20)
     selective_resampling: bool = param(
-        False, "resample only if the effective number of particles is below half of their number"
+        False, "resample only if the effective number of particles is below half of the number of particles"
     )
     recovery_alpha_slow: float = live(0.001, "decay rate of the slow average of scan agreement", "", 0, 0.5)
     recovery_alpha_fast: float = live(
-        0.1, "decay rate of the fast average of scan agreement; if both are 0, the filter never recovers", "", 0, 1
+        0.1,
+        "decay rate of the fast average of scan agreement; a lost filter never recovers if both decay rates are 0",
+        "",
+        0,
+        1,
     )
-    std_warn_level_x: float = param(
-        0.2, "standard deviation of the position below which a lost robot counts as found", "m", 0
-    )
-    std_warn_level_y: float = param(
-        0.2, "standard deviation of the position below which a lost robot counts as found", "m", 0
-    )
+    std_warn_level_x: float = param(0.2, "standard deviation of x below which a lost robot counts as found", "m", 0)
+    std_warn_level_y: float = param(0.2, "standard deviation of y below which a lost robot counts as found", "m", 0)
     std_warn_level_yaw: float = param(
         0.1, "standard deviation of the heading below which a lost robot counts as found", "rad", 0
     )
@@ -66,18 +66,18 @@ class AmclParameters:
         "sensor model that weighs scans",
         choices=("likelihood_field", "likelihood_field_prob", "beam"),
     )
-    laser_min_range: float = live(-1.0, "ignore nearer readings; -1: limit of the laser", "m", -1)
-    laser_max_range: float = live(-1.0, "ignore farther readings; -1: limit of the laser", "m", -1)
+    laser_min_range: float = live(-1.0, "ignore readings nearer than this; -1: use the laser's minimum range", "m", -1)
+    laser_max_range: float = live(-1.0, "ignore readings farther than this; -1: use the laser's maximum range", "m", -1)
     laser_max_beams: int = live(30, "number of beams of a scan that are used", "", 2, 4000)
-    laser_z_hit: float = live(0.95, "mixture weight of readings that hit what the map shows", "", 0, 1)
+    laser_z_hit: float = live(0.95, "mixture weight of readings that hit a wall of the map", "", 0, 1)
     laser_z_short: float = live(
         0.1, "mixture weight of readings cut short by something that is not on the map (beam)", "", 0, 1
     )
     laser_z_max: float = live(0.05, "mixture weight of readings at the maximum range (beam)", "", 0, 1)
     laser_z_rand: float = live(0.05, "mixture weight of random readings", "", 0, 1)
-    laser_sigma_hit: float = live(0.2, "standard deviation of readings that hit what the map shows", "m", 0.001, 10)
+    laser_sigma_hit: float = live(0.2, "standard deviation of readings that hit a wall of the map", "m", 0.001, 10)
     laser_lambda_short: float = live(0.1, "exponential decay of short readings with distance (beam)", "1/m", 0, 10)
-    laser_likelihood_max_dist: float = live(2.0, "cap on distances to walls", "m", 0, 20)
+    laser_likelihood_max_dist: float = live(2.0, "use larger distances to walls as this distance", "m", 0, 20)
     do_beamskip: bool = live(
         False,
         "ignore beams that most particles do not explain, once the particles have converged (likelihood_field_prob)",
@@ -85,26 +85,24 @@ class AmclParameters:
     beam_skip_distance: float = live(
         0.5, "a beam that ends within this distance of a wall counts as explained", "m", 0, 2
     )
-    beam_skip_threshold: float = live(
-        0.3, "proportion of particles that must explain a beam, or it is ignored", "", 0, 1
-    )
+    beam_skip_threshold: float = live(0.3, "ignore a beam if a smaller proportion of particles explains it", "", 0, 1)
     beam_skip_error_threshold: float = param(
-        0.9, "if a larger proportion of beams is unexplained, use all beams", "", 0, 1
+        0.9, "use all beams if a larger proportion of them is unexplained", "", 0, 1
     )
     odom_model_type: str = live(
         "diff",
-        "drive (diff or omni), and the meaning of odom_alpha1..5: standard deviations as in amcl's first models, "
-        "or variances (corrected)",
+        "type of drive (diff or omni); odom_alpha1..5 are standard deviations, as in amcl's first models, "
+        "or variances (-corrected)",
         choices=("diff", "diff-corrected", "omni", "omni-corrected"),
     )
-    odom_alpha1: float = live(0.2, "expected noise of rotation per rotation", "", 0, 10)
-    odom_alpha2: float = live(0.2, "expected noise of rotation per meter driven", "", 0, 10)
-    odom_alpha3: float = live(0.2, "expected noise of distance per meter driven", "", 0, 10)
-    odom_alpha4: float = live(0.2, "expected noise of distance per rotation", "", 0, 10)
-    odom_alpha5: float = live(0.2, "expected noise of sideways motion per meter driven (omni)", "", 0, 10)
+    odom_alpha1: float = live(0.2, "expected noise of measured rotation due to rotation", "", 0, 10)
+    odom_alpha2: float = live(0.2, "expected noise of measured rotation due to driving", "", 0, 10)
+    odom_alpha3: float = live(0.2, "expected noise of measured distance due to driving", "", 0, 10)
+    odom_alpha4: float = live(0.2, "expected noise of measured distance due to rotation", "", 0, 10)
+    odom_alpha5: float = live(0.2, "expected noise of sideways motion due to driving (omni)", "", 0, 10)
     odom_noise_learning_rate: float = live(
         0.2,
-        "rate at which the filter learns from scans that odometry is noisier than odom_alpha1..5; 0: never",
+        "rate at which the filter learns from scans that odometry is noisier than odom_alpha1..5; 0: it never learns",
         "",
         0,
         1,

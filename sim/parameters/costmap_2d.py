@@ -1,4 +1,4 @@
-"""Layered costmaps, under costmap_2d's names."""
+"""Parameters of layered costmaps, with the names of costmap_2d."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -6,7 +6,7 @@ from typing import ClassVar
 
 from sim.parameters.declaration import live, param
 
-_LAYERS = "the list of layers; here always static, obstacle, robots and inflation, each with its `enabled`"
+_LAYERS = "list of layers; here always static, obstacle, robots and inflation; their keys `enabled` switch them off"
 _VOXELS = "setting of the voxel layer; lasers here scan a single plane"
 
 
@@ -22,10 +22,10 @@ class StaticParameters:
 
     enabled: bool = live(True, "use the walls of the map")
     track_unknown_space: bool = param(True, "treat unknown cells of the map as unknown; if false, as free")
-    lethal_cost_threshold: int = param(100, "minimum value of a map cell that is an obstacle", "", 0, 100)
+    lethal_cost_threshold: int = param(100, "map cells with at least this value are obstacles", "", 0, 100)
     unknown_cost_value: int = param(-1, "value of unknown cells in the map", "", -128, 255)
     trinary_costmap: bool = param(
-        True, "treat values below the threshold as free; if false, their costs are proportional to the value"
+        True, "treat cells below the threshold as free; if false, their costs are proportional to their values"
     )
     use_maximum: bool = param(False, "let the map only raise costs, never lower them")
 
@@ -40,8 +40,8 @@ class ObservationSource:
         "data_type": "type of the messages",
         "observation_persistence": "time for which readings are kept; here each reading is used once",
         "expected_update_rate": "interval after which missing readings are an error",
-        "min_obstacle_height": "ignore points below; lasers here scan a single plane",
-        "max_obstacle_height": "ignore points above; lasers here scan a single plane",
+        "min_obstacle_height": "ignore points below this height; lasers here scan a single plane",
+        "max_obstacle_height": "ignore points above this height; lasers here scan a single plane",
     }
 
     name: str = param("scan", "name in observation_sources")
@@ -49,10 +49,10 @@ class ObservationSource:
     clearing: bool = param(False, "let readings clear the space in front of them")
     inf_is_valid: bool = param(False, "let beams that hit nothing clear as well")
     obstacle_range: float | None = param(
-        None, "maximum range at which readings mark; null: the layer's value", "m", 0, 50
+        None, "maximum range at which readings mark obstacles; null: the layer's value", "m", 0, 50
     )
     raytrace_range: float | None = param(
-        None, "maximum range up to which space is cleared; null: the layer's value", "m", 0, 50
+        None, "maximum range at which readings clear space; null: the layer's value", "m", 0, 50
     )
 
 
@@ -62,8 +62,8 @@ class ObstacleParameters:
 
     ros_only: ClassVar[Mapping[str, str]] = {
         "transform_tolerance": "maximum age of transforms",
-        "max_obstacle_height": "ignore points above; lasers here scan a single plane",
-        "min_obstacle_height": "ignore points below; lasers here scan a single plane",
+        "max_obstacle_height": "ignore points above this height; lasers here scan a single plane",
+        "min_obstacle_height": "ignore points below this height; lasers here scan a single plane",
         "origin_z": _VOXELS,
         "z_resolution": _VOXELS,
         "z_voxels": _VOXELS,
@@ -83,19 +83,19 @@ class ObstacleParameters:
         None, "treat cells not yet seen as unknown; if false, as free; null: the costmap's value"
     )
     obstacle_range: float = live(2.5, "maximum range at which readings mark obstacles", "m", 0, 50)
-    raytrace_range: float = live(3.0, "maximum range up to which space is cleared", "m", 0, 50)
+    raytrace_range: float = live(3.0, "maximum range at which readings clear space", "m", 0, 50)
     observation_sources: tuple[ObservationSource, ...] = param(
         (), "names of observation sources, separated by blanks; each has a section of that name"
     )
     explained_distance: float = param(
         0.0,
-        "readings within this distance of a wall of the map or of another robot do not mark (not ROS's; 0: all mark)",
+        "readings within this distance of a mapped wall or another robot mark no obstacle (not in ROS; 0: all mark)",
         "m",
         0,
         2,
     )
     clear_between_beams: bool = param(
-        False, "also clear cells between two neighboring beams that both end behind them (not ROS's)"
+        False, "also clear cells between two neighboring beams if both beams end behind these cells (not in ROS)"
     )
 
 
@@ -104,9 +104,9 @@ class RobotsParameters:
     """The other robots at the poses that they report (the GridLayer of the 2016 study; not in ROS)."""
 
     enabled: bool = param(True, "use the other robots as obstacles")
-    under_way: bool = param(True, "include robots that have an itinerary; if false, only resting robots")
-    path_length: float = param(0.0, "length of the other robots' paths along which they cause costs", "m", 0, 50)
-    path_cost: int = param(128, "cost of the cells on these paths", "", 0, 252)
+    under_way: bool = param(True, "include robots that have an itinerary; if false, include only resting robots")
+    path_length: float = param(0.0, "distance ahead of other robots up to which their paths have costs", "m", 0, 50)
+    path_cost: int = param(128, "cost of cells on the paths of other robots", "", 0, 252)
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,7 +114,9 @@ class InflationParameters:
     """Costs around obstacles (costmap_2d's InflationLayer)."""
 
     enabled: bool = live(True, "add costs around obstacles")
-    inflation_radius: float = live(0.55, "distance around obstacles with costs, rounded up to whole cells", "m", 0, 50)
+    inflation_radius: float = live(
+        0.55, "distance from obstacles up to which cells have costs, rounded up to whole cells", "m", 0, 50
+    )
     cost_scaling_factor: float = live(10.0, "exponential decay of costs with distance", "1/m", 0, 100)
     inflate_unknown: bool = live(False, "add costs to unknown cells as well")
 
@@ -128,14 +130,14 @@ _COSTMAP_ROS_ONLY: Mapping[str, str] = {
     "always_send_full_costmap": "publish the whole costmap every time",
     "footprint_topic": "topic from which footprints are read",
     "published_footprint_topic": "topic on which the footprint is published",
-    "rolling_window": "move the costmap with the robot; here the global costmap covers the map, the local one moves",
-    "resolution": "size of a cell; here that of the map",
-    "origin_x": "origin of the costmap; here that of the map, or around the robot",
-    "origin_y": "origin of the costmap; here that of the map, or around the robot",
+    "rolling_window": "move the costmap with the robot; here only the local costmap moves",
+    "resolution": "size of a cell; here as in the map",
+    "origin_x": "origin of the costmap; here that of the map, or a corner of the window around the robot",
+    "origin_y": "origin of the costmap; here that of the map, or a corner of the window around the robot",
     "inscribed_radius": "read by move_base only; here computed from the footprint",
     "circumscribed_radius": "read by move_base only; here computed from the footprint",
-    "max_obstacle_height": "ignore points above; lasers here scan a single plane",
-    "min_obstacle_height": "ignore points below; lasers here scan a single plane",
+    "max_obstacle_height": "ignore points above this height; lasers here scan a single plane",
+    "min_obstacle_height": "ignore points below this height; lasers here scan a single plane",
     "map_topic": "topic of the map",
     "origin_z": _VOXELS,
     "z_resolution": _VOXELS,
@@ -148,7 +150,7 @@ _COSTMAP_ROS_ONLY: Mapping[str, str] = {
 
 @dataclass(frozen=True, slots=True)
 class CostmapParameters:
-    """Parameters that both costmaps of a robot have in common."""
+    """Parameters of either costmap of a robot."""
 
     # Parameters of the costmap that costmap_2d passes on to its layers.
     passed_on: ClassVar[Mapping[str, str]] = {
@@ -168,13 +170,13 @@ class CostmapParameters:
         (), "corners of the robot; if empty, a circle of robot_radius", "m"
     )
     robot_radius: float | None = live(
-        0.46, "radius of a robot without a footprint; null: the corners of its true body", "m", 0, 10
+        0.46, "radius of a robot without a footprint; null: use the corners of its true body", "m", 0, 10
     )
     footprint_padding: float = live(0.01, "padding added to every corner of the footprint", "m", 0, 10)
     track_unknown_space: bool = param(False, "treat cells without any information as unknown; if false, as free")
     update_frequency: float = live(
         5.0,
-        "update rate; global costmap: rate at which scans clear (they mark at once; costs follow before a plan)",
+        "update rate; in the global costmap only scans clear at this rate: they mark at once, plans update the costs",
         "Hz",
         0.1,
         50,
@@ -192,8 +194,8 @@ class GlobalCostmapParameters(CostmapParameters):
 
     ros_only: ClassVar[Mapping[str, str]] = {
         **_COSTMAP_ROS_ONLY,
-        "width": "size of the costmap; here that of the map",
-        "height": "size of the costmap; here that of the map",
+        "width": "size of the costmap; here as large as the map",
+        "height": "size of the costmap; here as large as the map",
     }
 
 

@@ -2,7 +2,7 @@
 
 A class of ROS parameters may have these class variables:
 
-* `ros_only: Mapping[str, str]`: names that only have a meaning inside ROS, and this meaning. Files may contain these
+* `ros_only: Mapping[str, str]`: names that only have a meaning inside ROS, with this meaning. Files may contain these
   names. They have no effect, and the reader of the file reports this.
 * `renamed: Mapping[str, str]`: old names that ROS still reads, and the present names.
 * `passed_on: Mapping[str, str]`: names that ROS passes on to a section, where they override the section's own value,

@@ -1,4 +1,4 @@
-"""Localization by the true pose, under fake_localization's names."""
+"""Parameters of localization by the true pose, with the names of fake_localization."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -9,7 +9,7 @@ from sim.parameters.declaration import param
 
 @dataclass(frozen=True, slots=True)
 class FakeLocalizationParameters:
-    """Localization by the true pose, under fake_localization's names; the map frame may have an offset."""
+    """Localization by the true pose, with the names of fake_localization. The map frame may have an offset."""
 
     ros_only: ClassVar[Mapping[str, str]] = {
         "odom_frame_id": "name of the odometry frame in tf",

@@ -1,4 +1,4 @@
-"""Global planners, under the names of navfn and global_planner."""
+"""Parameters of global planners, with the names of navfn and global_planner."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -11,7 +11,7 @@ _WINDOW = "size of a window around the robot; ROS reads it but does not use it"
 
 @dataclass(frozen=True, slots=True)
 class NavfnParameters:
-    """The global planner, under navfn's names."""
+    """The first global planner, with the names of navfn."""
 
     ros_only: ClassVar[Mapping[str, str]] = {
         "planner_window_x": _WINDOW,
@@ -28,7 +28,7 @@ class NavfnParameters:
 
 @dataclass(frozen=True, slots=True)
 class GlobalPlannerParameters:
-    """The second global planner, under global_planner's names."""
+    """The second global planner, with the names of global_planner."""
 
     ros_only: ClassVar[Mapping[str, str]] = {
         "planner_window_x": _WINDOW,
@@ -44,13 +44,13 @@ class GlobalPlannerParameters:
     )
     use_dijkstra: bool = param(True, "use Dijkstra; if false, use A*")
     use_quadratic: bool = param(
-        True, "quadratic potentials, which grow equally in all directions; if false, along rows and columns"
+        True, "compute potentials that grow equally in all directions; if false, along rows and columns only"
     )
     use_grid_path: bool = param(False, "make paths from cell to cell; if false, along the gradient of the potential")
     old_navfn_behavior: bool = param(False, "make paths begin and end at cell centers, as navfn does")
     lethal_cost: int = live(
         253,
-        "cells with at least this cost cannot be crossed; with Dijkstra, with at least this cost minus 1",
+        "minimum cost of cells that plans never cross; with Dijkstra, this cost minus 1",
         "",
         1,
         255,
@@ -65,4 +65,6 @@ class GlobalPlannerParameters:
         0,
         6,
     )
-    orientation_window_size: int = live(1, "number of poses on each side that determine a heading", "", 1, 255)
+    orientation_window_size: int = live(
+        1, "number of poses before and after a pose that determine its heading", "", 1, 255
+    )

@@ -1,4 +1,4 @@
-"""Local planners, under the names of base_local_planner and dwa_local_planner.
+"""Parameters of local planners, with the names of base_local_planner and dwa_local_planner.
 
 The defaults are those of ROS noetic. If a parameter is in a .cfg file, the default in this file is used here, because
 dynamic_reconfigure overwrites the defaults in code before the first command.
@@ -13,14 +13,14 @@ from sim.parameters.declaration import live, param
 
 _SIDEWAYS = "these robots have a differential drive and cannot move sideways"
 _ALWAYS_PRUNED = "cut off the part of a plan that was already driven; here always done"
-_UNUSED = "ROS's planner reads it but does not use it"
+_UNUSED = "ROS's planner reads this parameter but does not use it"
 
 
 @dataclass(frozen=True, slots=True)
 class TrajectoryPlannerParameters:
-    """The local planner that rolls out trajectories, under base_local_planner's names.
+    """The local planner that rolls out trajectories, with the names of base_local_planner.
 
-    Difference to ROS: the goal tolerances may change while the planner runs. In ROS this is only possible for
+    Difference from ROS: the goal tolerances may change while the planner runs. In ROS this is only possible for
     DWAPlannerROS.
     """
 
@@ -32,10 +32,16 @@ class TrajectoryPlannerParameters:
     min_vel_theta: float = live(-1.0, "maximum angular velocity to the right, as a negative number", "rad/s", -20, 0)
     min_in_place_vel_theta: float = live(0.4, "minimum angular velocity when turning in place", "rad/s", 0, 20)
     escape_vel: float = live(
-        -0.1, "velocity for backing up when no trajectory leads on; negative means backward", "m/s", -2, 2
+        -0.1, "velocity for backing up when no trajectory is valid; negative means backward", "m/s", -2, 2
     )
-    escape_reset_dist: float = live(0.1, "distance backed up before the planner tries to drive on", "m", 0, 5)
-    escape_reset_theta: float = live(math.pi / 2, "or angle turned before the planner tries to drive on", "rad", 0, 5)
+    escape_reset_dist: float = live(0.1, "distance to back up before the planner tries to drive on", "m", 0, 5)
+    escape_reset_theta: float = live(
+        math.pi / 2,
+        "angle to turn before the planner tries to drive on; escape_reset_dist also suffices",
+        "rad",
+        0,
+        5,
+    )
     sim_time: float = live(1.7, "simulated duration of a trajectory", "s", 0.1, 10)
     sim_granularity: float = live(0.025, "distance between the checked points of a trajectory", "m", 0.005, 5)
     angular_sim_granularity: float = live(
@@ -45,7 +51,7 @@ class TrajectoryPlannerParameters:
     vtheta_samples: int = live(20, "number of angular velocities tried", "", 1, 300)
     dwa: bool = live(
         False,
-        "sample velocities reachable until the next command (dynamic window); if false, until the end of sim_time",
+        "sample velocities that can be reached before the next command (dynamic window); if false, within sim_time",
     )
     path_distance_bias: float = live(0.6, "weight of staying close to the path", "", 0, 100)
     goal_distance_bias: float = live(0.8, "weight of approaching the goal", "", 0, 100)
@@ -56,7 +62,9 @@ class TrajectoryPlannerParameters:
     heading_lookahead: float = live(
         0.325, "distance along the path of the point that the robot faces when it turns in place", "m", 0, 5
     )
-    heading_scoring: bool = live(False, "score trajectories by the early heading instead of the end point")
+    heading_scoring: bool = live(
+        False, "score trajectories by their heading at heading_scoring_timestep, not by their end point"
+    )
     heading_scoring_timestep: float = live(
         0.1, "time along the trajectory at which heading_scoring evaluates the heading", "s", 0, 1
     )
@@ -91,7 +99,7 @@ class TrajectoryPlannerParameters:
 
 @dataclass(frozen=True, slots=True)
 class DwaPlannerParameters:
-    """The local planner with the dynamic window approach, under dwa_local_planner's names."""
+    """The local planner with the dynamic window approach, with the names of dwa_local_planner."""
 
     acc_lim_x: float = live(2.5, "maximum acceleration that the planner assumes", "m/s^2", 0.01, 100)
     acc_lim_theta: float = live(3.2, "maximum angular acceleration that the planner assumes", "rad/s^2", 0.01, 100)
@@ -115,7 +123,8 @@ class DwaPlannerParameters:
     vx_samples: int = live(3, "number of forward velocities tried", "", 1, 300)
     vth_samples: int = live(20, "number of angular velocities tried", "", 1, 300)
     use_dwa: bool = live(
-        True, "sample velocities reachable until the next command (dynamic window); if false, until the end of sim_time"
+        True,
+        "sample velocities that can be reached before the next command (dynamic window); if false, within sim_time",
     )
     path_distance_bias: float = live(
         0.6, "weight of keeping center and nose of the robot close to the path", "1/m", 0, 1000
@@ -136,7 +145,11 @@ class DwaPlannerParameters:
     max_scaling_factor: float = live(0.2, "enlargement of the footprint at max_vel_trans, as a proportion", "", 0, 10)
     oscillation_reset_dist: float = live(0.05, "distance moved before the robot may reverse its direction", "m", 0, 5)
     oscillation_reset_angle: float = live(
-        0.2, "or angle turned before the robot may reverse its direction", "rad", 0, 7
+        0.2,
+        "angle turned before the robot may reverse its direction; oscillation_reset_dist also suffices",
+        "rad",
+        0,
+        7,
     )
     xy_goal_tolerance: float = live(0.1, "distance at which the goal position counts as reached", "m", 0.001, 5)
     yaw_goal_tolerance: float = live(0.1, "tolerance of the heading at the goal", "rad", 0.001, 3.15)
@@ -154,13 +167,13 @@ class DwaPlannerParameters:
         "acc_lim_trans": _UNUSED,
         "stop_time_buffer": _UNUSED,
         "prune_plan": _ALWAYS_PRUNED,
-        "max_trans_vel": "an old name of max_vel_trans, which ROS no longer reads",
-        "min_trans_vel": "an old name of min_vel_trans, which ROS no longer reads",
-        "max_rot_vel": "an old name of max_vel_theta, which ROS no longer reads",
-        "min_rot_vel": "an old name of min_vel_theta, which ROS no longer reads",
-        "acc_limit_trans": "an old name of acc_lim_trans, which ROS no longer reads",
-        "trans_stopped_velocity": "an old name of trans_stopped_vel, which ROS no longer reads",
-        "rot_stopped_vel": "an old name of theta_stopped_vel, which ROS no longer reads",
+        "max_trans_vel": "old name of max_vel_trans; ROS no longer reads this name",
+        "min_trans_vel": "old name of min_vel_trans; ROS no longer reads this name",
+        "max_rot_vel": "old name of max_vel_theta; ROS no longer reads this name",
+        "min_rot_vel": "old name of min_vel_theta; ROS no longer reads this name",
+        "acc_limit_trans": "old name of acc_lim_trans; ROS no longer reads this name",
+        "trans_stopped_velocity": "old name of trans_stopped_vel; ROS no longer reads this name",
+        "rot_stopped_vel": "old name of theta_stopped_vel; ROS no longer reads this name",
         "penalize_negative_x": "old weight; ROS no longer reads it",
         "odom_topic": "topic of odometry",
         "global_frame_id": "frame of the published trajectories",

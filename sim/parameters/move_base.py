@@ -1,4 +1,4 @@
-"""The navigator, under move_base's names and with the defaults of its code."""
+"""Parameters of the navigator, with the names of move_base and the defaults in its code."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -27,7 +27,7 @@ class RecoveryBehavior:
 
 @dataclass(frozen=True, slots=True)
 class MoveBaseParameters:
-    """The navigator, under move_base's names."""
+    """The navigator, with the names of move_base."""
 
     ros_only: ClassVar[Mapping[str, str]] = {
         "clearing_radius": "radius in which make_plan clears the costmaps; here make_plan does not clear them",
@@ -37,7 +37,7 @@ class MoveBaseParameters:
 
     base_global_planner: str = live(
         "navfn/NavfnROS",
-        "global planner: built in or installed; an installed one cannot be chosen while the robot runs",
+        "global planner: built in or installed; installed planners cannot be chosen while the robot runs",
         choices=BUILT_IN_PLANNERS,
         plugins="thbridge.global_planners",
     )
@@ -60,13 +60,17 @@ class MoveBaseParameters:
         1000,
     )
     oscillation_timeout: float = live(
-        0.0, "time without progress before recovery starts; 0: 20 s in one place", "s", 0, 600
+        0.0, "time without progress before recovery starts; 0: 20 s without leaving the spot", "s", 0, 600
     )
     oscillation_distance: float = live(0.5, "distance that counts as progress", "m", 0, 10)
     recovery_behavior_enabled: bool = live(True, "run recovery behaviors before a goal is given up")
     clearing_rotation_allowed: bool = live(True, "allow rotate_recovery to turn the robot in place")
     conservative_reset_dist: float = live(
-        3.0, "side of the square around the robot; conservative_reset clears obstacles seen outside of it", "m", 0, 50
+        3.0,
+        "conservative_reset clears obstacles outside a square around the robot; this is the length of its sides",
+        "m",
+        0,
+        50,
     )
     recovery_behaviors: tuple[RecoveryBehavior, ...] = param(
         (

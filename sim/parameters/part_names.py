@@ -1,4 +1,4 @@
-"""Names of installed parts (parts that are not built in) in parameters."""
+"""Installed parts that parameters name. Installed parts are parts that are not built in."""
 
 from collections.abc import Iterator
 from typing import Literal

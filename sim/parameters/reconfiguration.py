@@ -1,9 +1,9 @@
 """Change of parameters while a robot runs, like ROS's dynamic_reconfigure.
 
 Parameters that may change are declared with `live` instead of `param`. These are the parameters in ROS's .cfg files,
-some that ROS does not have or cannot change, and the noise of the true sensors. The path of a parameter consists of its
-keys, joined by dots. It starts at a robot's software (`local_costmap.inflation_layer.inflation_radius`) or at the true
-world (`world.laser.range_noise`).
+some parameters that ROS does not have or cannot change, and the true noise of the sensors. The path of a parameter
+consists of its keys, joined by dots. It starts at a robot's software (`local_costmap.inflation_layer.inflation_radius`)
+or at the true world (`world.laser.range_noise`).
 """
 
 import dataclasses
@@ -100,7 +100,7 @@ def _types(hint: object) -> tuple[object, ...]:
 
 
 def reconfigurable() -> Iterator[str]:
-    """Return the paths of those parameters of a robot's software that may change while it runs, as declared."""
+    """Return the paths of the parameters of a robot's software that may change while it runs, in declared order."""
     return (parameter.path for parameter in live_parameters())
 
 
@@ -130,7 +130,7 @@ def reconfigured(parameters: P, path: str, value: object) -> P | ParameterReject
 
 
 def fixed_differences(before: P, after: P) -> tuple[str, ...]:
-    """Return the paths where the parameters of two robots differ, except those that may change while a robot runs."""
+    """Return the paths of the differences, except of parameters that may change while a robot runs."""
     return tuple(_differences(before, after, ""))
 
 
@@ -170,7 +170,7 @@ def _changed(section: _Section, names: list[str], path: str, value: object) -> _
     if not is_live(fields[name]):
         return ParameterRejection(path, "fixed", f"{path} cannot change while the robot runs")
     if isinstance(value, str) and value == own:
-        return section  # The name of an installed part is not among the choices, but its present value is allowed.
+        return section  # Names of installed parts are not among the choices, but the present name is allowed.
     new = _fit(get_type_hints(type(section))[name], fields[name].metadata, path, value)
     return new if isinstance(new, ParameterRejection) else dataclasses.replace(section, **{name: new})
 

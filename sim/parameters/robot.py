@@ -1,4 +1,4 @@
-"""One robot's own software."""
+"""Parameters of one robot's software."""
 
 from dataclasses import dataclass
 from typing import ClassVar
@@ -41,13 +41,13 @@ MIN_MAX_PAIRS = (
 )
 """Sections of a robot's software, each with two parameters.
 
-The value of the first must not exceed that of the second.
+The first value must not exceed the second value.
 """
 
 
 @dataclass(frozen=True, slots=True)
 class RobotParameters:
-    """One robot's own software."""
+    """Parameters of one robot's software."""
 
     not_in_ros: ClassVar[frozenset[str]] = frozenset({"localization", "ekf", "ukf"})
 
@@ -61,7 +61,7 @@ class RobotParameters:
     ekf: EkfParameters = param(EkfParameters(), "Kalman filter, extended (ekf) or unscented (ukf)")
     ukf: UkfParameters = param(UkfParameters(), "sigma points of the unscented Kalman filter")
     fake_localization: FakeLocalizationParameters = param(
-        FakeLocalizationParameters(), "the true pose instead of an estimate"
+        FakeLocalizationParameters(), "localization by the true pose instead of an estimate"
     )
     global_costmap: GlobalCostmapParameters = param(
         GlobalCostmapParameters(
@@ -69,7 +69,7 @@ class RobotParameters:
             track_unknown_space=True,
             publish_frequency=0.2,
             obstacle_layer=_LASER,
-            # The present position of a driving robot is soon out of date. So plans avoid its path instead.
+            # A driving robot soon leaves its present position. So plans do not avoid this position.
             robots_layer=RobotsParameters(under_way=False),
             inflation_layer=_INFLATION,
         ),
@@ -90,8 +90,8 @@ class RobotParameters:
     NavfnROS: NavfnParameters = param(NavfnParameters(), "global planner navfn")
     GlobalPlanner: GlobalPlannerParameters = param(GlobalPlannerParameters(), "global planner global_planner")
     TrajectoryPlannerROS: TrajectoryPlannerParameters = param(
-        # These are the velocities and weights of the 2016 study. There are few samples, so that a whole team can be
-        # simulated fast enough.
+        # These are the velocities and weights of the 2016 study. There are few samples, because a whole team must
+        # be simulated fast enough.
         TrajectoryPlannerParameters(
             acc_lim_x=10.0,
             acc_lim_theta=10.0,
@@ -125,8 +125,8 @@ class RobotParameters:
         "local planner with the dynamic window approach",
     )
     move_base: MoveBaseParameters = param(
-        # Commands are sent at the rate of laser scans. There is a timeout, because robots among other robots must
-        # detect that they are stuck.
+        # Commands are sent at the rate of laser scans. There is a timeout, because robots that stand among
+        # other robots must detect that they are stuck.
         MoveBaseParameters(controller_frequency=10.0, oscillation_timeout=10.0),
         "navigator",
     )

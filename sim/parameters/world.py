@@ -7,16 +7,14 @@ from sim.parameters.declaration import live, param
 
 @dataclass(frozen=True, slots=True)
 class OdometryNoise:
-    """Odometry noise: random errors in each tick (Probabilistic Robotics, table 5.6), and errors of scale."""
+    """Odometry noise: a random error in each tick (Probabilistic Robotics, table 5.6), and a constant scale error."""
 
-    alpha1: float = live(0.02, "noise of rotation per rotation", minimum=0, maximum=10)
-    alpha2: float = live(0.02, "noise of rotation per meter driven", minimum=0, maximum=10)
-    alpha3: float = live(0.02, "noise of distance per meter driven", minimum=0, maximum=10)
-    alpha4: float = live(0.02, "noise of distance per rotation", minimum=0, maximum=10)
-    linear_scale: float = live(1.0, "factor by which reported distances differ from true ones", minimum=0.1, maximum=10)
-    angular_scale: float = live(
-        1.0, "factor by which reported rotations differ from true ones", minimum=0.1, maximum=10
-    )
+    alpha1: float = live(0.02, "noise of measured rotation due to rotation", minimum=0, maximum=10)
+    alpha2: float = live(0.02, "noise of measured rotation due to driving", minimum=0, maximum=10)
+    alpha3: float = live(0.02, "noise of measured distance due to driving", minimum=0, maximum=10)
+    alpha4: float = live(0.02, "noise of measured distance due to rotation", minimum=0, maximum=10)
+    linear_scale: float = live(1.0, "reported distance divided by true distance", minimum=0.1, maximum=10)
+    angular_scale: float = live(1.0, "reported rotation divided by true rotation", minimum=0.1, maximum=10)
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,7 +25,7 @@ class LaserParameters:
     field_of_view: float = param(4.71238898, "angle between the first and the last beam", "rad", 0.01, 6.2831853)
     range_min: float = param(0.05, "minimum range", "m", 0, 10)
     range_max: float = param(8.0, "maximum range", "m", 0.1, 100)
-    x: float = param(0.1, "position of the laser, in front of the robot's center", "m", -2, 2)
+    x: float = param(0.1, "distance of the laser in front of the robot's center", "m", -2, 2)
     rate: int = param(10, "scan rate; must divide 50", "Hz", 1, 50)
     range_noise: float = live(0.02, "standard deviation of a range", "m", 0, 5)
     range_bias: float = live(0.0, "systematic error added to every range", "m", -1, 1)
