@@ -41,7 +41,7 @@ def test_a_name_is_given_once(draft: ArenaDraft) -> None:
 def test_a_room_gets_another_number_and_those_between_move(draft: ArenaDraft) -> None:
     assert draft.renumber(3, 1) is None
     assert [(room.room.people, room.name) for room in draft.arena.rooms] == [(1, "East"), (2, "West"), (3, "Middle")]
-    assert refused(draft.renumber(1, 4)) == "Rooms are numbered 1 to 3."
+    assert refused(draft.renumber(1, 4)) == "The number of a room must be from 1 to 3."
 
 
 def test_a_removed_room_is_corridor_and_is_drawn_again_between_its_walls(draft: ArenaDraft) -> None:
@@ -76,10 +76,10 @@ def test_what_cannot_be_is_refused_with_its_reason_and_changes_nothing(draft: Ar
     goal, start = draft.arena.rooms[0].goal, draft.arena.starts[0]
     region = draft.arena.rooms[0].region
     corner = ArenaHandle(1, max(range(len(region)), key=lambda index: sum(region[index])))
-    assert "has to stay in the room" in refused(draft.move(ArenaHandle(1), 6.0, 5.0))
-    assert "No robot can turn" in refused(draft.move(ArenaHandle(1), 0.3, goal.y))
-    assert "No robot can turn" in refused(draft.add_start(0.0, 0.0))
-    assert "too near to the start of robot 1" in refused(draft.add_start(start.x + 0.2, start.y))
+    assert "must stay in the room" in refused(draft.move(ArenaHandle(1), 6.0, 5.0))
+    assert "A robot cannot turn" in refused(draft.move(ArenaHandle(1), 0.3, goal.y))
+    assert "A robot cannot turn" in refused(draft.add_start(0.0, 0.0))
+    assert "too near to the start pose of robot 1" in refused(draft.add_start(start.x + 0.2, start.y))
     assert "in no room" in refused(draft.cut_room((1.0, 1.0), (2.0, 1.0)))
     assert "no free floor" in refused(draft.draw_room((0.2, 3.0), (3.8, 7.0)))
     assert "overlap another room" in refused(draft.move(corner, 6.0, 7.5))

@@ -106,16 +106,16 @@ def test_a_run_that_is_excluded_later_took_no_longer_for_it(study: RehearsedStud
     before, now = seen(study, len(study.entries) - 2)[0], seen(study, len(study.entries))[0]
     assert before.runs[0].state != now.runs[0].state == "excluded"
     assert before.runs[0].minutes == now.runs[0].minutes
-    assert before.no_next == "Enough runs count already."
+    assert before.no_next == "The study already has enough runs that count."
     assert (now.no_next == "") == (before.runs[0].state == "complete")
 
 
 def test_sentences(study: RehearsedStudy) -> None:
     state, _ = seen(study, len(study.entries))
     counted = f"{state.counted} of 8 runs count"
-    assert count_words(state).startswith(f"A rehearsal by simulated people. {counted}")
+    assert count_words(state).startswith(f"This is a rehearsal with simulated people. {counted}")
     assert count_words(structs.replace(state, rehearsal=False)).startswith(counted)
-    assert freeze_words(state) == "Frozen and unchanged."
+    assert freeze_words(state) == "The study is frozen and unchanged."
     assert [row[1] for row in note_rows(state.notes)] == ["the study", state.runs[0].participant]
 
 

@@ -303,19 +303,19 @@ class TestWhatADialogueMayName:
 
     def test_folders_of_games_and_of_words_and_no_others(self, tmp_path: Path) -> None:
         assert named("dialogue.games", tmp_path) == {
-            "./broken": "it has faults",
+            "./broken": "has faults",
             "./games": "dialogue games: haggling",
         }
-        assert named("dialogue.words", tmp_path) == {"./broken": "it has faults", "./games": "nl: Nederlands"}
+        assert named("dialogue.words", tmp_path) == {"./broken": "has faults", "./games": "nl: Nederlands"}
 
     def test_languages_that_come_with_the_project_and_those_of_the_studys_words(self, tmp_path: Path) -> None:
         shipped = {"de": "Deutsch", "en": "English"}
         assert named("dialogue.language", tmp_path) == shipped
-        own = {**shipped, "nl": "Nederlands, with the folder games"}
+        own = {**shipped, "nl": "Nederlands, with words from the folder games"}
         assert named("dialogue.language", tmp_path, "dialogue: {words: ./games}") == own
         assert list(own) == list(named("dialogue.language", tmp_path, "dialogue: {words: ./games}"))
         assert named("dialogue.language", tmp_path, "dialogue: {words: ./missing}") == shipped
-        assert named("dialogue.language", tmp_path, "dialogue: {words: broken}")["en"] == "it has faults"
+        assert named("dialogue.language", tmp_path, "dialogue: {words: broken}")["en"] == "has faults"
 
     def test_programs_that_are_installed_and_are_not_loaded_for_it(
         self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

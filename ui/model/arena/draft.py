@@ -35,8 +35,8 @@ class ArenaTool(StrEnum):
 class ArenaDraft:
     """Arena that a person is drawing.
 
-    Each method that changes the arena returns None. If the change is impossible, it changes nothing, and returns a
-    refusal with a sentence for people.
+    Methods that change the arena return None. If a change is impossible, they change nothing, and return a refusal
+    with a sentence for people.
 
     Attributes:
         floor: the free floor, for checks of rooms and of the robot's footprint.
@@ -56,7 +56,7 @@ class ArenaDraft:
 
     @property
     def dirty(self) -> bool:
-        """True if there is something to save."""
+        """True if the arena has unsaved changes."""
         return self.arena != self._saved
 
     @property
@@ -66,7 +66,7 @@ class ArenaDraft:
 
     @property
     def can_redo(self) -> bool:
-        """True if there is an undone change that can be made again."""
+        """True if there is an undone change that can be redone."""
         return bool(self._future)
 
     def saved(self) -> None:
@@ -80,7 +80,7 @@ class ArenaDraft:
             self.arena = self._past.pop()
 
     def redo(self) -> None:
-        """Make the last undone change again."""
+        """Redo the last undone change."""
         if self._future:
             self._past.append(self.arena)
             self.arena = self._future.pop()
@@ -97,7 +97,7 @@ class ArenaDraft:
     # Rooms ------------------------------------------------------------------------------------------------------------
 
     def rename(self, number: int, name: str) -> RequestRefused | None:
-        """Give a room another name."""
+        """Change the name of a room."""
         name = " ".join(name.split())
         if not name:
             return RequestRefused(ArenaRefusalReason.NAME, "A room needs a name.")
@@ -106,10 +106,10 @@ class ArenaDraft:
         return self._take(with_room(self.arena, dataclasses.replace(self.arena.rooms[number - 1], name=name)))
 
     def renumber(self, number: int, wanted: int) -> RequestRefused | None:
-        """Give a room another number. The rooms with numbers in between move up or down by one."""
+        """Change the number of a room; the numbers of the rooms in between change by one."""
         rooms = list(self.arena.rooms)
         if not 1 <= wanted <= len(rooms):
-            return RequestRefused(ArenaRefusalReason.NUMBER, f"Rooms are numbered 1 to {len(rooms)}.")
+            return RequestRefused(ArenaRefusalReason.NUMBER, f"The number of a room must be from 1 to {len(rooms)}.")
         rooms.insert(wanted - 1, rooms.pop(number - 1))
         return self._take(_numbered(self.arena, rooms))
 
@@ -118,7 +118,7 @@ class ArenaDraft:
         return self._take(_numbered(self.arena, [room for room in self.arena.rooms if room.room.people != number]))
 
     def draw_room(self, one: Point, other: Point) -> RequestRefused | None:
-        """Make a room from the free floor in a box; walls and other rooms limit the new room."""
+        """Add a room: the free floor in a box, limited by walls and other rooms."""
         (left, right), (low, high) = (sorted(pair) for pair in zip(one, other, strict=True))
         x, y = self.floor.map.centres(self.floor.map.everywhere)
         within = (x >= left) & (x <= right) & (y >= low) & (y <= high)
@@ -130,11 +130,11 @@ class ArenaDraft:
         return self._take(_numbered(self.arena, [*self.arena.rooms, made]))
 
     def cut_room(self, one: Point, other: Point) -> RequestRefused | None:
-        """Divide a room by a line. The middle of the line selects the room; both ends are extended to the walls."""
+        """Divide a room by a line. The room contains the middle of the line; both ends are extended to the walls."""
         middle = (one[0] + other[0]) / 2, (one[1] + other[1]) / 2
         room = next((room for room in self.arena.rooms if room.holds(*middle)), None)
         if room is None:
-            return RequestRefused(ArenaRefusalReason.CUT, "The middle of the line is in no room.")
+            return RequestRefused(ArenaRefusalReason.CUT, "The middle of the line must be in a room.")
         along = other[0] - one[0], other[1] - one[1]
         x, y = self.floor.map.centres(self.floor.map.everywhere)
         side = along[0] * (y - one[1]) - along[1] * (x - one[0])
@@ -150,7 +150,7 @@ class ArenaDraft:
         return self._take(_numbered(self.arena, [*with_room(self.arena, first).rooms, second]))
 
     def merge_rooms(self, one: int, other: int) -> RequestRefused | None:
-        """Merge two neighboring rooms; the result has the lower number and its name."""
+        """Merge two neighboring rooms; the result has the number and the name of the room with the lower number."""
         keep, gone = sorted((one, other))
         if keep == gone:
             return RequestRefused(ArenaRefusalReason.MERGE, "Choose two rooms to merge.")
@@ -214,15 +214,15 @@ def _turned(pose: Pose2, angle: float) -> Pose2:
 
 
 class ArenaPointer:
-    """Pointer on an arena: a press, a drag and a release, with each tool.
+    """Effects of presses, drags and releases of the pointer on an arena, for the selected tool.
 
     Attributes:
         tool: the selected tool.
         chosen: number of the selected room, or None.
         start: index of the selected start pose, or None.
-        stroke: both ends of the box or line that a person is drawing, in the map frame; otherwise None.
-        shown: arena that a release of the pointer at its present place would give.
-        refusal: reason why the arena would not change; empty if it would.
+        stroke: both ends of the box or line that a person is drawing, in the map frame; None if there is no drawing.
+        shown: the arena as it would be after a release of the pointer at its present place.
+        refusal: reason why a release of the pointer would not change the arena; empty if the arena would change.
     """
 
     def __init__(self, draft: ArenaDraft) -> None:
@@ -262,7 +262,7 @@ class ArenaPointer:
                 self.shown, self._at = outcome, (x, y)
 
     def release(self) -> None:
-        """End the drag, and make the change if possible."""
+        """End the drag. If possible, change the arena."""
         stroke, held = self.stroke, self._held
         self.stroke = self._held = None
         if stroke is not None and stroke[0] != stroke[1]:
@@ -276,7 +276,7 @@ class ArenaPointer:
         self.shown = self.draft.arena
 
     def _handle_at(self, x: float, y: float, reach: float) -> ArenaHandle | None:
-        """Return the nearest handle within `reach` meters of a point; only the selected room has corners."""
+        """Return the nearest handle within `reach` meters of a point; only corners of the selected room are handles."""
         arena = self.draft.arena
         near = [
             (math.hypot(start.x - x, start.y - y), ArenaHandle(0, index)) for index, start in enumerate(arena.starts)
@@ -303,7 +303,7 @@ class ArenaPointer:
         return None if self.chosen is None else ArenaHandle(self.chosen)
 
     def change(self, made: Callable[[], RequestRefused | None]) -> None:
-        """Make a change; keep the selection if the selected object still exists."""
+        """Make a change, and keep the selection if the selected object still exists."""
         self._told(made())
         if self.chosen is not None and self.chosen > len(self.draft.arena.rooms):
             self.chosen = None

@@ -19,7 +19,7 @@ from thbridge.offline.map_survey import Doorway, doorways
 
 
 class ArenaRefusalReason(StrEnum):
-    """Reasons why an arena is not changed, by the part that would have changed."""
+    """Reasons why an arena is not changed, each named after the part that a person tried to change."""
 
     NAME = "name"
     NUMBER = "number"
@@ -33,7 +33,7 @@ class ArenaRefusalReason(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class ArenaHandle:
-    """Something that can be selected, moved and turned: a room's goal, one of its corners, or a start pose.
+    """Part of an arena that a person can select and move: the goal or a corner of a room, or a start pose.
 
     Attributes:
         room: number of the room; 0 for a start pose.
@@ -70,7 +70,7 @@ class ArenaFloor:
         self._faults: tuple[Arena, tuple[str, ...]] | None = None
 
     def doors(self, arena: Arena) -> tuple[Doorway, ...]:
-        """Return the room openings that are wide enough for a robot, computed from the outlines and the walls."""
+        """Return the openings of rooms that are wide enough for a robot, computed from room outlines and walls."""
         if self._doors is None or self._doors[0] is not arena:
             owners = np.zeros(self.map.grid.cells.shape, dtype=np.int32)
             for room in arena.rooms:
@@ -116,7 +116,7 @@ class ArenaFloor:
         turning = cells_inside(outline, self.map) & (self.map.clearance > self.map.circumscribed)
         goal = best_goal(self.map, outline, turning)
         if goal is None:
-            return RequestRefused(ArenaRefusalReason.ROOM, "The room is too small: no robot can turn in it.")
+            return RequestRefused(ArenaRefusalReason.ROOM, "The room is too small: a robot cannot turn in it.")
         return MapRoom(Room(number), name, outline, goal)
 
     def moved(self, arena: Arena, handle: ArenaHandle, x: float, y: float) -> Outcome:
@@ -131,7 +131,7 @@ class ArenaFloor:
             return self._with_corner(arena, room, handle.index, (x, y))
         pose = Pose2(x, y, room.goal.theta)
         if not room.holds(x, y):
-            return RequestRefused(ArenaRefusalReason.GOAL, f"The goal of {room.name} has to stay in the room.")
+            return RequestRefused(ArenaRefusalReason.GOAL, f"The goal of {room.name} must stay in the room.")
         if self.map.clearance_at(pose) <= self.map.circumscribed:
             return self._too_narrow(ArenaRefusalReason.GOAL)
         return with_room(arena, dataclasses.replace(room, goal=pose))
@@ -141,7 +141,7 @@ class ArenaFloor:
         if crosses_itself(region) or area(region) <= 0.0:
             return RequestRefused(ArenaRefusalReason.CORNER, f"The outline of {room.name} would cross itself.")
         if not self.map.grid.contains(*self.map.grid.cell_of(*corner)):
-            return RequestRefused(ArenaRefusalReason.CORNER, "The corner has to stay on the map.")
+            return RequestRefused(ArenaRefusalReason.CORNER, "The corner must stay on the map.")
         if (cells_inside(region, self.map) & self.taken(arena, room.room.people)).any():
             return RequestRefused(ArenaRefusalReason.CORNER, f"{room.name} would overlap another room.")
         if inside(region, np.array([room.goal.x]), np.array([room.goal.y]))[0]:
@@ -158,12 +158,13 @@ class ArenaFloor:
             number for number, other in enumerate(starts) if number != index and start.distance(other) <= 2 * needed
         ]
         if near:
-            return RequestRefused(ArenaRefusalReason.START, f"That is too near to the start of {robot_name(near[0])}.")
+            near_to = f"the start pose of {robot_name(near[0])}"
+            return RequestRefused(ArenaRefusalReason.START, f"This start pose is too near to {near_to}.")
         return dataclasses.replace(arena, starts=starts)
 
     def _too_narrow(self, reason: ArenaRefusalReason) -> RequestRefused:
         needed = self.map.circumscribed
-        return RequestRefused(reason, f"No robot can turn there: it needs {needed:.2f} m to the nearest wall.")
+        return RequestRefused(reason, f"A robot cannot turn there. It needs {needed:.2f} m to the nearest wall.")
 
 
 def with_room(arena: Arena, room: MapRoom) -> Arena:

@@ -5,10 +5,10 @@ from datetime import datetime
 
 from ui.model.desk.messages import DeskEvent, DeskNote, DeskRun, DeskState
 
-CELLS = ("Between people", "Count", "Planned", "Under way")
-RUNS = ("Participant", "State", "Step", "Since", "Minutes", "Missing", "Between people", "Order")
-EVENTS = ("Time", "What", "By")
-NOTES = ("Time", "About", "Note")
+CELLS = ("Cell", "Runs that count", "Planned", "In progress")
+RUNS = ("Participant", "State", "Step or reason", "Since", "Minutes", "Unanswered", "Cell", "Order")
+EVENTS = ("Time", "Event", "Caused by")
+NOTES = ("Time", "Subject", "Note")
 
 _STATES = {"complete": "counts"}
 
@@ -19,7 +19,7 @@ def local_time(wall: str, form: str = "%d %b %H:%M") -> str:
 
 
 def ordered_runs(state: DeskState) -> tuple[DeskRun, ...]:
-    """Return the runs in the order of the table: first those under way, then the others, the latest first."""
+    """Return the runs in the order of the table: runs in progress first, then all others, the latest first."""
     latest_first = state.runs[::-1]
     return tuple(sorted(latest_first, key=lambda run: run.state != "under way"))
 
@@ -58,27 +58,27 @@ def note_rows(notes: tuple[DeskNote, ...]) -> Iterator[tuple[str, ...]]:
 
 
 def count_words(state: DeskState) -> str:
-    """Return a sentence about the numbers of runs that count, are missing and are under way."""
+    """Return a sentence with the numbers of runs that count, of missing runs, and of runs in progress."""
     under_way = sum(run.state == "under way" for run in state.runs)
     missing = state.planned - state.counted
     left = "none is missing" if missing <= 0 else f"{missing} missing"
-    rehearsal = "A rehearsal by simulated people. " if state.rehearsal else ""
-    return f"{rehearsal}{state.counted} of {state.planned} runs count, {left}; {under_way} under way."
+    rehearsal = "This is a rehearsal with simulated people. " if state.rehearsal else ""
+    return f"{rehearsal}{state.counted} of {state.planned} runs count, {left}, {under_way} in progress."
 
 
 def freeze_words(state: DeskState) -> str:
-    """Return a sentence about the freeze and the changes since."""
+    """Return a sentence that says if the study is frozen, and lists the changes since then."""
     if state.changed is None:
         return "The study is not frozen."
     if not state.changed:
-        return "Frozen and unchanged."
-    return f"Frozen, and changed since then: {'; '.join(state.changed)}."
+        return "The study is frozen and unchanged."
+    return f"The study has changed since it was frozen: {'; '.join(state.changed)}."
 
 
 def run_words(run: DeskRun) -> str:
     """Return a description of a run, in sentences."""
-    group = f"In {run.cell}." if run.cell != "everybody" else ""
-    order = f"Order: {', then '.join(run.order)}." if run.order else ""
+    group = f"Cell: {run.cell}." if run.cell != "everybody" else ""
+    order = f"Order of conditions: {', then '.join(run.order)}." if run.order else ""
     where = " ".join(filter(None, (group, order)))
     if run.lag is not None:
         where += f" Games were at most {run.lag:.1f} s behind real time."
@@ -86,7 +86,7 @@ def run_words(run: DeskRun) -> str:
         how = _STATES.get(run.state, run.state)
         reason = f": {run.reason}" if run.reason else ""
         return f"{run.participant}: {how}{reason}; {local_time(run.since)}, after {_minutes(run)}. {where}".rstrip()
-    missing = f" Not answered yet: {', '.join(run.missing)}." if run.missing else ""
+    missing = f" Required items without an answer: {', '.join(run.missing)}." if run.missing else ""
     at = f"{run.participant}: step {_numbered(run)}, {_step(run)}, since {local_time(run.since)}"
     return f"{at}; {_minutes(run)} so far.{missing} {where}".rstrip()
 

@@ -12,26 +12,26 @@ from thbridge.experiment.store.events import EventKind, LogEntry, LoggedEvent, N
 from ui.model.desk.messages import DeskCell, DeskEvent, DeskNote, DeskRun, DeskState
 
 NO_PLACE = {
-    NoPlace.FULL: "Enough runs count already.",
-    NoPlace.TAKEN: "All places are taken. A place becomes free when a run in progress ends and does not count.",
+    NoPlace.FULL: "The study already has enough runs that count.",
+    NoPlace.TAKEN: "All places are taken. If a run in progress ends and does not count, its place becomes free.",
 }
 _BEGINNINGS = frozenset({EventKind.STEP_BEGUN, EventKind.STEP_RESUMED})
 _BY_ITSELF = frozenset(EventKind) - {EventKind.NOTE, EventKind.FAREWELL_READ, EventKind.RUN_EXCLUDED}
-"""Kinds of events with which a run can end. An exclusion is not among them, because it can follow weeks later."""
+"""Kinds of events that can be the last event of a run. They omit exclusions, which can follow weeks later."""
 _BUT_NOTES = _BY_ITSELF | {EventKind.RUN_EXCLUDED}
 
 
 @dataclass(frozen=True, slots=True)
 class ToldToDesk:
-    """All data of a desk in addition to design and log.
+    """All data of a desk except the design and the log.
 
     Attributes:
         now: date and time of day, ISO 8601 in UTC.
-        changed: changes since the study was frozen. If None, it is not frozen.
-        kiosk: in words, what people see at the kiosk now.
-        troubles: sentences about troubles that need attention.
+        changed: changes since the study was frozen. If None, the study is not frozen.
+        kiosk: description of the page that the kiosk shows now.
+        troubles: sentences about problems that need attention.
         shown: id of the person whose events the desk shows.
-        read_only: reason why the desk cannot send requests; empty if it can.
+        read_only: reason why the desk cannot send requests; empty if requests are possible.
     """
 
     now: str
@@ -130,7 +130,7 @@ def _run(progress: Progress, run: Run, events: Sequence[LoggedEvent], now: str) 
 
 
 def _last(events: Sequence[LoggedEvent], kinds: Collection[str]) -> str:
-    """Return the time of the last event of these kinds, or else of the first event."""
+    """Return the time of the last event of these kinds; if there is none, return the time of the first event."""
     return next((e.event.clocks.wall for e in reversed(events) if e.event.kind in kinds), events[0].event.clocks.wall)
 
 
@@ -146,9 +146,9 @@ def _told_event(progress: Progress, entry: LoggedEvent) -> DeskEvent:
 
 
 def _named(progress: Progress, event: NewEvent) -> str:
-    """Return the name of the step of an event, with the number that the kiosk and the table of runs show.
+    """Return the number and name of an event's step; skipped steps are not numbered.
 
-    Skipped steps do not count.
+    The kiosk and the table of runs show the same number.
     """
     plan = progress.runs[event.participant].plan
     if not 0 < event.step <= len(plan):
@@ -169,33 +169,34 @@ def _words(progress: Progress, event: NewEvent) -> str:
         case EventKind.STEP_BEGUN:
             return f"{step}, begins" + (f" ({event.condition})" if event.condition else "")
         case EventKind.STEP_RESUMED:
-            return f"{step}, resumes after a crash, from: {data.get('from', '')}"
+            return f"{step}, resumes after a crash at: {data.get('from', '')}"
         case EventKind.ITEM_SHOWN:
             return f"{item} is shown"
         case EventKind.ITEM_TOUCHED:
-            return f"{item} is touched"
+            return f"{item}: the answer is begun"
         case EventKind.ITEM_CHANGED:
-            return f"{item} is changed"
+            return f"{item}: the answer is changed"
         case EventKind.ITEM_GIVEN:
             return f"{item} is answered"
         case EventKind.WENT_BACK:
-            return f"{step}: goes back to page {data.get('page', '')}"
+            return f"{step}: the participant goes back to page {data.get('page', '')}"
         case EventKind.TEXT_PASTED:
-            return f"{item}: text is pasted, {data.get('characters', '')} characters"
+            return f"{item}: {data.get('characters', '')} characters are pasted into the answer"
         case EventKind.GAME_BROKEN_OFF:
-            return f"{step}: the game was interrupted; another begins in its place"
+            return f"{step}: the game was interrupted; a new game replaces it"
         case EventKind.RECORDING_CUT_OFF:
-            return f"{step}: the recording was cut off; the game continues, and is recorded as a whole"
+            return f"{step}: the recording was cut off; the game continues, and a new recording contains all of it"
         case EventKind.CONSENT_ANSWERED:
-            return "agrees to take part" if data.get("agrees") else "does not agree to take part"
+            agrees = "agrees" if data.get("agrees") else "does not agree"
+            return f"the participant {agrees} to take part"
         case EventKind.RECRUITING_CODE:
-            return "gives the code of the recruiting service"
+            return "the participant gives the code of the recruiting service"
         case EventKind.FOCUS_LOST:
-            return f"{step}: looks at another window"
+            return f"{step}: the participant switches to another window"
         case EventKind.FOCUS_REGAINED:
-            return f"{step}: is back at the study's window"
+            return f"{step}: the participant returns to the study's window"
         case EventKind.FAREWELL_READ:
-            return "leaves the last page"
+            return "the participant leaves the last page"
         case EventKind.GAME_PLAYED:
             lag = data.get("most_lag_seconds")
             behind = f"; at most {lag:.1f} s behind real time" if isinstance(lag, int | float) else ""
@@ -205,7 +206,7 @@ def _words(progress: Progress, event: NewEvent) -> str:
         case EventKind.RUN_ENDED:
             why = data.get("reason") or (f"code {data['code']}" if data.get("code") else "")
             if "excluded" in data:
-                why = f"{why}; it does not count: {data['excluded']}"
+                why = f"{why}; the run does not count: {data['excluded']}"
             return f"the run ends: {data.get('outcome', '')}" + (f", {why}" if why else "")
         case EventKind.RUN_EXCLUDED:
             return f"the run does not count: {data.get('reason', '')}"

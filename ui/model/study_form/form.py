@@ -45,18 +45,18 @@ class FieldKind(StrEnum):
     TEXT = "text"
     PATH = "path"
     LIST = "list"
-    """List, or another value that people type as YAML."""
+    """List or other value that people type as YAML."""
 
 
 class RepeatKind(StrEnum):
-    """Kind of the items in a section with any number of them."""
+    """Kind of the items in a section that can have any number of items."""
 
     ITEMS = "items"
     ROBOTS = "robots"
     STEPS = "steps"
     """Items in a fixed order."""
     KEYS = "keys"
-    """Values with free keys."""
+    """Values whose keys a person can choose."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,22 +64,22 @@ class FormField:
     """One value of a study.
 
     Attributes:
-        key: its path in a study, such as `robot.amcl.kld_err`.
+        key: path of the value in a study, such as `robot.amcl.kld_err`.
         label: name for people.
         help: meaning, in one sentence.
-        kind: type of its value.
+        kind: type of the value.
         unit: SI unit; empty for a pure number.
         minimum: smallest allowed number; infinite if there is no limit.
         maximum: largest allowed number.
         choices: allowed words; empty if any text is allowed.
-        optional: True if it may be null.
-        default: value as YAML that applies if the file has none; it takes presets and ROS files into account.
-        written: value in the file as YAML; None if the file has none.
-        place: its path in the file, possibly with an old name; if it is not in the file, the path at which it would be
-            written.
-        line: line of that path, counted from 1; None if it is not in the file.
-        places: all paths at which a file may have it.
-        own_key: True if a person chose its key, and can remove it.
+        optional: True if the value may be null.
+        default: the value that applies if the file has none, as YAML; presets and ROS files can change the default.
+        written: the value in the file, as YAML; None if the file has none.
+        place: path of the value in the file, possibly with an old name. If the file has no value, this is the path at
+            which a value would be written.
+        line: line of that path, counted from 1; None if the file has no value.
+        places: all paths at which a file may have the value.
+        own_key: True if a person chose the key, and can remove the field.
     """
 
     key: str
@@ -100,12 +100,12 @@ class FormField:
 
     @property
     def value(self) -> str:
-        """Value that applies, as YAML."""
+        """Value from the file, or otherwise the default, as YAML."""
         return self.default if self.written is None else self.written
 
     @property
     def is_text(self) -> bool:
-        """True if people type plain text into it instead of YAML."""
+        """True if people type plain text into the field instead of YAML."""
         return self.kind in {FieldKind.TEXT, FieldKind.PATH}
 
 
@@ -114,13 +114,13 @@ class FormGroup:
     """Section of a study.
 
     Attributes:
-        key: its path; empty for the whole study.
+        key: path of the section; empty for the whole study.
         label: name for people.
-        help: its meaning.
+        help: meaning of the section.
         fields: values directly in this section.
-        groups: sections in it.
-        repeats: kind of its items if people can add and remove them, otherwise None.
-        order: its keys, in the order of the schema.
+        groups: sections inside this section.
+        repeats: kind of the section's items if people can add and remove items; otherwise None.
+        order: keys of the section, in the order of the schema.
     """
 
     key: str
@@ -132,19 +132,19 @@ class FormGroup:
     order: tuple[str, ...] = ()
 
     def all_fields(self) -> Iterator[FormField]:
-        """Yield its fields and those of all sections in it."""
+        """Yield the fields of the section and of all sections inside."""
         yield from self.fields
         for group in self.groups:
             yield from group.all_fields()
 
     def all_groups(self) -> Iterator["FormGroup"]:
-        """Yield the section and all sections in it."""
+        """Yield the section and all sections inside."""
         yield self
         for group in self.groups:
             yield from group.all_groups()
 
     def written(self) -> int:
-        """Number of its values that the file contains."""
+        """Number of the section's values that the file contains."""
         return sum(field.written is not None for field in self.all_fields())
 
 
@@ -152,39 +152,39 @@ _ORDERED = frozenset({"steps", "items"})
 """Lists of sections in a fixed order: steps of a study with people, items of a questionnaire."""
 
 _NOISE_OF = {home: f"noise.{path}" for path, home in TARGET_PATHS.items()}
-"""Path in the section `noise` of each number that also has another path."""
+"""Second path, in the section `noise`, of each number that has two paths."""
 
 
 _LABELS = {
     "server": "Text server",
     "mavlink": "Ground stations (MAVLink)",
     "fleet": "Real robots",
-    "fleet.robot": "Names of every robot",
-    "fleet.each": "Names of single robots",
+    "fleet.robot": "Names of topics and frames, all robots",
+    "fleet.each": "Names of topics and frames, single robots",
     "robot": "Robots' software",
     "each": "Single robots",
-    "ros_parameters": "Parameter files of ROS",
-    "base": "Base of all games",
+    "ros_parameters": "ROS parameter files",
+    "base": "Values for all games",
     "within": "Factors within people",
-    "like": "Common to all items",
+    "like": "Values for all items",
     "between": "Factors between people",
 }
 
 
 def form_of(text: str, tree: Node, start: "DataclassInstance", label: str = "Study") -> FormGroup:
-    """Return the form of a study file, or of another file that is read into a dataclass.
+    """Return the form of a study file or of another file that has a dataclass.
 
     Args:
         text: text of the file.
         tree: the same text, parsed.
-        start: the values of keys that the file does not have.
+        start: values of the keys that are missing in the file.
         label: name of the file for people.
     """
-    return _Builder(text, tree).group(start, "", label, "everything that can be set")
+    return _Builder(text, tree).group(start, "", label, "all settings of this file")
 
 
 def typed_as_yaml(field: FormField, typed: str) -> str:
-    """Return the YAML of a value that a person typed or selected."""
+    """Return a value that a person typed or selected, as YAML."""
     typed = typed.strip() if not field.is_text else typed
     if field.optional and typed == "null":
         return typed
@@ -210,7 +210,7 @@ def editable_text(field: FormField) -> str:
 
 
 def hint_of(field: FormField) -> str:
-    """Return the limits of a field in words: `0 to 20`, `at least 1`, `null allowed`."""
+    """Return the limits of a field in words: `0 to 20`, `at least 1`, `or null`."""
     limits = {"minimum": field.minimum, "maximum": field.maximum}
     words = [] if field.choices else [allowed(float, limits)]
     return ", ".join([*(word for word in words if word), *(["or null"] if field.optional else [])])
@@ -242,18 +242,18 @@ class _Builder:
         """Return the form of a section.
 
         Args:
-            start: values of keys that the file does not have.
-            key: its path.
-            label: its name.
-            help_text: its meaning.
-            handed: by names of keys in this section, the keys of an outer section that set them.
-            like: path of the section whose values apply if this section has none.
+            start: values of the keys that are missing in the file.
+            key: path of the section.
+            label: name of the section.
+            help_text: meaning of the section.
+            handed: keys of an outer section that set keys of this section, by the names of these keys.
+            like: path of the section with the values that apply if this section has none.
         """
         section = type(start)
         hints = cast(Mapping[str, object], get_type_hints(section))
         fields: list[FormField] = []
         groups: list[FormGroup] = []
-        # The section `noise` comes first, because the robots' assumed noise has its values as defaults.
+        # The section `noise` comes first, because its values are the defaults of the noise that robots assume.
         for field in sorted(dataclasses.fields(start), key=lambda field: field.name != "noise"):
             name, place = field.name, _joined(key, field.name)
             if place in SHOWN_ELSEWHERE:
@@ -340,14 +340,14 @@ class _Builder:
             if model is None and not named:
                 continue
             start = dataclasses.replace(model if model is not None else type(named[0])(), name=name)
-            group = self.group(start, _joined(holder, name), name, "one use of the laser", None, "")
+            group = self.group(start, _joined(holder, name), name, "settings for one use of the laser", None, "")
             yield dataclasses.replace(group, fields=tuple(f for f in group.fields if not f.key.endswith(".name")))
 
     def _robots(self, model: "DataclassInstance", key: str, help_text: str, like: str) -> FormGroup:
         node = node_at(self._tree, steps_of(key))
         entries = node.entries if isinstance(node, Section) else []
         groups = [
-            self.group(model, f"{key}.{name.text}", f"Robot {name.text}", "what differs from all robots", None, like)
+            self.group(model, f"{key}.{name.text}", f"Robot {name.text}", "settings of this robot only", None, like)
             for name, _ in entries
         ]
         return FormGroup(key, _label(key), help_text, (), tuple(groups), RepeatKind.ROBOTS)
@@ -360,7 +360,7 @@ class _Builder:
         return FormGroup(key, _label(key), help_text, (), tuple(groups), repeats)
 
     def _keys(self, key: str, help_text: str) -> FormGroup:
-        """Return the section of a mapping: one field per entry, whose value can be any YAML."""
+        """Return the section of a mapping, with one field per entry; the values can be any YAML."""
         node = node_at(self._tree, steps_of(key))
         fields = []
         for name, _ in node.entries if isinstance(node, Section) else ():
@@ -387,13 +387,13 @@ def _name_of(section: "DataclassInstance") -> str:
 
 
 def _item_class(hint: object) -> type | None:
-    """Return the class of a list's items, if it is a dataclass; otherwise None."""
+    """Return the class of a list's items if the items are of a dataclass; otherwise None."""
     item = cast(object, get_args(hint)[0]) if get_origin(hint) is tuple else None
     return item if isinstance(item, type) and dataclasses.is_dataclass(item) else None
 
 
 def _default_of(field: "dataclasses.Field[object]") -> str:
-    """Return the default of a field as YAML; a mapping is in braces."""
+    """Return the default of a field as YAML; mappings are in braces."""
     if field.default is not dataclasses.MISSING:
         return as_yaml(field.default)
     entries = cast(Mapping[str, str], field.default_factory()) if callable(field.default_factory) else {}

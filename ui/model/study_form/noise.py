@@ -22,8 +22,7 @@ _ALMOST_NONE = 1e-3
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CourseComparison:
-    """Drives of one course with the odometry's noise, drives predicted by the particle filter's motion model, and a
-    comparison."""
+    """Simulated drives of one course, the particle filter's predictions of them, and a sentence that compares both."""
 
     wheels: PathSpread
     believed: PathSpread
@@ -43,11 +42,11 @@ class NoisePreview:
 def noise_from_form(fields: Iterable[FormField], typed: Mapping[str, str]) -> NoiseSection:
     """Return the noise of a form's fields.
 
-    Typed values that are not in the file yet take precedence; invalid ones are ignored.
+    Typed values take precedence over values of the file; invalid typed values are ignored.
 
     Args:
         fields: fields of the section `noise`.
-        typed: last typed values, by the fields' keys.
+        typed: last typed values, by the keys of their fields.
     """
     noise = noise_section_of(Study())
     chosen = typed.get("noise.preset")
@@ -55,7 +54,7 @@ def noise_from_form(fields: Iterable[FormField], typed: Mapping[str, str]) -> No
         noise = preset(NoisePreset(chosen), noise)
     for field in fields:
         if chosen is not None and field.written is None and field.key not in typed:
-            continue  # its default is the value of the previous preset
+            continue  # The field's default is the value of the previous preset.
         path = field.key.removeprefix("noise.")
         value = _value(field, typed.get(field.key, editable_text(field)))
         if path in TARGET_PATHS and value is not None:
@@ -94,19 +93,19 @@ def _verdict(wheels: PathSpread, believed: PathSpread) -> str:
     share = covered(wheels, believed)
     share_words = f"{100 * share:.0f} % of the drives end where the filter expects 95 % of them"
     if wheels.along < _ALMOST_NONE and believed.along < _ALMOST_NONE:
-        return "Neither the wheels nor the filter know of any error."
+        return "The odometry has no error, and the filter expects none."
     if share < 0.8:
-        return f"The filter is too sure of itself: {share_words}."
+        return f"The filter assumes too little noise: {share_words}."
     if believed.along * believed.across > 9 * wheels.along * wheels.across:
-        return f"The filter is more careful than necessary: {share_words}, and it allows for far more."
-    return f"The filter's model fits the true noise: {share_words}."
+        return f"The filter assumes too much noise: {share_words}, in a region far larger than necessary."
+    return f"The filter's model of the noise fits the true noise: {share_words}."
 
 
 def _words_of(scan: RoomScan) -> str:
-    lost = "none is lost" if not scan.lost else "1 is lost" if scan.lost == 1 else f"{scan.lost} are lost"
-    return f"{len(scan.seen)} of {scan.beams} beams return a range; {lost}."
+    lost = f"{scan.lost or 'no'} {'range is' if scan.lost == 1 else 'ranges are'} lost"
+    return f"{len(scan.seen)} of {scan.beams} beams measure a range; {lost}."
 
 
 def extent_of(fan: PathSpread) -> str:
-    """Return a sentence on the spread of the end points of a fan of paths."""
-    return f"95 % of the ends lie within ± {fan.along:.2f} m by ± {fan.across:.2f} m"
+    """Return a text on the spread of the end points of simulated drives."""
+    return f"95 % of the drives end within ± {fan.along:.2f} m by ± {fan.across:.2f} m"

@@ -1,4 +1,4 @@
-"""Questionnaire of a study with people in an editor, in the same form as a study file."""
+"""Editor's view of a questionnaire of a study with people, in the same form as a study file."""
 
 import dataclasses
 import re
@@ -50,12 +50,12 @@ class QuestionnaireDraft(StudyDraft):
     """Text of a questionnaire, with its form and its faults."""
 
     def keys_for(self, group: FormGroup) -> Mapping[str, FormField]:
-        """Return the keys that all items can share and that a section does not have yet."""
+        """Return the keys that can be added to a section of values for all items."""
         taken = {field.label for field in group.fields} | {"id", "text"}
         return {key: field for key, field in _item_fields().items() if key not in taken}
 
     def _is_of(self, fault: BadFile, field: FormField) -> bool:
-        # A fault of a whole item is shown at the field with its text.
+        # A fault of a whole item is shown at the field `text` of the item.
         item, _, name = field.key.rpartition(".")
         return StudyDraft._is_of(self, fault, field) or (
             name == "text" and fault.path == self.path and fault.key == item
@@ -63,7 +63,7 @@ class QuestionnaireDraft(StudyDraft):
 
 
 def is_questionnaire(path: Path, text: str) -> bool:
-    """Return True for a file that has items, or that an experiment's file in the same folder names as a form."""
+    """Return True for a file that has items, or that `experiment.yaml` in the same folder names as a form."""
     if _ITEMS.search(text):
         return True
     beside = path.parent / EXPERIMENT
@@ -106,8 +106,8 @@ def _item_fields() -> Mapping[str, FormField]:
 
 
 def _heeded(form: FormGroup) -> FormGroup:
-    """Return the form in which common values of the items are the defaults, without keys that the items' scales
-    ignore."""
+    """Return the form with the common values of the items as defaults, and without keys that an item's scale
+    ignores."""
     groups = {group.key: group for group in form.groups}
     alike = {field.label: field.value for field in groups["like"].fields}
 

@@ -1,4 +1,4 @@
-"""Maps, template sets, files, words and programs that a study's field can name, with descriptions and pictures."""
+"""Maps, template sets, files and programs that a study's field can name, with descriptions and pictures."""
 
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -26,22 +26,22 @@ from thbridge.study.study_file import OWN_STRATEGY, StudyFile
 from ui.model.study_form.draft import StudyDraft
 from ui.model.study_form.form import editable_text
 
-_FAULTY = "it has faults"
+_FAULTY = "has faults"
 _TEXTS = (".txt", ".md")
 _YAML = (".yaml", ".yml")
 _USUAL = RobotParameters()
 _BEGINNING = 60
-"""Number of characters of a text that are shown."""
+"""Number of characters at the beginning of a text that are shown."""
 
 
 @dataclass(frozen=True, slots=True)
 class NamedResource:
-    """Map, file, word or program that a field can name.
+    """Map, file, folder of words or program that a field can name.
 
     Attributes:
         value: the name or path to write in the study.
         words: short description.
-        picture: an image file of it; None if there is none.
+        picture: an image file of the resource; None if there is none.
     """
 
     value: str
@@ -50,7 +50,7 @@ class NamedResource:
 
 
 def resources_for(key: str, draft: StudyDraft) -> tuple[NamedResource, ...]:
-    """Return the resources that a field can name: those of the project first, then those in the study's folder.
+    """Return the resources that a field can name: first those of the program, then those in the study's folder.
 
     Args:
         key: key of the field; most fields name no resources.
@@ -61,7 +61,7 @@ def resources_for(key: str, draft: StudyDraft) -> tuple[NamedResource, ...]:
 
 
 def is_named(key: str) -> bool:
-    """Return True for a field that names a known resource: a map, a template set, a file, a word folder or a
+    """Return True for a field that names a resource: a map, a template set, a file, a folder of words or a
     program."""
     return _shared(key) in _FINDERS
 
@@ -72,7 +72,7 @@ def names_form(key: str) -> bool:
 
 
 def is_path(key: str) -> bool:
-    """Return True for a field that can name any path of the right kind of file or folder."""
+    """Return True for a field whose value can be the path of any file or folder of the right kind."""
     return is_named(key) and _shared(key) not in _NAMES
 
 
@@ -115,7 +115,7 @@ def _costs(draft: StudyDraft) -> Iterator[NamedResource]:
     resources = shipped()
     for name in resources.names("templates"):
         if (resources.root / "templates" / name / MAP_TIMES).is_file():
-            yield NamedResource(name, f"the {MAP_TIMES} of this template set")
+            yield NamedResource(name, f"the file {MAP_TIMES} of this template set")
     for path in sorted(draft.path.parent.glob(f"*{MAP_TIMES}*")):
         yield NamedResource(path.name, "a file in the study's folder")
 
@@ -134,7 +134,7 @@ def _texts_in(folder: Path) -> Iterator[NamedResource]:
 
 
 def _ros_parameters(draft: StudyDraft) -> Iterator[NamedResource]:
-    """Yield files that change robots' parameters, but not the studies in the same folder."""
+    """Yield the files that set parameters of robots; studies in the same folder are omitted."""
     for path in sorted(path for path in draft.path.parent.iterdir() if path.suffix in _YAML and path.is_file()):
         with suppress(BadFile):
             if parse_ros_files((path,)).over(_USUAL).value != _USUAL:
@@ -142,7 +142,7 @@ def _ros_parameters(draft: StudyDraft) -> Iterator[NamedResource]:
 
 
 def _folders(shipped_in: Path, beside: Path, mark: str) -> Iterator[tuple[str, Path]]:
-    """Yield the folders that contain a file of this name, each with the value by which a study names it."""
+    """Yield the folders that contain a file of this name, each with the text by which a study names the folder."""
     yield from ((path.parent.name, path.parent) for path in sorted(shipped_in.glob(f"*/{mark}")))
     yield from ((f"./{path.parent.name}", path.parent) for path in sorted(beside.glob(f"*/{mark}")))
 
@@ -173,9 +173,9 @@ def _words(draft: StudyDraft) -> Iterator[NamedResource]:
 def _languages(draft: StudyDraft) -> Iterator[NamedResource]:
     locutions, words = _rulebook(draft).locutions, _named_folder(draft, "dialogue.words")
     folders = [SHIPPED_LANGUAGES] if words is None else [SHIPPED_LANGUAGES, words]
-    # Languages of the project come first, in the project's order.
+    # Built-in languages come first, in a fixed order.
     for name in dict.fromkeys(name for folder in folders for name in languages_in(folder)):
-        own = f", with the folder {words.name}" if words is not None and name in languages_in(words) else ""
+        own = f", with words from the folder {words.name}" if words is not None and name in languages_in(words) else ""
         try:
             yield NamedResource(name, read_language(folders, name, locutions=locutions).title + own)
         except BadFile:
@@ -190,7 +190,7 @@ def _studies(draft: StudyDraft) -> Iterator[NamedResource]:
 
 def _forms(draft: StudyDraft) -> Iterator[NamedResource]:
     for path in sorted(SHIPPED.glob("*.yaml")):
-        yield NamedResource(path.stem, f"{_title_of(path)}; comes with the program")
+        yield NamedResource(path.stem, f"{_title_of(path)} (built in)")
     for path in _yaml_beside(draft):
         if "items" in _keys_of(path):
             yield NamedResource(path.relative_to(draft.path.parent).as_posix(), _title_of(path))
@@ -231,7 +231,7 @@ def _installed(kind: PluginKind) -> Iterator[NamedResource]:
 
 
 def _rulebook(draft: StudyDraft) -> Rulebook:
-    """Return the study's dialogue games; if they have faults, return those of the project."""
+    """Return the study's dialogue games; if they have faults, return the built-in games."""
     games = _named_folder(draft, "dialogue.games")
     with suppress(BadFile):
         return read_rulebook((SHIPPED_GAMES,) if games is None else (SHIPPED_GAMES, games))

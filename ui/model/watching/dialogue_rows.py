@@ -9,7 +9,7 @@ from thbridge.ros.messages.session_records import DialogueMoveRecord
 from ui.model.watching.dialogue_log import DialogueCourse
 
 SIDES: Mapping[str, str] = {"robot": "robot", "human": "participant"}
-"""Sides of dialogues, for people."""
+"""Sides of dialogues, in words for people."""
 
 
 class DialogueList(StrEnum):
@@ -17,16 +17,16 @@ class DialogueList(StrEnum):
 
     ARGUMENTS = "Arguments"
     BELIEFS = "Beliefs of the robot (Σ)"
-    PICTURE = "Its picture of the participant (Γ)"
+    PICTURE = "The robot's picture of the participant's beliefs (Γ)"
     ROBOT_STORE = "Said by the robot"
     HUMAN_STORE = "Said by the participant"
 
 
 def heading(robot: int, course: DialogueCourse) -> str:
-    """Return a line on the topic and the state of a robot's latest dialogue."""
+    """Return a line with the topic and the state of a robot's latest dialogue."""
     name = robot_name(robot).capitalize()
     if not course.moves:
-        return f"{name} has not argued so far."
+        return f"{name} has not argued yet."
     *_, (_, last) = course.moves
     game = next((each for each in course.portrait.games if each.number == last.dialogue), None)
     if game is None:
@@ -40,8 +40,8 @@ def move_row(move: DialogueMoveRecord) -> tuple[str, str, str, str]:
     """Return the cells of a move: the speaker, the move, its sentence, and the states before and after it."""
     who = "wizard" if move.author == "wizard" else SIDES.get(move.speaker, move.speaker)
     inside = "  within " + str(move.parent) + ": " if move.parent else ""
-    notes = " (by itself)" if move.is_booked else ""
-    heard = f" Heard: {move.heard}" if move.heard else ""
+    notes = " (automatic)" if move.is_booked else ""
+    heard = f" The robot understood: {move.heard}" if move.heard else ""
     written = f"{move.locution}{move.content}" if move.content.startswith("({") else f"{move.locution}({move.content})"
     return who, f"{inside}{written}{notes}", f"{move.text}{heard}", f"{move.before} → {move.after}"
 
@@ -54,13 +54,13 @@ def rows(shown: DialogueList, portrait: DialoguePortrait) -> Iterator[tuple[str,
                 yield _argument(place, argument, portrait)
         case DialogueList.BELIEFS:
             for belief in portrait.sigma:
-                yield belief.literal, belief.source, f"at {belief.at:.1f} s, sure to {belief.confidence:.2f}"
+                yield belief.literal, belief.source, f"at {belief.at:.1f} s, confidence {belief.confidence:.2f}"
             yield from ((rule, "rule", "") for rule in portrait.rules)
         case DialogueList.PICTURE:
             argued = set(portrait.argued)
-            yield from ((held, "held", "with an argument" if held in argued else "") for held in portrait.held)
-            yield from ((unknown, "not known", "") for unknown in portrait.unknown)
-            yield from ((each, "", "has an argument") for each in portrait.argued if each not in portrait.held)
+            yield from ((held, "believed", "with an argument" if held in argued else "") for held in portrait.held)
+            yield from ((unknown, "unknown", "") for unknown in portrait.unknown)
+            yield from ((each, "", "with an argument") for each in portrait.argued if each not in portrait.held)
         case DialogueList.ROBOT_STORE:
             yield from ((move, "", "") for move in portrait.robot_store)
         case DialogueList.HUMAN_STORE:
@@ -68,8 +68,7 @@ def rows(shown: DialogueList, portrait: DialoguePortrait) -> Iterator[tuple[str,
 
 
 def describe_attacks(portrait: DialoguePortrait) -> str:
-    """Return sentences on the arguments, their attacks and the accepted arguments, for people who do not see the
-    picture."""
+    """Return a description of the graph of arguments for people who do not see it: arguments, attacks, acceptance."""
     return " ".join(
         ". ".join(part for part in _argument(place, argument, portrait) if part) + "."
         for place, argument in enumerate(portrait.arguments)
@@ -77,7 +76,7 @@ def describe_attacks(portrait: DialoguePortrait) -> str:
 
 
 def _argument(place: int, argument: PortrayedArgument, portrait: DialoguePortrait) -> tuple[str, str, str]:
-    stands = "stands" if place in portrait.grounded else "does not stand"
+    stands = "accepted" if place in portrait.grounded else "not accepted"
     attackers = [one for one, other in portrait.attacks if other == place]
     attacked = f"attacked by {_numbers(attackers)}" if attackers else "not attacked"
     because = f"because {', '.join(argument.support)}" if argument.support else ""
@@ -85,8 +84,11 @@ def _argument(place: int, argument: PortrayedArgument, portrait: DialoguePortrai
 
 
 def holders(argument: PortrayedArgument) -> str:
-    """Return the sides that hold all parts of an argument; "both in part" if no side holds all parts."""
-    return " and ".join(SIDES[side] for side in argument.sides if side in SIDES) or "both in part"
+    """Return the sides that believe all parts of an argument.
+
+    If neither side believes all parts, return "each side in part".
+    """
+    return " and ".join(SIDES[side] for side in argument.sides if side in SIDES) or "each side in part"
 
 
 def _numbers(places: Sequence[int]) -> str:

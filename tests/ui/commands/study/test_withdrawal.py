@@ -227,7 +227,7 @@ def test_what_is_deleted_is_shown_and_confirmed_first(
     assert f"log: {sum(event.participant == first for event in events)} entries will be deleted" in said
     assert f"{study / 'recordings' / first}: {files} files, 0.1 MB, will be deleted" in said
     assert f"{export}: this export will be written again without {first}" in said
-    assert f"{backup}: this backup will be brought up to date" in said
+    assert f"{backup}: this backup will be updated" in said
     monkeypatch.setattr("typer.testing._NamedTextIOWrapper.isatty", lambda _: True, raising=False)
     refused = invoke("study", "withdraw", study, first, input="n\n")
     assert refused.exit_code == 1

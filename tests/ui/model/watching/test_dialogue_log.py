@@ -55,7 +55,7 @@ def test_the_log_is_bounded() -> None:
 
 
 def test_all_is_told_in_words() -> None:
-    assert heading(1, DialogueCourse()) == "Robot 2 has not argued so far."
+    assert heading(1, DialogueCourse()) == "Robot 2 has not argued yet."
     course = watched().dialogue(0, 4 * SECOND)
     assert heading(0, course) == (
         "Robot 1, dialogue 1 (claimed): persuasion-in-brief about next(Robot1, Room1), opened by the participant"
@@ -63,7 +63,7 @@ def test_all_is_told_in_words() -> None:
     assert move_row(course.moves[0][1])[:2] == ("participant", "assert(next(Robot1, Room1))")
     arguments = list(rows(DialogueList.ARGUMENTS, course.portrait))
     assert len(arguments) == len(course.portrait.arguments)
-    assert {"stands" in how.split("; ") for _, _, how in arguments} >= {True}
+    assert {"accepted" in how.split("; ") for _, _, how in arguments} >= {True}
     assert all(what in describe_attacks(course.portrait) for what, _, _ in arguments)
     beliefs = [what for what, _, _ in rows(DialogueList.BELIEFS, course.portrait)]
     assert beliefs == [belief.literal for belief in course.portrait.sigma]
@@ -78,5 +78,5 @@ def test_what_is_misheard_stands_beside_the_sentence() -> None:
     )
     (move,) = (record for tick in ticks for record in tick if getattr(record, "heard", ""))
     assert isinstance(move, DialogueMoveRecord)
-    assert move_row(move)[2] == f"{move.text} Heard: {move.heard}"
+    assert move_row(move)[2] == f"{move.text} The robot understood: {move.heard}"
     assert "within 3: " in move_row(replace(move, parent=3))[1]

@@ -75,7 +75,7 @@ def test_the_run_under_way_comes_first_and_is_selected(desk: DeskWindow, state: 
     assert column(desk.run_model, 0)[0] == under_way.participant
     assert desk.run() == under_way
     assert desk.heard == [ShowRun(under_way.participant)]
-    assert f"Not answered yet: {', '.join(under_way.missing)}" in desk.details.text()
+    assert f"Required items without an answer: {', '.join(under_way.missing)}" in desk.details.text()
     assert desk.event_model.rowCount() == len(state.events) > 0
     assert [int(count) for count in column(desk.cell_model, 1)] == [cell.counted for cell in state.cells]
 
@@ -148,9 +148,9 @@ def test_a_double_click_writes_one_note(desk: DeskWindow) -> None:
 
 
 def test_buttons_say_why_they_are_off(desk: DeskWindow, state: DeskState) -> None:
-    desk.receive(structs.replace(state, no_next="Enough runs count already."))
+    desk.receive(structs.replace(state, no_next="The study already has enough runs that count."))
     assert not desk.next.isEnabled()
-    assert desk.next.accessibleDescription() == "Enough runs count already."
+    assert desk.next.accessibleDescription() == "The study already has enough runs that count."
     over = next(run for run in state.runs if run.state == "complete")
     desk.select(over.participant)
     assert not desk.end.isEnabled() and desk.exclude.isEnabled()
@@ -347,7 +347,7 @@ def test_a_withdrawal_shows_what_it_deletes_and_is_asked_of_the_host(at_folder: 
         assert "no participant with the ID" in said[0]
     said = naming(who.lower(), "Cancel")
     at_folder.withdraw.click()
-    assert f"This withdraws {who} for good" in said[0]
+    assert f"The withdrawal of {who} is permanent" in said[0]
     assert "will be deleted" in said[0]
     assert asked == []
     naming(who, f"Delete all data of {who}")

@@ -296,7 +296,7 @@ def test_a_language_of_the_studys_own_words_is_chosen_from_a_list_and_no_file_is
     (file.parent / "words" / "nl" / "dutch.yaml").write_text("language: {title: Nederlands, falls_back_on: en}\n")
     for key, entry in (
         ("dialogue.words", "./words\nnl: Nederlands"),
-        ("dialogue.language", "nl\nNederlands, with the folder words"),
+        ("dialogue.language", "nl\nNederlands, with words from the folder words"),
     ):
         window.open_field(key)
         qtbot.keyClick(window.fields.rows[key].editor, Qt.Key.Key_Down)

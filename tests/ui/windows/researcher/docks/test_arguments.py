@@ -61,7 +61,7 @@ def test_each_list_is_chosen_and_named(dock: ArgumentsDock, course: DialogueCour
 def test_a_screen_reader_hears_of_the_attacks(dock: ArgumentsDock, course: DialogueCourse) -> None:
     assert nameless(dock) == []
     told = dock.graph.accessibleDescription()
-    assert "; stands; not attacked" in told
+    assert "; accepted; not attacked" in told
     dock.show_course(0, DialogueCourse(), 0)
     assert dock.graph.accessibleDescription() == "There are no arguments."
 
