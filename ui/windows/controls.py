@@ -1,6 +1,7 @@
-"""Combo boxes with a clearly visible arrow; Qt's own arrow is too faint on dark backgrounds.
+"""Combo boxes with a clearly visible arrow.
 
-The style sheet of `look` sets the edges of combo boxes. Qt then omits the arrow, so it is painted here.
+The style sheet of `look` sets the edges of combo boxes. Qt then omits its arrow, which is also too faint on dark
+backgrounds. Therefore this module paints an arrow.
 """
 
 from PySide6.QtCore import QPointF, Qt

@@ -1,4 +1,7 @@
-"""Window of the first start, with a bar, seconds and Cancel; it opens before the program is loaded."""
+"""Window of the first start, with a progress bar, the elapsed time and a Cancel button.
+
+It opens before the program is loaded.
+"""
 
 import sys
 import time
@@ -16,18 +19,18 @@ from ui.windows.preferences import preferences_of
 TITLE = "Starting thbridge"
 EXPLANATION = (
     "On its first start on a computer, thbridge compiles its simulator. This can take some minutes, or longer if other "
-    "programs are busy. If you cancel, the finished part is kept."
+    "programs are busy. If you cancel, the parts compiled so far are kept."
 )
 
 
 class FirstStartWindow(QWidget):
-    """Window that shows the number of compiled kernels and the elapsed seconds; closing it cancels."""
+    """Window with the number of compiled kernels and the elapsed seconds. Closing the window cancels the start."""
 
     cancelled = Signal()
     received = Signal(int, int)
-    """Signal with the number of compiled kernels, and the number of all kernels."""
+    """Signal with the number of compiled kernels and the total number of kernels."""
     ended = Signal()
-    """Signal: the program no longer needs the window."""
+    """Signal: the program that opened the window no longer needs it."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -76,12 +79,12 @@ class FirstStartWindow(QWidget):
         self._show_seconds()
 
     def leave(self) -> None:
-        """Close without canceling, because the program continues or has ended."""
+        """Close the window without canceling, because the program continues or has ended."""
         self._leaving = True
         self.close()
 
     def closeEvent(self, event: QCloseEvent) -> None:
-        """Cancel, unless the program closes the window."""
+        """Cancel if a person closes the window."""
         if not self._leaving:
             self.cancelled.emit()
         event.accept()
@@ -93,8 +96,10 @@ class FirstStartWindow(QWidget):
 
 
 def show() -> None:
-    """Run the window as a program: it reads lines `DONE TOTAL` from standard input, and prints `cancel` if the user
-    cancels."""
+    """Run the window as a program, which reads lines `DONE TOTAL` from standard input.
+
+    If the user cancels, it prints `cancel`.
+    """
     app = application()
     preferences_of(app, "participant", sys.argv[1])  # type: ignore[arg-type]  # one of the choices of --look
     window = FirstStartWindow()

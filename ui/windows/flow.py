@@ -5,7 +5,7 @@ from PySide6.QtWidgets import QLayout, QLayoutItem
 
 
 class FlowLayout(QLayout):
-    """Rows of widgets, each with its preferred size; widgets that do not fit into a row start the next one.
+    """Rows of widgets. Each widget has its preferred size; a widget that does not fit into a row starts the next row.
 
     A widget that can expand gets the remaining width of its row.
     """
@@ -23,23 +23,23 @@ class FlowLayout(QLayout):
         return len(self._items)
 
     def itemAt(self, index: int) -> QLayoutItem | None:
-        """Return an item; None beyond the last."""
+        """Return the item with this index; None if there is no item with this index."""
         return self._items[index] if 0 <= index < len(self._items) else None
 
     def takeAt(self, index: int) -> QLayoutItem | None:
-        """Remove and return an item; None beyond the last."""
+        """Remove and return the item with this index; None if there is no item with this index."""
         return self._items.pop(index) if 0 <= index < len(self._items) else None
 
     def expandingDirections(self) -> Qt.Orientation:
-        """Return no direction, because more space has no effect."""
+        """Return no direction, because the layout does not use more space than it needs."""
         return Qt.Orientation(0)
 
     def hasHeightForWidth(self) -> bool:
-        """Return True, because a smaller width needs more rows."""
+        """Return True, because widgets need more rows at a smaller width."""
         return True
 
     def heightForWidth(self, width: int) -> int:
-        """Return the height of the rows at this width."""
+        """Return the height of all rows at this width."""
         return self._set(QRect(0, 0, width, 0), move=False)
 
     def setGeometry(self, rect: QRect) -> None:
@@ -52,7 +52,7 @@ class FlowLayout(QLayout):
         return self.minimumSize()
 
     def minimumSize(self) -> QSize:
-        """Return the size of the largest item, because each item can have a row of its own."""
+        """Return the size of the largest item, because each item can have its own row."""
         size = QSize(0, 0)
         for item in self._items:
             size = size.expandedTo(item.sizeHint())

@@ -1,4 +1,4 @@
-"""Connection of a window to its host (the program that opened it) by standard input and output."""
+"""Connection of a window to its host, the program that opened the window, by standard input and output."""
 
 import sys
 import threading
@@ -17,13 +17,13 @@ Message_contra = TypeVar("Message_contra", contravariant=True)
 
 
 class HostedWindow(Protocol[Message_contra]):
-    """Window that a host opens."""
+    """Interface of a window that a host opens."""
 
     def receive(self, message: Message_contra) -> None:
         """Act on a message from the host."""
 
     def leave(self) -> None:
-        """Close without asking, because the host has ended or requests it."""
+        """Close the window without a question, because the host has ended or requests this."""
 
 
 class HostPipe(QObject, Generic[FromHostT, FromWindowT]):
@@ -37,8 +37,8 @@ class HostPipe(QObject, Generic[FromHostT, FromWindowT]):
         super().__init__()
         self._protocol = protocol
         self._window: HostedWindow[FromHostT] | None = None
-        # The reading thread appends, and the window's thread removes. Both are single steps of the interpreter, so no
-        # lock is needed.
+        # The reading thread appends messages, and the window's thread removes them. Each of the two operations is a
+        # single step of the interpreter, so no lock is needed.
         self._received: deque[FromHostT | None] = deque()
 
     def listen(self, window: HostedWindow[FromHostT]) -> None:
@@ -48,7 +48,7 @@ class HostPipe(QObject, Generic[FromHostT, FromWindowT]):
         self.startTimer(PERIOD)
 
     def send(self, message: FromWindowT) -> None:
-        """Send a message. If the host is gone, drop it."""
+        """Send a message to the host. If the host has ended, drop the message."""
         try:
             sys.stdout.buffer.write(self._protocol.encode(message))
             sys.stdout.buffer.flush()
@@ -56,7 +56,7 @@ class HostPipe(QObject, Generic[FromHostT, FromWindowT]):
             pass
 
     def timerEvent(self, _event: QEvent) -> None:
-        """Pass on received messages."""
+        """Pass received messages on to the window."""
         while self._received and self._window is not None:
             message = self._received.popleft()
             if message is None:

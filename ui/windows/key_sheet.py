@@ -26,7 +26,7 @@ class KeySheet(QDialog):
 
     Args:
         parent: the window.
-        keys: shortcuts by title of their group.
+        keys: groups of shortcuts, each with its title.
     """
 
     def __init__(self, parent: QWidget, keys: Sequence[tuple[str, KeyLines]]) -> None:

@@ -15,7 +15,7 @@ GOAL_RADIUS = 5.0
 CHOSEN_RADIUS = 16.0
 """Radius of the circle around the chosen start pose, pixels."""
 CORNER = QRectF(-4.5, -4.5, 9.0, 9.0)
-"""Square at a corner of the chosen room, pixels."""
+"""Square at each corner of the chosen room, pixels."""
 DIAMOND = QPolygonF([QPointF(6.0, 0.0), QPointF(0.0, 6.0), QPointF(-6.0, 0.0), QPointF(0.0, -6.0)])
 """Sign of a door, pixels."""
 AHEAD = 14.0
@@ -23,14 +23,14 @@ AHEAD = 14.0
 
 
 class ArenaMarks(MapItem):
-    """Handles, and the stroke that the pointer is drawing."""
+    """Marks of goals, doors, corners and the chosen start pose, and the box or line that a person is drawing."""
 
     def __init__(self, box: MapBox, pointer: ArenaPointer) -> None:
         super().__init__(box, Z_ABOVE)
         self._pointer = pointer
 
     def draw(self, painter: QPainter, to_pixels: QTransform) -> None:
-        """Draw goals, doors, corners, the chosen start pose and the stroke."""
+        """Draw all marks, and the box or line that a person is drawing."""
         ink, accent = QColor(self.box.colors.text), QColor(self.box.colors.accent)
         arena, pointer = self._pointer.shown, self._pointer
         for room in arena.rooms:

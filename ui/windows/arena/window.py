@@ -36,7 +36,7 @@ from ui.windows.map.item import CellImage
 from ui.windows.untrusted_text import title_text
 
 REACH = 12.0
-"""Distance from a goal, corner or start pose, pixels, within which a press grabs it."""
+"""Greatest distance of a press from the goal, corner or start pose that it grabs, pixels."""
 STEP = 0.1
 """Distance that a key moves the chosen goal or start pose, meters."""
 TURN = np.pi / 12
@@ -48,18 +48,18 @@ ARROWS = {
     Qt.Key.Key_Down: (0.0, -STEP),
 }
 TOOLS = {
-    ArenaTool.MOVE: ("Move", "V", "Press a room to choose it; drag goals, start poses and the corners of the outline."),
+    ArenaTool.MOVE: ("Move", "V", "Click a room to select it. Drag goals, start poses or corners to move them."),
     ArenaTool.ROOM: (
         "Draw room",
         "R",
-        "Drag a box; the free floor in it, between walls and other rooms, becomes a room.",
+        "Drag a box. Its free floor becomes a room, without walls and without parts of other rooms.",
     ),
-    ArenaTool.CUT: ("Cut room", "C", "Drag a line across a room to divide it into two."),
-    ArenaTool.START: ("Add start", "S", "Press where another robot should start."),
+    ArenaTool.CUT: ("Cut room", "C", "Drag a line across a room to divide the room into two."),
+    ArenaTool.START: ("Add start", "S", "Click the place where another robot should start."),
 }
 HELP = (
-    "In the list: F2 renames, Del deletes, Ctrl+M merges two chosen rooms. "
-    "Alt+arrow keys move the goal or start pose, Alt+Page Up or Down turns it, Ctrl+Up or Down renumbers a room."
+    "In the list: F2 renames an entry, Del deletes it, Ctrl+M merges two selected rooms, Ctrl+Up or Ctrl+Down changes "
+    "a room's number. Alt+arrow keys move the selected goal or start pose. Alt+Page Up or Alt+Page Down turns it."
 )
 
 
@@ -70,9 +70,9 @@ class ArenaWindow(QMainWindow):
         name: name of the map.
         grid: cells of the map.
         arena: rooms and start poses to start with.
-        write: function that writes the arena; returns why it cannot, or None.
-        is_saved: True if the first arena is already in a file.
-        left_out: (rows, cols) cells of removed lines, which the window shows; None if there are none.
+        write: function that writes the arena. If it fails, it returns the reason, otherwise None.
+        is_saved: True if `arena` is already saved in a file.
+        left_out: (rows, cols) True for cells of removed lines, which the window shows. None if no lines were removed.
     """
 
     def __init__(
@@ -155,13 +155,13 @@ class ArenaWindow(QMainWindow):
 
     @Slot()
     def repaint_all(self) -> None:
-        """Use other colors."""
+        """Show the window in the current colors."""
         self.map.set_palette(colours())
         self._show_left_out()
         self.show_all()
 
     def _show_left_out(self) -> None:
-        """Show the lines that were removed from the map in the accent color, so that people notice missing walls."""
+        """Show the removed lines of the map in the accent color, so that people notice missing walls."""
         grid = self.draft.floor.map.grid
         if self._left_out is not None:
             table = np.zeros((256, 4), dtype=np.uint8)
@@ -178,7 +178,7 @@ class ArenaWindow(QMainWindow):
         self.show_all()
 
     def _show_list(self) -> None:
-        """Show rooms, then start poses; keep the selection."""
+        """List the rooms, then the start poses; keep the selection."""
         arena = self.draft.arena
         lines = [f"{room.room.people}  {room.name}" for room in arena.rooms]
         lines += [f"Start of robot {number}" for number in range(1, len(arena.starts) + 1)]
@@ -210,7 +210,7 @@ class ArenaWindow(QMainWindow):
     # Changes ----------------------------------------------------------------------------------------------------------
 
     def change(self, made: Callable[[], RequestRefused | None]) -> None:
-        """Make a change of the draft, and show it."""
+        """Change the draft, and show the result."""
         self.pointer.change(made)
         self.show_all()
 
@@ -243,7 +243,7 @@ class ArenaWindow(QMainWindow):
 
     @Slot()
     def save(self) -> bool:
-        """Write the arena; return True if it was written."""
+        """Write the arena. Return True if it was written."""
         faults = self.draft.floor.faults(self.draft.arena)
         refused = self._write(self.draft.arena) if not faults else f"Not saved: {faults[0]}"
         if refused is None:
@@ -289,7 +289,7 @@ class ArenaWindow(QMainWindow):
         return super().eventFilter(watched, event)
 
     def closeEvent(self, event: QCloseEvent) -> None:
-        """Ask first if changes would be lost."""
+        """Ask for confirmation if changes would be lost."""
         if self.draft.dirty:
             box = QMessageBox(QMessageBox.Icon.Question, self._name, "Save the arena?", parent=self)
             box.setObjectName("question")

@@ -1,4 +1,4 @@
-"""Commands on a study's folder that the desk starts: status, export, backup. Each runs in a separate process."""
+"""Commands that the desk runs on a study's folder: status, export, backup. Each command has its own process."""
 
 from pathlib import Path
 
@@ -23,7 +23,7 @@ from ui.command_line.terminal import THBRIDGE
 from ui.windows.look import GAP, fixed_font, follow_text, label, px, spaced
 
 STOP_TIMEOUT = 5000
-"""Milliseconds after which a command that does not stop is killed."""
+"""Milliseconds after a request to stop, after which a command that still runs is killed."""
 
 
 class CommandBox(QDialog):
@@ -36,7 +36,7 @@ class CommandBox(QDialog):
 
     Attributes:
         output: output of the command.
-        words: sentence that says that the command runs, or how it ended.
+        words: label with the state of the command: running, done, or failed.
     """
 
     def __init__(self, parent: QWidget, title: str, *arguments: str) -> None:
@@ -63,9 +63,9 @@ class CommandBox(QDialog):
         self._process.start(THBRIDGE[0], [*THBRIDGE[1:], *arguments])
 
     def done(self, result: int) -> None:
-        """Stop the command if it still runs, and close the dialog."""
+        """Stop the command if it is still running, and close the dialog."""
         if self._process.state() is not QProcess.ProcessState.NotRunning:
-            # The dialog closes, so the end of the process must not change it any longer.
+            # The dialog closes, so signals of the process must not change it any longer.
             self._process.finished.disconnect(self._finish)
             self._process.terminate()
             if not self._process.waitForFinished(STOP_TIMEOUT):
@@ -89,14 +89,14 @@ class CommandBox(QDialog):
 
 
 class TargetBox(QDialog):
-    """Dialog that asks for the folder to write to.
+    """Dialog that asks for the target folder of a command.
 
     Args:
         parent: the window.
         title: title of the dialog.
         question: description of the output and of the allowed folders.
-        suggested: folder to suggest; empty for none.
-        yes: text on the button that starts the command.
+        suggested: folder to suggest. If empty, no folder is suggested.
+        yes: text of the button that starts the command.
 
     Attributes:
         folder: field with the folder.
@@ -134,13 +134,13 @@ class TargetBox(QDialog):
 
 
 def new_export(study: ExperimentFolder, today: str) -> Path:
-    """Return a folder that does not exist yet, for the export of a day (YYYY-MM-DD)."""
+    """Return the path of a folder that does not exist yet, for an export on this day (YYYY-MM-DD)."""
     names = (today, *(f"{today}-{number}" for number in range(2, 1000)))
     return next((path for path in map(study.export, names) if not path.exists()), study.export(today))
 
 
 def latest_backup(study: ExperimentFolder) -> str:
-    """Return the folder of the latest backup; empty if there is none."""
+    """Return the path of the latest backup's folder. Return an empty text if there is no backup."""
     try:
         known = study.backups_known.paths()
     except BadFile:

@@ -1,4 +1,4 @@
-"""Program of the desk: hosted by the program that runs the study, or watching a study's folder on its own."""
+"""Program of the desk. The program that runs the study starts it, or it only watches a study's folder."""
 
 from PySide6.QtCore import QObject, QTimer
 
@@ -15,7 +15,7 @@ from ui.windows.preferences import preferences_of
 POLL = 1000
 """Milliseconds between two reads of a study's log."""
 RENEWED = 20
-"""Number of reads without new entries after which the minutes of runs are computed again."""
+"""Number of reads of the log without new entries, after which the durations of runs are computed again."""
 READ_ONLY = (
     "This window only watches the log and cannot change runs or notes. Use the window that "
     "`thbridge study run --desk` opens."
@@ -27,7 +27,7 @@ CLOSING = (
 
 
 class LogWatch(QObject):
-    """Watcher that shows a growing study log at the desk; another thread reads the log.
+    """Watcher of a study's log. A separate thread reads the growing log, and the desk shows it.
 
     Args:
         desk: the window.
@@ -49,7 +49,7 @@ class LogWatch(QObject):
         self._look()
 
     def close(self) -> None:
-        """Finish the current work."""
+        """Wait until the current work is finished."""
         self._timer.stop()
         self._work.close()
 
@@ -76,7 +76,7 @@ class LogWatch(QObject):
 
 
 def show_hosted(folder: ExperimentFolder, choice: Choice) -> int:
-    """Open the desk for the host at standard input and output; return when it is closed."""
+    """Open the desk of the host at standard input and output. Return the exit code when the desk is closed."""
     app = application()
     preferences = preferences_of(app, "desk", choice)
     desk = DeskWindow(CLOSING, folder)
@@ -90,7 +90,7 @@ def show_hosted(folder: ExperimentFolder, choice: Choice) -> int:
 
 
 def show_folder(source: ExperimentSource, choice: Choice) -> int:
-    """Open the desk on a study's folder, without control of the study; return when it is closed."""
+    """Open the desk to watch a study's folder, without control of the study. Return the exit code when it is closed."""
     app = application()
     preferences = preferences_of(app, "desk", choice)
     desk = DeskWindow(folder=source.folder)

@@ -1,4 +1,4 @@
-"""Questions of the desk before final actions, with the reason that the log records."""
+"""Questions of the desk before actions that cannot be undone; the log records the given reason."""
 
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QKeyEvent
@@ -8,7 +8,7 @@ from ui.windows.look import GAP, follow_text, label, px, spaced
 
 
 class ReasonBox(QDialog):
-    """Question that requires a reason; it cannot be confirmed without a reason.
+    """Question that a person can confirm only with a reason.
 
     Args:
         parent: the window.
@@ -46,7 +46,7 @@ class ReasonBox(QDialog):
         self.reason.setFocus()
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Let Enter press the focused button. In the field, Enter only moves the focus to the button that confirms."""
+        """Let Enter press the focused button. In the text field, Enter only moves the focus to the confirm button."""
         if event.key() not in {Qt.Key.Key_Return, Qt.Key.Key_Enter}:
             super().keyPressEvent(event)
         elif isinstance(focus := self.focusWidget(), QPushButton):

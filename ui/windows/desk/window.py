@@ -70,30 +70,30 @@ KEYS: tuple[tuple[str, KeyLines], ...] = (
     (
         "Runs",
         (
-            ("Ctrl+N", "let the next participant start; asks first"),
-            ("Ctrl+E", "end the selected run; asks for the reason"),
-            ("Ctrl+D", "exclude the selected run; asks for the reason"),
+            ("Ctrl+N", "let the next participant start, after confirmation"),
+            ("Ctrl+E", "end the selected run, with a reason"),
+            ("Ctrl+D", "exclude the selected run, with a reason"),
         ),
     ),
     (
         "Study",
         (
-            ("Ctrl+Shift+S", "show the status"),
-            ("Ctrl+Shift+E", "export tables; asks for the folder"),
-            ("Ctrl+Shift+B", "write or update a backup; asks for the folder"),
-            ("Ctrl+Shift+W", "delete all data of a participant who withdraws; asks first"),
+            ("Ctrl+Shift+S", "show the status of the study"),
+            ("Ctrl+Shift+E", "export tables to a folder"),
+            ("Ctrl+Shift+B", "write or update a backup in a folder"),
+            ("Ctrl+Shift+W", "delete all data of a participant who withdraws, after confirmation"),
         ),
     ),
     (
         "Window",
         (
-            ("F6", "to the next part of the window; with Shift the previous one"),
-            ("Ctrl +, Ctrl -", "larger text, smaller text; Ctrl 0: the usual size"),
-            ("Ctrl+,", "settings: colors, text size"),
-            ("F1", "this sheet"),
+            ("F6", "go to the next part of the window; with Shift, to the previous part"),
+            ("Ctrl +, Ctrl -", "enlarge text, shrink text; Ctrl 0 restores the usual size"),
+            ("Ctrl+,", "open the settings: colors, text size"),
+            ("F1", "open this sheet"),
         ),
     ),
-    ("Notes", (("Ctrl+M", "write a note; Enter adds it to the log"),)),
+    ("Notes", (("Ctrl+M", "write a note; Enter adds the note to the log"),)),
 )
 _WANTED = QSize(1280, 860)
 _NO_RUN = "Select a run in the table first."
@@ -102,14 +102,14 @@ _EXCLUDED = "This run is already excluded."
 
 
 class DeskWindow(QMainWindow):
-    """Window of a study with people as the experimenter sees it; actions that cannot be undone ask for confirmation.
+    """Experimenter's window of a study with people. Actions that cannot be undone ask for confirmation.
 
     Args:
-        closing: question on closing. If empty, the window closes at once.
-        folder: folder of the study, for commands on it. If None, there are no commands.
+        closing: question that the window asks before it closes. If empty, the window closes at once.
+        folder: folder of the study, for status, export, backup and withdrawal. If None, these commands are disabled.
 
     Attributes:
-        state: state shown; None before the first state has arrived.
+        state: state of the study that the window shows; None before the first state has arrived.
         asked: signal with a request to the host, a `FromDesk`.
     """
 
@@ -173,7 +173,7 @@ class DeskWindow(QMainWindow):
     # State
 
     def receive(self, state: DeskState) -> None:
-        """Show this state; keep the selection and typed text."""
+        """Show this state of the study. The selection and the typed text do not change."""
         before, self.state = self.state, state
         self.setWindowTitle(f"{title_text(state.title)} - thbridge study")
         self._title.setText(state.title)
@@ -194,14 +194,14 @@ class DeskWindow(QMainWindow):
         self._show_buttons()
 
     def _show_runs(self, state: DeskState) -> None:
-        """Show the runs. A selected run stays selected if its row moves; if none is selected, select the top row."""
+        """Show the runs. A selected run stays selected if its row moves. If no run is selected, select the top row."""
         self._runs = ordered_runs(state)
         self.run_model.show_rows(list(run_rows(state)))
         self.runs.selectRow(max(self._row(self._chosen), 0))
         self._row_chosen(self.runs.currentIndex())
 
     def run(self) -> DeskRun | None:
-        """Return the selected run."""
+        """Return the selected run; None if no run is selected."""
         return next((run for run in self._runs if run.participant == self._chosen), None)
 
     def select(self, participant: str) -> None:
@@ -240,22 +240,22 @@ class DeskWindow(QMainWindow):
         off = "The study is still being read." if state is None else state.read_only
         no_next = off or ("" if state is None else state.no_next)
         no_run = off or (_NO_RUN if run is None else "")
-        _allow(self.next, no_next, "Let the next participant start at the kiosk; asks first")
+        _allow(self.next, no_next, "Let the next participant start at the kiosk, after confirmation")
         _allow(
             self.end,
             no_run or ("" if run and run.state == "under way" else _OVER),
-            "End the run now; asks for the reason",
+            "End the run now, with a reason",
         )
         _allow(
             self.exclude,
             no_run or ("" if run and run.state != "excluded" else _EXCLUDED),
-            "Exclude the run from the analysis; asks for the reason",
+            "Exclude the run from the analysis, with a reason",
         )
-        no_folder = "" if self._folder is not None else "This window does not know the folder of the study."
-        _allow(self.status, no_folder, "Show who took part, and what is missing")
-        _allow(self.export, no_folder, "Write tables for pandas and R")
+        no_folder = "" if self._folder is not None else "This window was opened without the study's folder."
+        _allow(self.status, no_folder, "Show the participants and the missing data")
+        _allow(self.export, no_folder, "Export tables for pandas and R")
         _allow(self.back_up, no_folder, "Copy the study to another disk")
-        _allow(self.withdraw, no_folder, "Delete all data of a participant; shows first what will be deleted")
+        _allow(self.withdraw, no_folder, "Delete all data of a participant, after a list and confirmation")
         _allow(self.add_note, off, "Add the note to the log")
         self.note.setEnabled(not off)
         self.note.setToolTip(off)
@@ -268,14 +268,14 @@ class DeskWindow(QMainWindow):
     # Questions and requests
 
     def _ask_next(self) -> None:
-        now = "" if self.state is None or not self.state.kiosk else f" The kiosk now: {self.state.kiosk}."
-        words = f"Let the next participant start at the kiosk? They get the next open place.{now}"
+        now = "" if self.state is None or not self.state.kiosk else f" The kiosk at the moment: {self.state.kiosk}."
+        words = f"Let the next participant start at the kiosk? This participant gets the next open place.{now}"
         box = QMessageBox(QMessageBox.Icon.Question, "Next participant", words, parent=self)
         self._do_if(box, "Start", NextParticipant())
 
     def _ask_end(self) -> None:
         if (run := self.run()) is not None:
-            words = f"End the run of {run.participant}? It stops and does not count. Its place opens again."
+            words = f"End the run of {run.participant}? The run stops and does not count. Its place becomes open again."
             box = ReasonBox(self, "End a run", words, f"End {run.participant}")
             if box.exec():
                 self.asked.emit(EndRun(run.participant, box.reason.text().strip()))
@@ -283,8 +283,8 @@ class DeskWindow(QMainWindow):
     def _ask_exclude(self) -> None:
         if (run := self.run()) is not None:
             words = (
-                f"Exclude the run of {run.participant}? The recorded data stay, but the run no longer counts, and "
-                "its place opens again. This cannot be undone."
+                f"Exclude the run of {run.participant}? The recorded data remain, but the run no longer counts. "
+                "Its place becomes open again. You cannot undo this."
             )
             box = ReasonBox(self, "Exclude a run", words, f"Exclude {run.participant}")
             if box.exec():
@@ -296,8 +296,8 @@ class DeskWindow(QMainWindow):
     def _ask_export(self) -> None:
         if self._folder is not None:
             words = (
-                "Write tables, scripts and the methods text to a new or empty folder. Participants may continue "
-                "meanwhile."
+                "Write the tables, the scripts and the methods text to a new or empty folder. Participants may "
+                "continue during the export."
             )
             target = os.fspath(new_export(self._folder, utc_now()[:10]))
             self._run_to("Export", words, target, "export")
@@ -305,13 +305,13 @@ class DeskWindow(QMainWindow):
     def _ask_backup(self) -> None:
         if self._folder is not None:
             words = (
-                "Copy log, recordings and files to a folder on another disk. Choose a new folder, or an earlier backup "
-                "to update it. Participants may continue meanwhile."
+                "Copy the log, the recordings and the files to a folder on another disk. Choose a new folder, or the "
+                "folder of an earlier backup to update it. Participants may continue during the backup."
             )
             self._run_to("Back up", words, latest_backup(self._folder), "backup")
 
     def _ask_withdrawal(self) -> None:
-        """Ask for the ID or code of a participant, list the data to delete, and delete them after confirmation."""
+        """Ask for the ID or code of a participant, list this person's data, and delete the data after confirmation."""
         if self._folder is None:
             return
         words = "ID or completion code of the participant who withdraws:"
@@ -368,12 +368,12 @@ class DeskWindow(QMainWindow):
             self.note.clear()
 
     def leave(self) -> None:
-        """Close without asking."""
+        """Close the window without a question."""
         self._closing = ""
         self.close()
 
     def closeEvent(self, event: QCloseEvent) -> None:
-        """Ask for confirmation if the host wants that, and inform the host."""
+        """Ask the closing question if there is one; inform the host when the window closes."""
         if self._closing:
             box = QMessageBox(QMessageBox.Icon.Question, "Close the desk", self._closing, parent=self)
             box.setObjectName("question")
@@ -449,7 +449,7 @@ class DeskWindow(QMainWindow):
         self.runs.setFocus()
 
     def _fit_cells(self) -> None:
-        """Give the table of cells the height of its rows, but at most that of six rows."""
+        """Give the table of cells the height of all its rows, at most six rows."""
         self.cells.setFixedHeight(
             self.cells.horizontalHeader().sizeHint().height()
             + min(self.cell_model.rowCount(), 6) * self.cells.verticalHeader().defaultSectionSize()
@@ -473,11 +473,11 @@ class _Body(QSplitter):
 
 
 class _Column(QWidget):
-    """Column of parts with the height that its text needs at the current width; a splitter does not ask for this
-    height."""
+    """Column of widgets. Its minimum height is the height that its text needs at the current width, because a splitter
+    does not compute this height."""
 
     def minimumSizeHint(self) -> QSize:
-        """Return the minimum width of the parts, and their minimum height at the current width."""
+        """Return the minimum width of the widgets, and their minimum height at the current width."""
         hint, layout = super().minimumSizeHint(), self.layout()
         return hint if layout is None else QSize(hint.width(), layout.minimumHeightForWidth(self.width()))
 
@@ -488,7 +488,7 @@ class _Column(QWidget):
 
 
 def _allow(button: QPushButton, why_not: str, hint: str) -> None:
-    """Enable a button, or show why it is disabled."""
+    """Enable a button, or disable it and show the reason."""
     button.setEnabled(not why_not)
     button.setToolTip(why_not or hint)
     button.setAccessibleDescription(why_not or hint)

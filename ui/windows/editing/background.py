@@ -1,4 +1,4 @@
-"""Work in a separate thread, one job after the other."""
+"""Jobs that run in a separate thread, one job at a time."""
 
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
@@ -7,7 +7,7 @@ from PySide6.QtCore import QObject, Signal, Slot
 
 
 class BackgroundWorker(QObject):
-    """Thread for one kind of job. While a job runs, only the newest of the waiting jobs is kept.
+    """Thread for one kind of job. While a job runs, only the newest waiting job is kept.
 
     Attributes:
         busy: True while a job runs.
@@ -25,15 +25,15 @@ class BackgroundWorker(QObject):
         self._ended.connect(self._finish)
 
     def ask(self, work: Callable[[], object]) -> None:
-        """Do this job next; it replaces the job that waits."""
+        """Run this job next; it replaces the waiting job."""
         self._waiting = work
         if not self.busy:
             self._begin()
 
     def close(self) -> None:
-        """Finish the current job, and drop the job that waits."""
+        """Wait for the end of the current job, and drop the waiting job."""
         self._waiting = None
-        # The result of the current job must not reach a window that closes.
+        # The window closes, so it must not receive the result of the current job.
         self._ended.disconnect(self._finish)
         self._pool.shutdown(wait=True, cancel_futures=True)
 

@@ -23,13 +23,13 @@ class ChangesPage(QWidget):
         column.addWidget(self.view, 1)
 
     def show_changes(self, lines: Sequence[str]) -> None:
-        """Show the lines that differ from the file on disk, in the form of `diff -u`."""
+        """Show the lines that differ from the file on disk, in the format of `diff -u`."""
         added = sum(line.startswith("+") and not line.startswith("+++") for line in lines)
         gone = sum(line.startswith("-") and not line.startswith("---") for line in lines)
         self._words.setText(
-            f"+ marks {added} new lines, - marks {gone} removed lines. All other lines stay exactly as they are."
+            f"+ marks {added} new lines, - marks {gone} removed lines. All other lines stay unchanged."
             if lines
-            else "Nothing has changed."
+            else "There are no changes to write."
         )
         self.view.setPlainText("\n".join(lines))
         cursor = QTextCursor(self.view.document())

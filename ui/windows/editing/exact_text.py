@@ -6,5 +6,5 @@ _BLOCK_END = "\u2029"
 
 
 def exact_text(editor: QPlainTextEdit) -> str:
-    """Return the exact text of an editor; `toPlainText` would turn non-breaking spaces into plain spaces."""
+    """Return the exact text of an editor. Qt's `toPlainText` would replace non-breaking spaces by plain spaces."""
     return editor.document().toRawText().replace(_BLOCK_END, "\n")

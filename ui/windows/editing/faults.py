@@ -1,4 +1,4 @@
-"""List of the faults of an edited file, and of notices about entries without an effect."""
+"""List of an edited file's faults, and of notices about entries that have no effect."""
 
 from collections.abc import Callable, Sequence
 
@@ -12,11 +12,11 @@ _TALLEST = 104
 
 
 class FaultList(QWidget):
-    """Verdict, with all faults and notices below it.
+    """Line with the number of faults, and a list of all faults and notices below this line.
 
     Args:
         fine: sentence that is shown if there are no faults.
-        shortened: function that removes the part of a sentence that the window shows elsewhere.
+        shortened: function that removes from a sentence what the window shows elsewhere, such as the file's name.
 
     Attributes:
         chosen: signal: a person wants to see the fault with this index.
@@ -50,7 +50,7 @@ class FaultList(QWidget):
         self.list.setVisible(bool(lines))
         _fit(self.list)
         words = f"{self._count} fault{'s' if self._count > 1 else ''}"
-        self._verdict.setText(f"⚠ {words}. Press F8 for the next one." if self._count else f"✓ {self._fine}")
+        self._verdict.setText(f"⚠ {words}. Press F8 to go to the next fault." if self._count else f"✓ {self._fine}")
         self._verdict.setProperty("bad", bool(self._count))
         self._verdict.style().unpolish(self._verdict)
         self._verdict.style().polish(self._verdict)

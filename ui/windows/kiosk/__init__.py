@@ -1,1 +1,1 @@
-"""Window of the kiosk: one page after the other, full screen, usable by mouse or by keyboard alone."""
+"""Window of the kiosk. It shows one page at a time on the full screen; people can use mouse or keyboard alone."""

@@ -1,6 +1,6 @@
-"""Replacement of a window whose host has died.
+"""Replacement of a kiosk window whose host has died.
 
-The window stays open until another window replaces it, so that people never see the desktop.
+The old window stays open until the new window replaces it, so that people never see the desktop.
 """
 
 import getpass
@@ -14,11 +14,12 @@ _TIMEOUT = 200
 
 
 class Successor(QObject):
-    """Connection between successive windows: it informs the window of an earlier program that this one is open, and
-    waits for a later window.
+    """Connection between successive windows.
+
+    It informs an earlier window that this window is open, and then waits for a later window.
 
     Args:
-        comes: function that is called when a later window has opened.
+        comes: function to call when a later window has opened.
     """
 
     def __init__(self, comes: Callable[[], None]) -> None:

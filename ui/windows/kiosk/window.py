@@ -1,4 +1,4 @@
-"""Window of the kiosk: shows the page that its host sends, and reports the person's actions."""
+"""Window of the kiosk, which shows the page that its host sends, and reports the person's actions."""
 
 import math
 import time
@@ -54,11 +54,11 @@ from ui.windows.participant_program import GamePage
 from ui.windows.preferences import Preferences, preferences_of
 
 END_KEYS = "Ctrl+Alt+Shift+Q"
-"""Researcher's keys that close the window at once."""
+"""Keys with which the researcher closes the window at once."""
 BEGIN_KEYS = "Ctrl+Alt+Shift+N"
-"""Researcher's keys that start the run of the next person."""
+"""Keys with which the researcher starts the run of the next person."""
 STOP_KEYS = "Alt+F4"
-"""Keys with which any person can ask to leave, unless a window manager uses them."""
+"""Keys with which any person can ask to leave, unless the window manager uses these keys."""
 HELP_KEY = HELP.keys[0]
 FRAME = 15
 """Milliseconds between two polls of the connection to a game."""
@@ -70,23 +70,26 @@ After the first warning, the remaining seconds are shown.
 
 
 def time_words(texts: Texts, seconds: int) -> str:
-    """Return a time in words: in whole minutes, and in seconds only near the end, so that people do not watch a running
-    clock."""
+    """Return the remaining time in words.
+
+    It is in whole minutes, and in seconds only near the end, so that people do not watch a running clock.
+    """
     if seconds > WARNINGS[0]:
         return texts.text("kiosk.minutes_left", count=math.ceil(seconds / 60))
     return texts.text("kiosk.seconds_left", count=seconds)
 
 
 class ProgressStrip(QWidget):
-    """Strip with a person's progress through the study and the button to leave, because a full screen has no close
-    button.
+    """Strip with a person's progress through the study and a button to leave.
+
+    A window on the full screen has no close button of its own.
 
     Args:
         texts: texts of the study.
 
     Attributes:
-        again: button that opens the instructions read so far.
-        stop: button that opens the question if the person wants to stop taking part.
+        again: button that opens the instructions that the person has read.
+        stop: button for a person who wants to stop taking part; it opens a question.
     """
 
     def __init__(self, texts: Texts) -> None:
@@ -110,20 +113,22 @@ class ProgressStrip(QWidget):
         self.again.hide()
         row.addWidget(self.again)
         self.settings = ActionButton(texts, "small")
-        # The button shows only "Aa", the usual sign for the size of text, and no key, because the strip has little
-        # room.
+        # The strip is narrow, so the button shows only "Aa", the usual sign for the size of text, and no key.
         self.settings.show_face(ButtonFace("Aa", hint=texts.text("settings.hint")), texts.text("settings.title"))
         self.settings.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         row.addWidget(self.settings)
         self.stop = ActionButton(texts, "small")
         stop = texts.text("kiosk.stop")
         self.stop.show_face(ButtonFace(stop, STOP_KEYS), stop)
-        # Pages have their own order of Tab, and the focus returns to the pages.
+        # The Tab key moves only within pages, so these buttons do not accept the focus.
         self.stop.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         row.addWidget(self.stop)
 
     def show_time(self, seconds: int | None) -> str:
-        """Show the time left in a game; None if there is no game. Return a warning if one is due, otherwise None."""
+        """Show the remaining seconds of a game; None if there is no game.
+
+        Return a warning if one is due, otherwise an empty text.
+        """
         self._time.setVisible(seconds is not None)
         before, self._seconds = self._seconds, seconds
         if seconds is None:
@@ -139,7 +144,7 @@ class ProgressStrip(QWidget):
         return left if passed else ""
 
     def show_progress(self, way: StudyProgress) -> None:
-        """Show the progress; hide it if there are no steps."""
+        """Show the progress; hide the strip if there are no steps."""
         self.show_time(None)
         self.setVisible(way.steps > 0)
         words = self._texts.text("kiosk.step", step=way.step, steps=way.steps)
@@ -179,7 +184,7 @@ class LeavingPanel(TitledPanel):
 
         Args:
             takes_part: True if a person is in the middle of the study.
-            can_stop: True if a host can receive the message that they stop.
+            can_stop: True if there is a host to which the window can report that the person stops.
         """
         self.entitle(self._texts.text("kiosk.leave" if takes_part else "kiosk.close"))
         set_text(self.text, self._texts.text("kiosk.leave_text" if takes_part else "kiosk.close_text"))
@@ -189,16 +194,16 @@ class LeavingPanel(TitledPanel):
 
 
 class KioskWindow(QMainWindow):
-    """Window on one computer of the laboratory.
+    """Kiosk window on one computer of the laboratory.
 
     Args:
         texts: texts of the study.
-        preferences: preferences of the participant; they are reset when the next participant starts.
+        preferences: preferences of the participant. When the next participant starts, they are reset.
         send: function that sends a message to the host.
         clock: monotonic clock, seconds.
 
     Attributes:
-        game: page of the game shown; None while another page is shown.
+        game: page of the current game; None while another page is shown.
     """
 
     def __init__(
@@ -230,7 +235,7 @@ class KioskWindow(QMainWindow):
         self.overlay, self.leaving_panel = ModalOverlay(inside), LeavingPanel(texts)
         self.instructions = HelpSheet(texts)
         self._build_leaving()
-        # Before they are shown, these panels have no parent, so Qt would not delete them with the window.
+        # Before these panels are shown, they have no parent, so Qt would not delete them together with the window.
         self.destroyed.connect(self.leaving_panel.deleteLater)
         self.destroyed.connect(self.instructions.deleteLater)
         self.instructions.requested.connect(self._stay)
@@ -300,9 +305,9 @@ class KioskWindow(QMainWindow):
                 pass
 
     def leave(self) -> None:
-        """Report that the host has ended.
+        """Show the person that the program of the study has stopped.
 
-        The window stays open until another window opens, or the researcher closes it.
+        The window stays open until another window opens or the researcher closes it.
         """
         if self._leaving or self._host_gone:
             return
@@ -340,7 +345,7 @@ class KioskWindow(QMainWindow):
         self.show_game(game, ParticipantLink(game.host, game.port, game.token, consent))
 
     def show_game(self, game: GameToJoin, link: ParticipantLink) -> None:
-        """Show a game that is played at its server."""
+        """Show the page of a game, which is connected to the game's server."""
         on = partial(self._go_on, game.page)
         back = on if game.practice else None
         shown = GamePage(
@@ -364,18 +369,18 @@ class KioskWindow(QMainWindow):
         self._offer_instructions()
 
     def _show_news(self, game: GamePage, news: GameNews) -> None:
-        """Show the remaining tasks and the time left; near the end of the game, announce the time once."""
+        """Show the remaining tasks and the remaining time; announce the time to screen readers if a warning is due."""
         game.require(news.to_do)
         warning = self.progress.show_time(news.seconds_left)
         if warning:
             QAccessible.updateAccessibility(QAccessibleAnnouncementEvent(self, warning))
 
     def _go_on(self, page: int) -> None:
-        """Report that the person continues, but only once."""
+        """Report only once that the person continues."""
         self._leave_page(WentOn(page))
 
     def _leave_page(self, message: WentOn | WentBack) -> None:
-        """Report that the person leaves a page, but only once."""
+        """Report only once that the person leaves a page."""
         if message.page == self._page:
             self._page = -1
             self._send(message)
@@ -397,13 +402,12 @@ class KioskWindow(QMainWindow):
             page.setFocus()
 
     def _offer_instructions(self) -> None:
-        """Show the buttons for the settings and, if the person has read instructions, for these.
+        """Show the button for the settings and, if the person has read instructions, the button for the instructions.
 
-        A game has its own buttons.
+        During a game these buttons are hidden, because the game has its own buttons.
         """
         offered = bool(self._instructions) and self._has_run and self.game is None
         self.progress.again.setVisible(offered)
-        # A game has its own button for the settings.
         self.progress.settings.setVisible(self.game is None)
         self._reading_again.setEnabled(offered)
 
@@ -422,7 +426,7 @@ class KioskWindow(QMainWindow):
         self._send(InstructionsNews(is_open, time.monotonic_ns()))
 
     def _cover(self, panel: TitledPanel | None, widest: int = 520) -> None:
-        """Show a panel above the page and disable the page's keys. If None, show only the page."""
+        """Show a panel above the page and disable the page's keys. If `panel` is None, show only the page."""
         if self.instructions.isVisible():
             self._report_reading(is_open=False)
         self.pages.setEnabled(panel is None)
@@ -443,7 +447,7 @@ class KioskWindow(QMainWindow):
     # Leaving
 
     def closeEvent(self, event: QCloseEvent) -> None:
-        """Ask for confirmation; only the researcher can close the window at once."""
+        """Ask for confirmation. Only the researcher can close the window at once."""
         if not self._leaving:
             event.ignore()
             self._ask_to_leave()
@@ -483,7 +487,7 @@ class KioskWindow(QMainWindow):
     # The window itself
 
     def changeEvent(self, event: QEvent) -> None:
-        """Report when the keyboard focus moves to another window, and when it returns."""
+        """Report when the keyboard focus leaves this window, and when it returns."""
         super().changeEvent(event)
         if event.type() != QEvent.Type.ActivationChange or self._leaving:
             return
@@ -494,24 +498,24 @@ class KioskWindow(QMainWindow):
             self._focused = has_focus
 
     def focusNextPrevChild(self, forward: bool) -> bool:
-        """Keep Tab inside the overlay."""
+        """Let Tab move only within the overlay while it is shown."""
         return self.overlay.keeps_tab(forward=forward) or super().focusNextPrevChild(forward)
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        """Keep the overlay as large as the window."""
+        """Give the overlay the size of the window."""
         super().resizeEvent(event)
         self.overlay.setGeometry(self._inside.rect())
 
 
 class KioskProgram:
-    """Program of the kiosk's window. It opens the window when its texts have arrived; before that, it shows nothing.
+    """Program of the kiosk's window. It opens the window after the host has sent the texts.
 
     Args:
         app: the application.
         choice: choice of colors.
         send: function that sends a message to the host.
-        windowed: True for a window that does not fill the screen.
-        title: title of the window; empty for the usual one.
+        windowed: True for a window of normal size, False for the full screen.
+        title: title of the window. If empty, the window has the usual title.
 
     Attributes:
         window: the window; None before it opens.
@@ -535,7 +539,7 @@ class KioskProgram:
             self.window = self._open(texts)
 
     def leave(self) -> None:
-        """Act on the end of the host."""
+        """Handle the end of the host."""
         if self.window is None:
             self._app.quit()
         else:
@@ -551,14 +555,14 @@ class KioskProgram:
             look.open_within_screen(window)
             window.show()
         else:
-            # Also set the size, because full screen has no effect without a window manager.
+            # Set the size as well, because full screen has no effect without a window manager.
             window.setGeometry(window.screen().geometry())
             window.showFullScreen()
         return window
 
 
 def open_kiosk(choice: look.Choice, *, windowed: bool, title: str = "") -> int:
-    """Open the window for the host at standard input and output; return when it is closed."""
+    """Open the window of the host at standard input and output. Return the exit code when the window is closed."""
     app = application()
     pipe = HostPipe(KIOSK)
     pipe.listen(KioskProgram(app, choice, pipe.send, windowed=windowed, title=title))

@@ -1,1 +1,1 @@
-"""Items of forms: a question, and a field for each kind of answer."""
+"""Items of forms. Each item is a question with a field for its kind of answer."""

@@ -1,4 +1,4 @@
-"""Base class of the fields for answers, for items of all scales."""
+"""Base class of the answer fields, one for each kind of scale."""
 
 from PySide6.QtCore import Signal
 from PySide6.QtWidgets import QWidget
@@ -8,18 +8,18 @@ from ui.model.kiosk import Answer, FormItem
 
 
 class AnswerField(QWidget):
-    """Base class of the fields.
+    """Base class of the answer fields.
 
     Args:
-        item: item that is answered.
+        item: item that the field answers.
         texts: texts of the study.
 
     Attributes:
-        touched: signal: a person begins to answer.
+        touched: signal: a person has begun to answer.
         changed: signal: the answer has changed.
-        typed: signal: the answer has changed, and the person still types.
+        typed: signal: the answer has changed, and the person may still be typing.
         pasted: signal with the number of pasted characters.
-        passed: signal: a person has finished the item with the keyboard.
+        passed: signal: a person has pressed a key to go to the next item.
     """
 
     touched = Signal()
@@ -35,28 +35,28 @@ class AnswerField(QWidget):
 
     @property
     def answer(self) -> Answer:
-        """Answer shown; None if there is none."""
+        """Answer that the field shows; None if it shows no answer."""
         raise NotImplementedError
 
     @property
     def problem(self) -> str:
-        """Sentence that says why an entry is not a valid answer; empty if it is valid."""
+        """Sentence with the reason why an entry is not a valid answer; empty if the entry is valid."""
         return ""
 
     def show_answer(self, answer: Answer) -> None:
-        """Show an earlier answer. If None, show no answer."""
+        """Show an earlier answer. If `answer` is None, show no answer."""
         raise NotImplementedError
 
     def take_key(self, text: str) -> bool:
-        """Answer by a digit or letter; return True if an answer of the field has this key."""
+        """Select the answer with this digit or letter. Return True if the field has an answer with this key."""
         return False
 
     def focus_target(self) -> QWidget | None:
-        """Return the widget that gets the focus when the item does; None if the focus would look like an answer."""
+        """Return the widget that gets the focus together with the item; None if the focus would look like an answer."""
         raise NotImplementedError
 
     def number(self, number: float) -> str:
-        """Return a number of the item with all its decimal places."""
+        """Return a number as text in the study's notation, with all its decimal places."""
         return f"{number:g}".replace(".", self.texts.forms.decimal)
 
     def told(self, answer: Answer) -> str:

@@ -1,6 +1,6 @@
-"""Line between two words on which a person makes a mark.
+"""Line between two words, on which a person marks a position.
 
-At first there is no mark, because a mark would be an answer.
+At first, the line has no mark, because a mark would be an answer.
 """
 
 from PySide6.QtCore import QPointF, QRectF, QSize, Qt
@@ -19,7 +19,7 @@ _MOST_TICKS = 21
 
 
 class MarkedLine(QSlider):
-    """Line for a mark. A click sets the mark; arrow keys move it, beginning at the middle.
+    """Line for a mark. A click sets the mark. Arrow keys first set the mark in the middle, and then move it.
 
     Args:
         field: field that contains the line.
@@ -36,7 +36,7 @@ class MarkedLine(QSlider):
         self.setFocusPolicy(Qt.FocusPolicy.TabFocus)
 
     def mark(self, place: int) -> None:
-        """Set the mark at this position, as a person does."""
+        """Set the mark at this position, and report that a person set it."""
         self._field.touched.emit()
         before = self.value() if self.marked else None
         self.marked = True
@@ -60,7 +60,7 @@ class MarkedLine(QSlider):
             self.mark(self._place(event.position().x()))
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
-        """Accept the mark."""
+        """Report the mark as the answer."""
         if event.button() is Qt.MouseButton.LeftButton:
             self.setFocus(Qt.FocusReason.MouseFocusReason)
             self._field.changed.emit()

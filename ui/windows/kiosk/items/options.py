@@ -1,4 +1,4 @@
-"""Answers to choose from: points of a scale, options, and "not applicable"."""
+"""Fields with answers to choose from: points of a scale, options, and "not applicable"."""
 
 from collections.abc import Sequence
 
@@ -14,21 +14,21 @@ from ui.windows.look import GAP, spaced
 from ui.windows.participant.widgets.buttons import ActionButton, ButtonFace, Weight
 
 _SHORT = 14
-"""Greatest number of characters in options that are shown next to each other in a row."""
+"""Greatest number of characters of an option that shares a row with other options."""
 _BESIDE = 4
 """Greatest number of options in a row."""
 
 
 class OptionButton(ActionButton):
-    """Answer that is chosen or not. Enter chooses it; Enter again goes to the next item.
+    """Button for an answer. Enter chooses the answer; a second Enter goes to the next item.
 
     Args:
         field: field that contains the button.
         label: text on the button.
         name: name for screen readers.
-        key: key that chooses it; empty if the label already shows the key.
+        key: key that chooses the answer; empty if the label already shows this key.
         weight: weight of the button.
-        alone: True if choosing it excludes the others.
+        alone: True if this answer excludes all others.
     """
 
     def __init__(
@@ -41,19 +41,19 @@ class OptionButton(ActionButton):
         self.show_face(ButtonFace(label, key), name)
         self.setAccessibleDescription(field.item.text)
         self.pressed.connect(field.touched)
-        # The keyboard then continues from the place of the click. Wait for the end of the click, because a change of
-        # focus may scroll the page.
+        # Set the focus, so that the keyboard continues from the place of the click. Do this only after the click has
+        # ended, because a change of focus may scroll the page.
         self.clicked.connect(lambda: self.setFocus(Qt.FocusReason.MouseFocusReason))
         self.choose(False)
 
     def choose(self, chosen: bool) -> None:
-        """Show if the answer is chosen. For screen readers, an exclusive answer is a radio button."""
+        """Show whether the answer is chosen. For screen readers, an exclusive answer is a radio button."""
         self.setAutoExclusive(False)
         self.setChecked(chosen)
         self.setAutoExclusive(self._alone)
 
     def focusInEvent(self, event: QFocusEvent) -> None:
-        """Keep the other buttons reachable by arrow keys: Qt would leave only one radio button of a group reachable."""
+        """Keep all buttons reachable by arrow keys; Qt would allow only one radio button of a group."""
         super().focusInEvent(event)
         for other in self._field.findChildren(OptionButton):
             other.setFocusPolicy(Qt.FocusPolicy.TabFocus)
@@ -62,7 +62,7 @@ class OptionButton(ActionButton):
         """Do nothing, because the field decides which answer is chosen."""
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Let Enter go to the next item if this answer is already chosen."""
+        """Handle Enter: if this answer is already chosen, go to the next item."""
         if event.key() in (Qt.Key.Key_Return, Qt.Key.Key_Enter) and self.isChecked() and not event.isAutoRepeat():
             self._field.passed.emit()
         else:
@@ -70,7 +70,7 @@ class OptionButton(ActionButton):
 
 
 class PointsField(AnswerField):
-    """Points of a scale between two words, or each with its own word."""
+    """Field with the points of a scale. Either each point has a word, or only the first and the last."""
 
     def __init__(self, item: FormItem, texts: Texts) -> None:
         super().__init__(item, texts)
@@ -131,7 +131,7 @@ class PointsField(AnswerField):
 
 
 class ChoiceField(AnswerField):
-    """Options; a person chooses one or several of them."""
+    """Field with options, of which a person chooses one or several."""
 
     def __init__(self, item: FormItem, texts: Texts) -> None:
         super().__init__(item, texts)

@@ -1,4 +1,4 @@
-"""Item of a form: a question, its field, "not applicable", and a note if an answer is missing."""
+"""Panel of an item: the question, its field, "not applicable", and a note if the answer is missing."""
 
 import math
 from typing import Literal
@@ -20,10 +20,10 @@ from ui.windows.participant.widgets.focus import ARROWS, make_region, reachable
 from ui.windows.participant.widgets.painting import ring
 
 PAUSE = 700
-"""Milliseconds without typing after which the text so far is reported."""
+"""Milliseconds without typing, after which the typed text is reported."""
 
 LIMIT_WARNING = 10
-"""Seconds before the end of a longer time limit at which a screen reader announces the seconds left."""
+"""Seconds before the end of a time limit at which a screen reader announces the remaining seconds."""
 
 What = Literal["shown", "touched", "changed", "given", "pasted", "timed out"]
 
@@ -41,14 +41,14 @@ class ItemPanel(QFrame):
     """Panel with one item of a form.
 
     Args:
-        item: item as people see it.
+        item: item to show.
         number: number of the item on its page, from 1.
         of: number of items on the page.
         texts: texts of the study.
 
     Attributes:
         news: signal with an event of the item: the kind of the event, and the number of pasted characters.
-        passed: signal: the person has finished the item with the keyboard.
+        passed: signal: the person has pressed a key to go to the next item.
     """
 
     news = Signal(str, int)
@@ -101,14 +101,14 @@ class ItemPanel(QFrame):
 
     @property
     def answer(self) -> Answer:
-        """Answer shown."""
+        """Answer that the panel shows; None if it shows no answer."""
         if self.not_applicable is not None and self.not_applicable.isChecked():
             return NOT_APPLICABLE
         return self.field.answer
 
     @property
     def lacks(self) -> str:
-        """Sentence about a missing answer; empty if nothing is missing."""
+        """Sentence about a missing or invalid answer; empty if there is no problem."""
         if self.closed:
             return ""
         if self.answer is None and self.field.problem:
@@ -124,13 +124,13 @@ class ItemPanel(QFrame):
         self._name()
 
     def point_at_missing(self, sentence: str) -> None:
-        """Show a sentence about a missing answer. If it is empty, hide the sentence."""
+        """Show a sentence about a missing answer. If `sentence` is empty, hide the earlier sentence."""
         self.missing.setText(sentence)
         self.missing.setVisible(bool(sentence))
         self._name()
 
     def show_left(self, seconds: float) -> bool:
-        """Show the time left for the item, and close the item when the time is over.
+        """Show the remaining time of the item, and close the item when no time remains.
 
         Return True if this call closed the item.
         """
@@ -146,7 +146,7 @@ class ItemPanel(QFrame):
         return self.closed
 
     def close_item(self) -> None:
-        """Close the item with the answer so far, because its time limit is over."""
+        """Close the item at the end of its time limit; its answer at this moment counts."""
         self.closed, self._ungiven = True, False
         self._pause.stop()
         self.field.setEnabled(False)
@@ -163,13 +163,13 @@ class ItemPanel(QFrame):
         QAccessible.updateAccessibility(QAccessibleAnnouncementEvent(self, sentence))
 
     def come_into_sight(self) -> None:
-        """Record the first time that the item is fully visible."""
+        """Report the first moment at which the item is fully visible."""
         if not self._is_shown:
             self._is_shown = True
             self.news.emit("shown", 0)
 
     def go_on(self) -> None:
-        """Record that the person went elsewhere; the answer then counts as given."""
+        """Report the answer as given, because the person went on to another part of the page."""
         if self._pause.isActive():
             self._changed()
         if self._ungiven:
@@ -177,7 +177,7 @@ class ItemPanel(QFrame):
             self.news.emit("given", 0)
 
     def focus_target(self) -> QWidget:
-        """Return the widget that gets the focus when the item does; before an answer is chosen, the panel itself."""
+        """Return the widget that gets the focus together with the item: the chosen answer, or the panel itself."""
         if self.closed:
             return self
         if self.not_applicable is not None and self.not_applicable.isChecked():
@@ -191,7 +191,7 @@ class ItemPanel(QFrame):
             ring(smooth_painter(self), QRectF(self.rect()).adjusted(-2, -2, 2, 2), colours().accent)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Answer by a digit, or choose "not applicable" by N, unless the focus is in a text field."""
+        """Select an answer by its digit, or "not applicable" by N, unless the focus is in a text field."""
         text = event.text().upper()
         keypad = Qt.KeyboardModifier.KeypadModifier
         if self.closed or event.modifiers() & ~keypad or event.isAutoRepeat():
@@ -239,7 +239,7 @@ class ItemPanel(QFrame):
         self.news.emit("changed", 0)
 
     def _name(self) -> None:
-        """Name the item for screen readers: question, state, missing answer, and time limit."""
+        """Set the item's name for screen readers: question, state, note about a missing answer, and time limit."""
         texts, answer = self._texts, self.answer
         parts = [texts.text("forms.question", number=self._number, total=self._of, question=self.question.text())]
         if answer is None:

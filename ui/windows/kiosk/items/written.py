@@ -1,4 +1,4 @@
-"""Answers that are typed: numbers, free texts, and codes."""
+"""Fields for typed answers: numbers, free texts, and codes."""
 
 from PySide6.QtCore import QMimeData, Qt
 from PySide6.QtGui import QKeyEvent
@@ -11,11 +11,11 @@ from ui.windows.kiosk.items.field import AnswerField
 from ui.windows.look import GAP, follow_text, px, spaced
 
 LONGEST = 20_000
-"""Largest number of characters in a text."""
+"""Largest number of characters in a free text."""
 
 
 class NumberField(AnswerField):
-    """Number with its unit."""
+    """Field for a number, with its unit."""
 
     def __init__(self, item: FormItem, texts: Texts) -> None:
         super().__init__(item, texts)
@@ -64,7 +64,7 @@ class NumberField(AnswerField):
 
 
 class LineOfTextField(AnswerField):
-    """Text of one line, such as a code."""
+    """Field for a text of one line, such as a code."""
 
     def __init__(self, item: FormItem, texts: Texts) -> None:
         super().__init__(item, texts)
@@ -93,10 +93,10 @@ class LineOfTextField(AnswerField):
 
 
 class FreeText(QPlainTextEdit):
-    """Field for a free text that reports pasted and dropped text.
+    """Editor for a free text, which reports pasted and dropped text.
 
     Args:
-        field: answer field that contains this text field.
+        field: answer field that contains this editor.
     """
 
     def __init__(self, field: AnswerField) -> None:
@@ -113,7 +113,7 @@ class FreeText(QPlainTextEdit):
             self._field.pasted.emit(max(len(source.text()), len(self.toPlainText()) - before))
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Leave the keys Ctrl+Enter to the page."""
+        """Ignore Ctrl+Enter, so that the page receives these keys."""
         with_ctrl = event.modifiers() & Qt.KeyboardModifier.ControlModifier
         if with_ctrl and event.key() in (Qt.Key.Key_Return, Qt.Key.Key_Enter):
             event.ignore()
@@ -122,7 +122,7 @@ class FreeText(QPlainTextEdit):
 
 
 class TextField(AnswerField):
-    """Free text."""
+    """Field for a free text."""
 
     def __init__(self, item: FormItem, texts: Texts) -> None:
         super().__init__(item, texts)

@@ -1,4 +1,4 @@
-"""Page of a form: its items one below another, and the buttons to the previous and next page."""
+"""Page of a form, with its items in a column and the buttons to the previous and the next page."""
 
 import time
 from collections.abc import Callable, Sequence
@@ -27,7 +27,7 @@ from ui.windows.participant.widgets.panels import set_text
 LIMIT_STEP = 100
 """Milliseconds between two updates of time limits."""
 WIDEST = 860
-"""Greatest width of the column of items, `px`: longer lines and scales are harder to read."""
+"""Greatest width of the column of items, `px`, because longer lines and scales are harder to read."""
 
 
 class FormPage(QWidget):
@@ -40,7 +40,7 @@ class FormPage(QWidget):
 
     Attributes:
         news: signal with an `ItemNews`.
-        went_on: signal: all required items are answered, and the person continues.
+        went_on: signal: the person has answered all required items, and continues.
         went_back: signal: the person goes back to the previous page.
         back: button to the previous page; None if the person cannot go back.
     """
@@ -113,7 +113,7 @@ class FormPage(QWidget):
         self.go_on.clicked.connect(self._leave)
 
     def _align_foot(self, scroll_bar: int) -> None:
-        """Keep the buttons at the bottom aligned with the items, which have a scroll bar of this width next to them."""
+        """Align the buttons at the bottom with the items, which have a scroll bar of this width next to them."""
         self._foot.setContentsMargins(0, 0, scroll_bar, 0)
 
     def _add_to_foot(self, row: QHBoxLayout, button: ActionButton, label: str, shown: str, *keys: str) -> None:
@@ -125,8 +125,7 @@ class FormPage(QWidget):
             shortcut.activated.connect(button.click)
 
     def start(self) -> None:
-        """Give the focus to the first item without an answer, or to the first item whose answer the host found
-        missing."""
+        """Give the focus to the first missing answer that the host reported, or to the first item without an answer."""
         missing = [panel for panel in self.panels if panel.item.id in self._form.missing]
         for panel in missing:
             panel.point_at_missing(self._texts.text("forms.please_answer"))
@@ -137,8 +136,10 @@ class FormPage(QWidget):
         first.focus_target().setFocus(Qt.FocusReason.OtherFocusReason)
 
     def focusNextPrevChild(self, forward: bool) -> bool:
-        """Let Tab move from item to item, with "not applicable" after its item, and finally to the buttons below the
-        items."""
+        """Let Tab move from item to item, and from the last item to the buttons below.
+
+        The button "not applicable" follows its item.
+        """
         stops: list[QWidget] = []
         for panel in self.panels:
             stops.append(panel.focus_target())
@@ -152,30 +153,30 @@ class FormPage(QWidget):
         return True
 
     def _stop_of(self, focused: QWidget | None, stops: Sequence[QWidget]) -> int:
-        """Return the index of the Tab stop of the item in which another widget has the focus."""
+        """Return the index of the stop in the item that contains the focused widget; -1 if no item contains it."""
         panel = next((panel for panel in self.panels if focused is not None and panel.isAncestorOf(focused)), None)
         return -1 if panel is None else stops.index(panel.focus_target())
 
     def showEvent(self, event: QShowEvent) -> None:
-        """Check which items are visible."""
+        """Check which items are visible when the page appears."""
         super().showEvent(event)
         self._looking.start()
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        """Check again which items are visible."""
+        """Check which items are visible after a change of size."""
         super().resizeEvent(event)
         self._looking.start()
 
     def event(self, event: QEvent) -> bool:
-        """Check again which items are visible when the layout changes."""
+        """Check which items are visible after a change of the layout."""
         if event.type() == QEvent.Type.LayoutRequest:
             self._looking.start()
         return super().event(event)
 
     def _look(self) -> None:
-        """Report items that are fully visible.
+        """Report the items that are fully visible.
 
-        If an item is taller than the window, it is enough that its question is visible.
+        An item that is taller than the window counts as visible when its question is fully visible.
         """
         if not self.isVisible():
             return
@@ -188,7 +189,7 @@ class FormPage(QWidget):
                 panel.come_into_sight()
 
     def _follow(self, _before: QWidget | None, now: QWidget | None) -> None:
-        """Scroll to the item that has the focus, and record that the person is there."""
+        """Scroll to the item that has the focus, and make it the person's current item."""
         panel = next((panel for panel in self.panels if now is panel or (now and panel.isAncestorOf(now))), None)
         if panel is not None:
             self._area.ensureWidgetVisible(panel, 0, 2 * GAP)
@@ -209,7 +210,7 @@ class FormPage(QWidget):
             self._show_count()
 
     def _count_down(self) -> None:
-        """Show the time left for items with a time limit. When an item closes, focus moves to the continue button."""
+        """Show the remaining time of items with a time limit. If an item closes, focus the continue button."""
         for panel in self.panels:
             if panel.item.seconds > 0.0 and panel.show_left(self._came + panel.item.seconds - self._clock()):
                 self.go_on.setFocus(Qt.FocusReason.OtherFocusReason)
@@ -223,7 +224,7 @@ class FormPage(QWidget):
             self._enter(None)
 
     def _leave(self) -> None:
-        """Continue if no answer is missing; otherwise mark all missing answers, and go to the first one."""
+        """Continue if no answer is missing; otherwise mark all missing answers and go to the first missing answer."""
         if self._is_new:
             return
         self._enter(None)
@@ -246,7 +247,7 @@ class FormPage(QWidget):
 
     @property
     def _is_new(self) -> bool:
-        """Return True shortly after the page appears, when a press was meant for the previous page."""
+        """True shortly after the page appears, because a press was then meant for the previous page."""
         return self._clock() - self._came < READING
 
     def _show_count(self) -> None:

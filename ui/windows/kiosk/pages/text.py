@@ -1,4 +1,4 @@
-"""Pages with a text, and one button to the next page."""
+"""Pages with a text and one button to the next page."""
 
 import time
 from collections.abc import Callable
@@ -18,10 +18,9 @@ from ui.windows.participant.widgets.panels import page_column
 from ui.windows.participant.widgets.reading import ReadingText
 
 SHORT = 500
-"""Greatest number of characters of a text that is shown in the middle of the page; a longer text gets a panel that
-scrolls."""
+"""Greatest number of characters of a text in the middle of the page. A longer text is in a panel that scrolls."""
 READING = 0.4
-"""Seconds for which a new page ignores presses, because they were meant for the previous page."""
+"""Seconds during which a new page ignores presses, because they were meant for the previous page."""
 _IN_A_GROUP = 4
 
 
