@@ -367,7 +367,7 @@ def test_a_value_that_an_option_gives_is_not_told_as_one_of_the_file() -> None:
             "participant:\n  shows: {truth: maybe}\n",
             "participant.shows.truth: 'maybe' is neither true nor false",
         ),
-        ("world: {laser: {rate: 15}}\n", "line 1, world.laser.rate: 15 does not divide"),
+        ("world: {laser: {rate: 15}}\n", "line 1, world.laser.rate: 15 is not a divisor"),
         ("- a\n- b\n", "line 1: a section of 'key: value' lines is needed"),
         ("robots: [1\n", "line 1: not YAML"),
     ],
@@ -400,7 +400,7 @@ def test_real_robots_are_not_simulated_and_not_hurried() -> None:
     Path("study.yaml").write_text("robots_from: ros\n")
     assert "this study is for real robots" in refusal("play", "study.yaml")
     Path("study.yaml").write_text("robots: 1\nrobots_from: ros\nfleet: {robot: {namespace: ''}}\n")
-    assert "/odom would be odom of robot 1 and odom of robot 2" in refusal(
+    assert "/odom is both odom of robot 1 and odom of robot 2" in refusal(
         "simr", "--study", "study.yaml", "--robots", "2"
     )
 

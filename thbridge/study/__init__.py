@@ -1,1 +1,1 @@
-"""The study file: all settings, in sections; its text, and changes to it."""
+"""The study file: its sections with all settings, its text, and changes to its keys."""

@@ -8,30 +8,30 @@ from thbridge.files.yaml.load import Loaded
 from thbridge.study.study_file import Study, load_study
 
 STANDARD = Study(templates="everyday-things")
-"""The study that is played if no study is named. Moves are priced from where robots stand, robots speak whole
-sentences, and answers say what happens. In a study file, keys that are left out have their values of 2016, so that
-older files keep their meaning."""
+"""Study that is played if the user names no study. The price of a move depends on the robot's position. Robots speak
+whole sentences, and each answer states what will happen. In a study file, omitted keys have their values of 2016, so
+that older files do not change their meaning."""
 
 BUILT_IN: Mapping[str, Study] = {"standard": STANDARD, "original-2016": Study()}
-"""Each built-in study by its name."""
+"""All built-in studies, by name."""
 
 
 def study_at(path: Path | None) -> tuple[Study, Loaded[Study] | None]:
-    """Return a study, and its file as it was read. Built-in studies have no file.
+    """Return a study and its parsed file. For a built-in study, the file is None.
 
     Args:
-        path: path of the file, or name of a built-in study. If None, the study has only default values.
+        path: path of the file, or name of a built-in study. If None, all values are defaults.
 
     Raises:
-        BadFile: as `load_study`.
+        BadFile: there is no file at this path, or the file has faults; see `load_study`.
     """
     if path is None:
         return Study(), None
-    # A file with such a name comes first: it was playable before built-in studies existed.
+    # A file with the name of a built-in study has priority: it was playable before built-in studies existed.
     if str(path) in BUILT_IN and not path.exists():
         return BUILT_IN[str(path)], None
     if not path.suffix and not path.exists():
-        remedy = f"check the name and the folder, or name a built-in study: {' or '.join(BUILT_IN)}"
+        remedy = f"check the name and the folder, or write the name of a built-in study: {' or '.join(BUILT_IN)}"
         raise BadFile(path, "there is no such file", remedy)
     loaded = load_study(path)
     return loaded.value, loaded

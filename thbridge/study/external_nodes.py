@@ -4,8 +4,9 @@ from enum import StrEnum
 
 
 class ExternalNodes(StrEnum):
-    """ROS nodes that replace ours: move_base alone, or amcl as well. An external amcl is of no use to our own
-    move_base."""
+    """External ROS nodes that replace the robots' own software: none, move_base, or both move_base and amcl.
+
+    An external amcl cannot be combined with our own move_base."""
 
     NONE = "none"
     MOVE_BASE = "move_base"
@@ -13,10 +14,10 @@ class ExternalNodes(StrEnum):
 
     @property
     def amcl(self) -> bool:
-        """True if another amcl replaces ours."""
+        """True if an external amcl replaces the robots' own localization."""
         return self is ExternalNodes.BOTH
 
     @property
     def move_base(self) -> bool:
-        """True if another move_base replaces ours."""
+        """True if an external move_base replaces the robots' own navigation."""
         return self is not ExternalNodes.NONE

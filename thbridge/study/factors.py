@@ -1,4 +1,4 @@
-"""Factors of a design: keys of the study that differ between conditions, and the levels of each."""
+"""Factors of a design: keys of the study that differ between conditions, and the levels of each factor."""
 
 import itertools
 import math
@@ -36,7 +36,9 @@ class Level:
 
 
 def levels_of(path: Path, section: str, factor: Scalar, node: Node) -> list[Level]:
-    """Return the levels of a factor: a list of values, a range, or a section of named levels with several keys each.
+    """Return the levels of a factor.
+
+    The file gives them as a list of values, as a range, or as a section of named levels that set several keys.
 
     Args:
         path: the file.
@@ -45,7 +47,7 @@ def levels_of(path: Path, section: str, factor: Scalar, node: Node) -> list[Leve
         node: levels of the factor.
 
     Raises:
-        BadFile: these are not levels.
+        BadFile: `node` does not describe levels.
     """
     key, line = f"{section}.{factor.text}", factor.line
     found: list[Level] = []
@@ -59,8 +61,8 @@ def levels_of(path: Path, section: str, factor: Scalar, node: Node) -> list[Leve
     elif isinstance(node, Section):
         found = [Level(name.text, spread(path, child), name.line) for name, child in node.entries]
     if not found:
-        remedy = "Write [LEVEL, ...], {from: A, to: B, steps: N}, or for each level 'NAME: {KEY: VALUE, ...}'"
-        raise BadFile(path, "a factor needs levels", remedy, line=line, key=key)
+        remedy = "Write [LEVEL, ...] or {from: A, to: B, steps: N}, or write 'NAME: {KEY: VALUE, ...}' for each level"
+        raise BadFile(path, "the factor has no levels", remedy, line=line, key=key)
     named = isinstance(node, Section)
     values = [level.label if named else _value(level.label) for level in found]
     if twice := next((level.label for level, value in zip(found, values, strict=True) if values.count(value) > 1), ""):
@@ -75,20 +77,20 @@ def _steps(path: Path, key: str, factor: Scalar, node: Section) -> list[str]:
     written = {name.text for name, _ in node.entries}
     if not ({"from", "first"} & written and {"to", "last"} & written):
         remedy = "Write {from: A, to: B, steps: N}"
-        raise BadFile(path, "a range needs both ends", remedy, line=factor.line, key=key)
+        raise BadFile(path, "the range needs a first and a last value", remedy, line=factor.line, key=key)
     ends = load_tree(path, node, LevelRange).value
     width = ends.last - ends.first
     return [f"{ends.first + width * step / (ends.steps - 1):.12g}" for step in range(ends.steps)]
 
 
 def factorial(factors: Mapping[str, Sequence[Level]]) -> Iterator[dict[str, Level]]:
-    """Yield every combination of levels; the last changes fastest. Without factors, yield one empty condition."""
+    """Yield all combinations of levels; the last factor changes fastest. Without factors, yield one empty condition."""
     for levels in itertools.product(*factors.values()):
         yield dict(zip(factors, levels, strict=True))
 
 
 def _value(label: str) -> float | str:
-    """Return the number in a label, so that 20 and 20.0 are the same level, or the label if it is not a number."""
+    """Return a label as a number, so that 20 and 20.0 are the same level. A label that is not a number is unchanged."""
     try:
         return float(label)
     except ValueError:
@@ -96,11 +98,11 @@ def _value(label: str) -> float | str:
 
 
 def spread(path: Path, node: Node) -> Node:
-    """Return the tree of plain keys that corresponds to a section whose keys are dotted paths."""
+    """Return the nested tree for a section whose keys are dotted paths."""
     if not isinstance(node, Section):
         if isinstance(node, Scalar) and node.absent:
             return Section(node.line, [])
-        raise BadFile(path, "a section is needed", "Write {KEY: VALUE, ...}", line=node.line)
+        raise BadFile(path, "this value must be a section", "Write {KEY: VALUE, ...}", line=node.line)
     tree: Node = Section(node.line, [])
     for key, child in node.entries:
         further = nested(key.text, child, key.line)
@@ -121,18 +123,18 @@ def check_keys_set_once(path: Path, base: Node | None, factors: Mapping[str, Seq
         for level in levels:
             for setter, tree in setters:
                 if (twice := set_by_both(tree, level.tree)) is not None:
-                    problem = f"{setter} and {name} both set it"
-                    raise BadFile(path, problem, "Leave it out of one of the two", line=level.line, key=twice)
+                    problem = f"{setter} and {name} both set this key"
+                    raise BadFile(path, problem, "Delete the key in one of the two", line=level.line, key=twice)
         setters += [(name, level.tree) for level in levels]
 
 
 def entries_of(node: Node | None) -> Sequence[tuple[Scalar, Node]]:
-    """Return the keys and values of a section; any other node has none."""
+    """Return the keys and values of a section. For any other node, return an empty sequence."""
     return node.entries if isinstance(node, Section) else []
 
 
 def written(node: Node) -> str:
-    """Return a value as text on one line, as it would be written in a file."""
+    """Return a value as YAML text on one line."""
     match node:
         case Scalar():
             return node.text or '""'

@@ -22,33 +22,35 @@ from thbridge.sockets.addresses import Address, UdpTarget, parse_address, parse_
 S = TypeVar("S")
 
 _NORTHERNMOST = 85.0
-"""Greatest latitude, degrees: maps of ground stations end there."""
+"""Greatest latitude, degrees. The maps of ground stations end at this latitude."""
 _LOWEST, _HIGHEST = -500.0, 9000.0
-_ORIGIN_REMEDY = "Write degrees north, degrees east and meters above sea level, such as [51.5115, -0.116, 20.0]"
+_ORIGIN_REMEDY = "Write degrees north, degrees east and meters above sea level, for example [51.5115, -0.116, 20.0]"
 
 
 @dataclass(frozen=True, slots=True)
 class MavlinkSection:
     """The robots as MAVLink vehicles."""
 
-    on: bool = param(default=False, help="make every robot also a MAVLink vehicle")
+    on: bool = param(default=False, help="present every robot as a MAVLink vehicle, too")
     identity: AutopilotIdentity = param(
         AutopilotIdentity.GENERIC,
-        "autopilot that the vehicles report; ground stations offer more functions for ardupilot",
+        "autopilot that the vehicles report; for ardupilot, ground stations offer more functions",
     )
     udp: tuple[str, ...] = param(
         ("127.0.0.1:14550", "127.0.0.1:14540"),
         "UDP addresses, HOST:PORT, of ground stations and programs; HOST:PORT/ROBOT receives only that robot",
     )
     udp_listen: str | None = param(
-        None, "address, HOST:PORT, for clients that send the first UDP frame; if null, there is none"
+        None, "address, HOST:PORT, for clients that send the first UDP frame; if null, there is no address"
     )
-    tcp: str | None = param(None, "address, HOST:PORT, for clients that connect by TCP; if null, there is none")
+    tcp: str | None = param(None, "address, HOST:PORT, for clients that connect by TCP; if null, there is no address")
     signing_key: Path | None = param(
-        None, "path of a key file: our frames are signed, and others are refused; if null, no signing"
+        None, "path of a key file: frames are signed, and unsigned frames are refused; if null, there is no signing"
     )
     origin: tuple[float, float, float] = param(
-        (51.5115, -0.116, 20.0), "position of the map's (0, 0) on earth, WGS84; north is the map's y", "deg, deg, m"
+        (51.5115, -0.116, 20.0),
+        "WGS84 position of the map's point (0, 0) on earth; the map's y axis points north",
+        "deg, deg, m",
     )
     lost_after: float = param(
         5.0,
@@ -57,19 +59,19 @@ class MavlinkSection:
         SHORTEST_TIMEOUT,
         LONGEST_TIMEOUT,
     )
-    failsafe: Failsafe = param(Failsafe.STOP, "what a robot does when its ground station is lost")
+    failsafe: Failsafe = param(Failsafe.STOP, "action of a robot when its ground station is lost")
     position_rate: float = param(
-        5.0, "rate of position, attitude and speed, unless a client requests another", "Hz", 0.1, 50
+        5.0, "rate of position, attitude and speed messages, unless a client requests another rate", "Hz", 0.1, 50
     )
     visited_rooms: VisitedRooms = param(
         VisitedRooms.HALT,
-        "what a mission does at an item in a room that was already visited: halt there, or skip the item",
+        "reaction of a mission to an item in a room that was already visited: halt at this item, or skip it",
     )
     tlog: bool = param(default=False, help="also write all frames to a .tlog file next to the bag")
 
     @property
     def options(self) -> VehicleOptions:
-        """Options of the vehicles in the section."""
+        """Options of the vehicles, from this section."""
         return VehicleOptions(
             self.identity,
             GeoOrigin(*self.origin),
@@ -81,12 +83,12 @@ class MavlinkSection:
 
     @property
     def targets(self) -> tuple[UdpTarget, ...]:
-        """Addresses to which frames go by UDP."""
+        """Addresses that receive the frames by UDP."""
         return tuple(target for target in map(parse_target, self.udp) if target is not None)
 
 
 def faults_of_mavlink(loaded: Loaded[S], section: MavlinkSection, robots: int) -> Iterator[BadFile]:
-    """Yield faults: invalid or repeated addresses, robots that do not exist, an origin that is not on earth."""
+    """Yield faults: invalid or repeated addresses, robots that do not exist, an origin outside the valid range."""
     taken: dict[Address, int] = {}
     for index, text in enumerate(section.udp):
         key = f"mavlink.udp[{index}]"
@@ -97,7 +99,7 @@ def faults_of_mavlink(loaded: Loaded[S], section: MavlinkSection, robots: int) -
             yield loaded.fault(key, f"{target.address} is in this list twice", "Write each address once")
         elif target.number is not None and target.number > robots:
             problem = f"there is no robot {target.number}: the study has {robots}"
-            yield loaded.fault(key, problem, f"Write a number from 1 to {robots}, or raise robots")
+            yield loaded.fault(key, problem, f"Write a number from 1 to {robots}, or increase `robots`")
     for name, listens, usual in (("udp_listen", section.udp_listen, 14555), ("tcp", section.tcp, 5760)):
         if listens is not None and parse_address(listens) is None:
             remedy = f"Write HOST:PORT, such as 127.0.0.1:{usual}, or null"

@@ -1,7 +1,7 @@
-"""The section `noise` of a study: true sensor noise next to the noise models of the estimators.
+"""The section `noise` of a study: true sensor noise, and the noise models of the estimators.
 
-A study keeps each of these numbers under one key, in `world` or in `robot`. The section lets people write them side by
-side. `TARGET_PATHS` gives the key of each number.
+A study stores each of these numbers under one key, in `world` or in `robot`. The section `noise` lets people write all
+of these numbers in one section. `TARGET_PATHS` gives the key of each number in the study.
 """
 
 import dataclasses
@@ -25,7 +25,7 @@ S = TypeVar("S", bound="DataclassInstance")
 
 
 def _as_in(section: type["DataclassInstance"], name: str, kind: type[T]) -> T:
-    """Return a field with the same declaration as the field `name` of another section."""
+    """Return a field with the declaration of the field `name` in `section`."""
     (found,) = (field for field in dataclasses.fields(section) if field.name == name)
     return cast(T, dataclasses.field(default=found.default, metadata=found.metadata))
 
@@ -64,7 +64,7 @@ class AmclNoiseBelief:
 
 @dataclass(frozen=True, slots=True)
 class EkfNoiseBelief:
-    """Noise model of the Kalman filter. It estimates the laser's noise itself, from every scan."""
+    """Noise model of the Kalman filter. The filter itself estimates the laser's noise from every scan."""
 
     odom_alpha1: float = _as_in(EkfParameters, "odom_alpha1", float)
     odom_alpha2: float = _as_in(EkfParameters, "odom_alpha2", float)
@@ -78,16 +78,16 @@ class NoiseBeliefs:
     """Noise models of the estimators."""
 
     amcl: AmclNoiseBelief = param(AmclNoiseBelief(), "the particle filter")
-    ekf: EkfNoiseBelief = param(EkfNoiseBelief(), "the Kalman filter, which estimates the laser's noise from the scans")
+    ekf: EkfNoiseBelief = param(EkfNoiseBelief(), "the Kalman filter; it estimates the laser's noise from the scans")
 
 
 @dataclass(frozen=True, slots=True)
 class NoiseSection:
-    """Sensor noise, and the estimators' models of it."""
+    """True sensor noise, and the estimators' noise models."""
 
     preset: NoisePreset = param(
         NoisePreset.NONE,
-        "numbers to begin with (`none`: the defaults, `perfect`: no noise); a line below overrides them",
+        "set of noise values (`none`: the defaults, `perfect`: no noise); the keys below override single values",
     )
     odometry: OdometryNoise = param(OdometryNoise(), "actual odometry noise")
     laser: LaserNoise = param(LaserNoise(), "actual laser noise")
@@ -118,12 +118,12 @@ def value_at(section: object, path: str) -> object:
 
 
 def with_value(section: T, path: str, value: object) -> T:
-    """Return the section with another value at a path of names."""
+    """Return a copy of the section with `value` at a path of names."""
     return with_values(section, {path: value})
 
 
 def with_values(section: T, values: Mapping[str, object]) -> T:
-    """Return the section with other values at paths of names; each section on these paths is built only once."""
+    """Return a copy of the section with new values at paths of names. Each inner section is copied only once."""
     own: dict[str, object] = {}
     inner: dict[str, dict[str, object]] = {}
     for path, value in values.items():
@@ -138,24 +138,24 @@ def with_values(section: T, values: Mapping[str, object]) -> T:
 
 
 TARGET_PATHS: Mapping[str, str] = dict(_homes())
-"""Path of each number in the study, by its path in the section."""
+"""Path of each number in the study, by its path in the section `noise`."""
 
 
 def noise_section_of(study: object) -> NoiseSection:
-    """Return the section as it would be written for this study."""
+    """Return the section `noise` that describes this study."""
     return with_values(NoiseSection(), {path: value_at(study, home) for path, home in TARGET_PATHS.items()})
 
 
 def with_noise(section: NoiseSection, study: T) -> T:
-    """Return the study with the numbers of the section."""
+    """Return a copy of the study with the numbers of the section `noise`."""
     return with_values(study, {home: value_at(section, path) for path, home in TARGET_PATHS.items()})
 
 
 def resolve_noise(tree: Node) -> Node:
-    """Return the tree of a study with the numbers of its section `noise` moved to their own keys.
+    """Return the tree of a study after moving the numbers of its section `noise` to their own keys.
 
-    For messages, the numbers keep the lines where people wrote them. A number stays in the section if the study also
-    has it under its own key. Everything else in the section stays there too. So faults are reported at the right line.
+    The numbers keep their line numbers for messages. A number stays in the section if the study also has this number
+    under its own key. All other entries stay in the section, too. So the reader reports each fault at the right line.
     """
     moved: Node = Section(1, [])
     rest = tree
@@ -174,7 +174,7 @@ def _stands_once(tree: Node, path: Sequence[str]) -> bool:
 
 
 def preset_in(tree: Node) -> NoisePreset:
-    """Return the preset that a file names, or `NoisePreset.NONE`."""
+    """Return the noise preset that the tree of a study names, or `NoisePreset.NONE`."""
     for name in ("noise", "preset"):
         if not isinstance(tree, Section):
             return NoisePreset.NONE
@@ -184,13 +184,13 @@ def preset_in(tree: Node) -> NoisePreset:
 
 
 def tree_of_preset(name: NoisePreset) -> Node:
-    """Return the tree of a study that has only the numbers of a preset."""
+    """Return the tree of a study with the numbers of a preset and no other keys."""
     section = parse(Path(f"preset {name}"), PRESETS[name])
     return without(resolve_noise(nested("noise", section, section.line)), ("noise",))
 
 
 def preset(name: NoisePreset, standard: NoiseSection) -> NoiseSection:
-    """Return the numbers of a preset, completed by those of `standard`."""
+    """Return the numbers of a preset; numbers that the preset omits come from `standard`."""
     path = Path(f"preset {name}")
     return load_tree(path, parse(path, PRESETS[name]), NoiseSection, standard).value
 
@@ -232,10 +232,10 @@ believed:
   ekf: {odom_alpha1: 0.1, odom_alpha2: 0.1, odom_alpha3: 0.1, odom_alpha4: 0.1}
 """,
 }
-"""The section of each preset, as an admin would write it.
+"""YAML text of the section `noise` for each preset.
 
-turtlebot2: a Kobuki base and an RPLidar A1. The wheels' scales are the error of an uncalibrated base (Borenstein and
+turtlebot2: a Kobuki base and an RPLidar A1. The wheels' scales are the errors of an uncalibrated base (Borenstein and
 Feng 1996 report up to a few percent). The gyroscope's noise is 0.03 deg/s per root hertz (data sheet of the L3G4200D)
-over 50 Hz. The noise of the ranges is 1 % at two meters (data sheet of the A1M8). The particle filter's model is that
-of turtlebot_navigation's amcl.launch.xml.
+at a bandwidth of 50 Hz. The range noise is 1 % at a range of 2 m (data sheet of the A1M8). The particle filter's noise
+model is from turtlebot_navigation's amcl.launch.xml.
 """

@@ -1,4 +1,4 @@
-"""Changes to a study, by files or by single keys, for example to replay a recording with other parameters."""
+"""Changes to a study by files or single keys, for example to replay a recording with other parameters."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ from thbridge.study.study_file import Study, load_study_tree
 from thbridge.study.text import resolved
 
 CHANGE_SOURCE = Path("--with")
-"""File name in faults of single changes."""
+"""File name in error messages about single changes."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,10 +29,10 @@ class StudyChange:
 def with_changes(
     study: Study, files: Sequence[Path], changes: Sequence[StudyChange], source: Path = CHANGE_SOURCE
 ) -> Study:
-    """Return the study with the keys of the files, one after the other, and then with the single changes.
+    """Return the study after applying the keys of each file in order, and then the single changes.
 
-    Other keys keep their values; only a new noise preset resets the numbers of the section `noise`. Faults of single
-    changes name `source` as their file.
+    All other keys keep their values. But a new noise preset also resets the numbers of the section `noise`. Error
+    messages about single changes name `source` as their file.
 
     Raises:
         BadFile: a file cannot be read, or the result is not a valid study.
@@ -54,9 +54,13 @@ def resolved_tree(study: Study) -> Node:
 
 
 def merged(base: Node, path: Path, tree: Node) -> Loaded[Study]:
-    """Return the study of a `resolved_tree`, changed by a tree of the file `path`. Raises as `with_changes` does."""
+    """Return the study of a `resolved_tree` after applying the tree of the file `path`.
+
+    Raises:
+    BadFile: the result is not a valid study.
+    """
     if (ros := node_at(tree, ("ros_parameters",))) is not None:
-        problem = "ROS files would change nothing, because a recorded study already has all numbers"
+        problem = "ROS files have no effect here, because a recorded study already contains a value for every parameter"
         raise BadFile(path, problem, "write the numbers to change under `robot`", line=ros.line, key="ros_parameters")
     if node_at(tree, ("noise", "preset")) is not None:
         base = without(base, ("noise",))
@@ -65,5 +69,5 @@ def merged(base: Node, path: Path, tree: Node) -> Loaded[Study]:
 
 def _tree(change: StudyChange, source: Path) -> Node:
     node = parse(source, change.value)
-    # The parser turns an empty text into an empty section, but here an empty text is a missing value.
+    # The parser turns an empty text into an empty section. Here, however, an empty text is a missing value.
     return nested(change.key, node if change.value.strip() else Scalar("", True, 1), 1)

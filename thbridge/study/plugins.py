@@ -1,4 +1,4 @@
-"""Plug-ins that a study names."""
+"""Search for the plug-ins that a study names."""
 
 from collections.abc import Iterator, Mapping
 
@@ -21,7 +21,7 @@ def plugins_of(*studies: Study) -> tuple[str, ...]:
 
 
 def part_keys(*robots: RobotParameters) -> Iterator[str]:
-    """Yield the keys of the plug-ins that the parameters of robots name."""
+    """Yield the keys of the plug-ins that the robots' parameters name."""
     for software in robots:
         for kind, _, name in installed_names(software):
             yield PART_KINDS[kind].key(name)

@@ -18,7 +18,7 @@ from thbridge.rosgraph.values.names import canonical, join
 S = TypeVar("S")
 
 NUMBER = "{n}"
-"""Placeholder for the robot's number, from 1."""
+"""Placeholder for the robot's number. Numbers start at 1."""
 
 _FRAMES = ("map_frame", "odom_frame", "base_frame")
 _NAME = re.compile(r"/?[A-Za-z][A-Za-z0-9_]*(/[A-Za-z0-9_]+)*/?")
@@ -29,20 +29,20 @@ _OWN = ("odom_frame", "odom", "scan", "amcl_pose", "battery", "cmd_vel", "initia
 
 @dataclass(frozen=True, slots=True)
 class FleetNames:
-    """Names of the topics and frames of a robot; {n} stands for its number."""
+    """Names of the topics and frames of a robot; {n} is the placeholder for the robot's number."""
 
-    namespace: str = param("/robot{n}", "prefix of its topics, unless they begin with /")
+    namespace: str = param("/robot{n}", "prefix of the robot's topics, except topics that begin with /")
     map_frame: str = param("map", "frame of the study's map")
-    odom_frame: str = param("robot{n}/odom", "frame of its odometry")
-    base_frame: str = param("robot{n}/base_footprint", "frame of its base")
-    odom: str = param("odom", "topic of its odometry, nav_msgs/Odometry")
-    scan: str = param("scan", "topic of its laser, sensor_msgs/LaserScan")
-    amcl_pose: str = param("amcl_pose", "topic of its localization, geometry_msgs/PoseWithCovarianceStamped")
-    battery: str = param("battery", "topic of its battery, sensor_msgs/BatteryState; optional")
-    cmd_vel: str = param("cmd_vel", "topic of the commands to its base, geometry_msgs/Twist")
+    odom_frame: str = param("robot{n}/odom", "frame of the robot's odometry")
+    base_frame: str = param("robot{n}/base_footprint", "frame of the robot's base")
+    odom: str = param("odom", "topic of the robot's odometry, nav_msgs/Odometry")
+    scan: str = param("scan", "topic of the robot's laser, sensor_msgs/LaserScan")
+    amcl_pose: str = param("amcl_pose", "topic of the robot's localization, geometry_msgs/PoseWithCovarianceStamped")
+    battery: str = param("battery", "topic of the robot's battery, sensor_msgs/BatteryState; optional")
+    cmd_vel: str = param("cmd_vel", "topic of the commands to the robot's base, geometry_msgs/Twist")
     initialpose: str = param("initialpose", "topic on which amcl receives its initial pose")
-    move_base: str = param("move_base", "its action server, move_base_msgs/MoveBaseAction")
-    plan: str = param("move_base/NavfnROS/plan", "topic of its global plan, nav_msgs/Path; optional")
+    move_base: str = param("move_base", "action server of the robot's move_base, move_base_msgs/MoveBaseAction")
+    plan: str = param("move_base/NavfnROS/plan", "topic of the robot's global plan, nav_msgs/Path; optional")
     recorded: tuple[str, ...] = param(
         (
             "particlecloud",
@@ -50,7 +50,7 @@ class FleetNames:
             "move_base/local_costmap/costmap",
             "move_base/local_costmap/footprint",
         ),
-        "further topics of any type, only for the bag",
+        "further topics of any type; they are only recorded in the bag",
     )
 
     def names(self, number: RobotNumber) -> RemoteNames:
@@ -85,14 +85,14 @@ class FleetNames:
             for text in (value,) if isinstance(value, str) else value:
                 plain = text.replace(NUMBER, str(number))
                 if field.name == "namespace" and not plain.strip("/"):
-                    continue  # A robot may be alone on its graph.
+                    continue  # A robot that is alone on its ROS graph needs no namespace.
                 if not (_FRAME if field.name in _FRAMES else _NAME).fullmatch(plain):
                     what = "frame" if field.name in _FRAMES else "topic"
                     yield field.name, f"{text!r} is not a valid name of a {what}"
 
 
 class NameClash(NamedTuple):
-    """A name that is used twice: number of the second robot, and the field."""
+    """A name that is used twice: number of the second robot, field with the name, and description of the problem."""
 
     robot: RobotNumber
     field: str
@@ -101,26 +101,27 @@ class NameClash(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class FleetSection:
-    """Real robots."""
+    """Settings of real robots."""
 
     robot: FleetNames = param(FleetNames(), "names of the topics and frames of every robot; {n} is its number")
     silence: float = param(
-        5.0, "time without a message after which a robot or its move_base counts as silent", "s", 1, 600
+        5.0, "time without a message after which the robot or its move_base counts as silent", "s", 1, 600
     )
     odom_time_offset: float = live(
         0.0,
-        "time by which odometry leads the scans (`thbridge localize` measures it); its stamps are corrected by it",
+        "time by which odometry is ahead of the scans (measured by `thbridge localize`); odometry stamps are corrected "
+        "by this time",
         "s",
         -10,
         10,
     )
     each: Mapping[int, FleetNames] = dataclasses.field(
         default_factory=dict,
-        metadata={"help": "robots with other names, by number: {2: {namespace: /kobuki}}", "like": "robot"},
+        metadata={"help": "names for single robots, by robot number: {2: {namespace: /kobuki}}", "like": "robot"},
     )
 
     def names(self, robots: int) -> list[RemoteNames]:
-        """Return the names of a team of this size."""
+        """Return the names of each robot in a team of this size."""
         return [self.each.get(number, self.robot).names(number) for number in robot_numbers(robots)]
 
     def clash(self, robots: int) -> NameClash | None:
@@ -131,7 +132,7 @@ class FleetSection:
                 name = cast(str, getattr(own, field))
                 first, other = taken.setdefault(name, (number, field))
                 if (first, other) != (number, field):
-                    problem = f"{name} would be {other} of robot {first} and {field} of robot {number}"
+                    problem = f"{name} is both {other} of robot {first} and {field} of robot {number}"
                     return NameClash(number, field, problem)
         return None
 
@@ -146,12 +147,12 @@ def faults_of_fleet(loaded: Loaded[S], fleet: FleetSection, robots: int) -> Iter
         for field, problem in named.faults(number):
             sound = False
             yield loaded.fault(
-                f"{key}.{field}", problem, f"Write letters, digits, _ and /; {NUMBER} stands for the robot's number"
+                f"{key}.{field}", problem, f"Write letters, digits, _ and /; {NUMBER} is replaced by the robot's number"
             )
     if not sound:
         return
     clash = fleet.clash(robots)
     if clash is not None:
         key = f"fleet.each.{clash.robot}" if clash.robot in fleet.each else "fleet.robot"
-        remedy = f"Give each its own name; {NUMBER} stands for the robot's number"
+        remedy = f"Write a different name for each; {NUMBER} is replaced by the robot's number"
         yield loaded.fault(f"{key}.{clash.field}", clash.problem, remedy)

@@ -1,7 +1,7 @@
-"""The study file: all settings in one YAML file. Every key may be left out.
+"""The study file: all settings of a study in one YAML file. Every key is optional.
 
-The sections are frozen dataclasses. `param` gives each field its default, meaning, unit and bounds. The reader, its
-error messages and the commented file that `thbridge study init` writes use these declarations.
+The sections are frozen dataclasses. `param` declares the default, help text, unit and bounds of each field. The reader,
+its error messages and the commented file that `thbridge study init` writes use these declarations.
 """
 
 import dataclasses
@@ -48,11 +48,11 @@ from thbridge.study.things import MishapEntry, ThingEntry, faults_of_mishaps, fa
 from thbridge.text_protocol.values.dialect import Dialect
 
 OWN_STRATEGY = "manner"
-"""Name of the built-in strategy of robots."""
+"""Name of the robots' built-in dialogue strategy."""
 
 
 class CostModel(StrEnum):
-    """Pricing of moves: from where the robot stands, or only between the places of a cost file."""
+    """Method for the prices of moves: from the robot's exact position, or from a table of prices between rooms."""
 
     POSITION = "position"
     MATRIX = "matrix"
@@ -62,29 +62,28 @@ class CostModel(StrEnum):
 class GameSection:
     """Rules and energy of the game."""
 
-    energy: float = param(100.0, "energy of each robot at the start", "", 0.01, 1e6)
-    picture_cost: float = param(5.0, "energy of taking a picture", "", 0, 1e6)
-    identify_cost: float = param(1.0, "energy of naming a treasure", "", 0, 1e6)
-    wrong_share: float = param(1.0, "share of a treasure's points that a wrong name costs", "", 0, 10)
+    energy: float = param(100.0, "energy of each robot at the start of the game", "", 0.01, 1e6)
+    picture_cost: float = param(5.0, "energy that a picture costs", "", 0, 1e6)
+    identify_cost: float = param(1.0, "energy that a robot spends to name a treasure", "", 0, 1e6)
+    wrong_share: float = param(1.0, "points that a wrong name costs, as a share of the treasure's points", "", 0, 10)
     costs: Path | None = param(
         None,
-        "path of a mapTimes file of travel costs, or name of a template set that has one (`original-2016`); if null, "
-        "the "
-        "file of the templates if their `set.yaml` names the map, or else the map's own file, or else the templates'",
+        "path of a mapTimes file (travel costs), or name of a template set with such a file (`original-2016`); if "
+        "null, the templates' file if their `set.yaml` names the map; otherwise the map's file; if the map has none, "
+        "the templates' file",
     )
     cost_model: CostModel | None = param(
         None,
-        "how moves are priced: `position`, from where each robot stands; `matrix`, the same price from all places "
-        "outside "
-        "rooms; if null, `position` when the map's own costs are used",
+        "how moves are priced: `position`: from each robot's exact position; `matrix`: the same price from all places "
+        "outside rooms; if null, `position` if the map's own costs are used, otherwise `matrix`",
     )
 
 
 @dataclass(frozen=True, slots=True)
 class ShowsSection:
-    """Optional parts of what participants see. They always see estimated poses and activities."""
+    """Optional information in the participant's window. Estimated poses and activities are always visible."""
 
-    way: bool = param(True, "show the paths that robots are about to drive")
+    way: bool = param(True, "show the paths that robots will drive")
     uncertainty: bool = param(False, "show how certain robots are of their positions")
     truth: bool = param(False, "show the true positions of simulated robots")
     points: bool = param(True, "show the points of a treasure before the participant names it")
@@ -93,34 +92,39 @@ class ShowsSection:
 
 @dataclass(frozen=True, slots=True)
 class ParticipantSection:
-    """The participant: what they see and decide, and the strategy of a simulated participant."""
+    """The participant: consent, display, choice of the team, and the strategy of a simulated participant."""
 
     strategy: str = param(
         BotStrategy.SUGGESTION.value,
-        "how a simulated participant chooses rooms; or the name of an installed participant, which makes all decisions",
+        "how a simulated participant chooses rooms, or the name of an installed participant that makes all decisions",
         choices=tuple(each.value for each in BotStrategy),
         plugins=PARTICIPANTS.group,
     )
     attitude: Attitude = param(
         Attitude.CREDULOUS,
-        "how a simulated participant replies to robots: credulous, agrees whenever it can; cautious, asks for reasons "
-        "and "
-        "accepts them; sceptical, insists on its own choice, and gives in late or not at all",
+        "how a simulated participant replies to robots: credulous: it agrees whenever it can; cautious: it asks for "
+        "reasons and accepts them; sceptical: it insists on its own choice, and gives in late or never",
     )
     consent: Path | None = param(
-        None, "path of a text that participants agree to before they play; if null, consent is not asked for"
+        None, "path of a text that participants must agree to before they play; if null, no consent is needed"
     )
     robots: tuple[int, int] | None = param(
         None,
-        "least and most robots that a participant may choose from, e.g. [1, 4]; if null, always `robots`",
+        "smallest and largest team that a participant may choose, such as [1, 4]; if null, the team has `robots` "
+        "robots",
         "",
         1,
         MOST_ROBOTS,
     )
-    shows: ShowsSection = param(ShowsSection(), "what participants see of robots and treasures")
-    sound: bool = param(True, "allow sounds in the participant's window; participants can press M to switch them off")
+    shows: ShowsSection = param(
+        ShowsSection(), "optional information about robots and treasures in the participant's window"
+    )
+    sound: bool = param(
+        True, "play sounds in the participant's window; participants can press M to switch the sounds off"
+    )
     farewell: Path | None = param(
-        None, "path of a text for the end of a game: thanks, and what comes next; if null, one sentence of thanks"
+        None,
+        "path of a text for the end of a game, with thanks and the next step; if null, one sentence of thanks is shown",
     )
 
 
@@ -130,104 +134,110 @@ class MannerSection:
 
     attitude: Attitude = param(
         Attitude.CAUTIOUS,
-        "what a robot accepts: credulous, everything that has a reason; cautious, everything that nothing it knows "
-        "speaks "
-        "against; sceptical, only what it can argue for itself",
+        "claims that a robot accepts: credulous: every claim with a reason; cautious: every claim that none of its own "
+        "facts contradict; sceptical: only claims for which it has an argument of its own",
     )
     persistence: int = param(
-        2, "number of dialogues about the same matter in which a robot insists; 0: it gives in at once", "", 0, 10
+        2, "number of dialogues about the same topic in which a robot insists; 0: it gives in at once", "", 0, 10
     )
     talkative: bool = param(
-        False, "give an argument part by part, and wait until each part is accepted; if false, give it as a whole"
+        False,
+        "state an argument part by part, and wait until each part is accepted; if false, state the complete argument "
+        "at once",
     )
     gives_reasons: bool = param(True, "answer the participant's questions for reasons")
     misheard: float = param(
-        0.0, "share of the participant's moves that a robot takes for a different legal move", "", 0, 1
+        0.0, "share of the participant's dialogue moves that a robot misunderstands as another legal move", "", 0, 1
     )
-    strategy: str | None = param(None, "name of a strategy, as in dialogue.strategy; if null, that one")
+    strategy: str | None = param(
+        None, "name of a strategy, as in dialogue.strategy; if null, dialogue.strategy applies"
+    )
 
 
 @dataclass(frozen=True, slots=True)
 class DialogueSection:
-    """Dialogues of robots and participant."""
+    """Dialogues between the robots and the participant."""
 
     condition: DialogueCondition = param(
         DialogueCondition.SCRIPT,
-        "who decides: supervisor, robots obey; script, robots ask the questions of the templates; collaborator, robots "
-        "argue and nothing happens before both sides agree; adviser, robots argue and the participant decides; "
-        "autonomous, "
-        "robots argue and decide",
+        "who decides: supervisor: robots obey; script: robots ask the questions of the templates; collaborator: robots "
+        "argue, and robot and participant must agree before the robot acts; adviser: robots argue, and the participant "
+        "decides; autonomous: robots argue and decide",
     )
     manner: MannerSection = param(MannerSection(), "how robots argue")
     each: Mapping[int, MannerSection] = dataclasses.field(
         default_factory=dict,
-        metadata={"help": "robots with a different manner, by number: {2: {persistence: 0}}", "like": "manner"},
+        metadata={"help": "manner of single robots, by robot number: {2: {persistence: 0}}", "like": "manner"},
     )
     neglect: float | None = param(
         None,
-        "time after which a robot that the participant does not attend to decides alone; if null, it waits, except in "
-        "the condition autonomous, where it decides after 5 s",
+        "time without the participant's attention after which a robot decides alone; if null, the robot waits without "
+        "limit, or in the condition autonomous for 5 s",
         "s",
         1,
         3600,
     )
     language: str = param(
-        "en", "language of all that participants read and hear: en, de, or the name of a folder in the words folder"
+        "en", "language of all texts and speech for participants: en, de, or the name of a folder in the words folder"
     )
     author: str | None = param(
         None,
-        "name of an installed program that words the robots' sentences (entry point group `thbridge.wordings`); if "
-        "null, "
-        "only the language's files are used",
+        "name of an installed program that formulates the robots' sentences (entry point group `thbridge.wordings`); "
+        "if null, all sentences come from the language's files",
     )
     words: Path | None = param(
         None,
-        "path of a folder of words for robots that argue, in addition to the built-in ones; if null, only those",
+        "path of a folder with further words for robots that argue; if null, they use only the built-in words",
     )
     strategy: str = param(
         OWN_STRATEGY,
-        "how robots that argue choose what to say: `manner`, according to their manner, or the name of an installed "
-        "strategy",
+        "how robots that argue choose their dialogue moves: `manner` (according to their manner), or the name of an "
+        "installed strategy",
     )
     planner: TeamPlanner = param(
         TeamPlanner.JOINT,
-        "how robots choose the rooms that they suggest: by the joint plan of the team, the nearest room, the cheapest "
-        "of all moves, a tour of their own, or an auction",
+        "how robots choose the rooms that they suggest: the team's joint plan, the nearest room, the cheapest of all "
+        "moves, a separate tour of each robot, or an auction",
     )
     adviser_error_rate: float = param(
         0.0,
-        "share of wrong suggestions, which name another room than planned; above 0 no suggestion compares rooms",
+        "share of wrong suggestions; a wrong suggestion names another room than the planned room; if the share is "
+        "above 0, no suggestion compares rooms",
         "",
         0,
         1,
     )
     says_confidence: bool = param(
-        False, "robots state how certain they are of a suggestion: the probability that it is not wrong"
+        False, "robots state their confidence in each suggestion: the probability that the suggestion is right"
     )
     confidence_bias: float = param(
-        0.0, "number added to the confidence that robots state; the sum is kept within 0 to 1; 0: calibrated", "", -1, 1
+        0.0,
+        "number added to the confidence that robots state; the sum is limited to 0 to 1; 0: calibrated confidence",
+        "",
+        -1,
+        1,
     )
     confidence_spread: float = param(
         0.0,
-        "greatest difference between a suggestion's own probability of being wrong, drawn for each suggestion, and the "
-        "mean, adviser_error_rate; 0: all suggestions are equally certain",
+        "largest difference between the error probability of one suggestion (drawn at random) and the mean, "
+        "adviser_error_rate; 0: all suggestions have the same error probability",
         "",
         0,
         0.5,
     )
     games: Path | None = param(
-        None, "path of a folder of dialogue games, in addition to the built-in ones; if null, only those"
+        None, "path of a folder with further dialogue games; if null, robots play only the built-in games"
     )
 
     def strategy_of(self, manner: MannerSection) -> str | None:
-        """Return the name of the installed strategy for robots with this manner; None means the built-in strategy."""
+        """Return the name of the installed strategy for robots with this manner, or None for the built-in strategy."""
         name = self.strategy if manner.strategy is None else manner.strategy
         # Older studies call the built-in strategy `template`.
         return None if name in {OWN_STRATEGY, "template"} else name
 
     @property
     def patience(self) -> float | None:
-        """Time for which a robot waits for the participant, s. If None, it waits forever."""
+        """Time for which a robot waits for the participant, in seconds. If None, the robot waits without limit."""
         return 5.0 if self.neglect is None and self.condition is DialogueCondition.AUTONOMOUS else self.neglect
 
 
@@ -235,11 +245,15 @@ class DialogueSection:
 class ServerSection:
     """The text server of the game's programs."""
 
-    host: str = param("127.0.0.1", "address to listen on; 0.0.0.0 also accepts the clients of `keys` and `open_to`")
+    host: str = param(
+        "127.0.0.1", "address to listen on; 0.0.0.0 also accepts remote clients that `keys` or `open_to` allow"
+    )
     port: int = param(TEXT_SERVER_PORT, "TCP port; 0: any free port", "", 0, 65535)
-    dialect: Dialect = param(Dialect.LEGACY_2016, "which reading of an ambiguous %%goto is tried first")
+    dialect: Dialect = param(Dialect.LEGACY_2016, "interpretation of an ambiguous %%goto that is tried first")
     tell_refusals: bool = param(
-        False, "send `%%error Game NAME refused: WHY` to programs of the 2016 protocol, which in 2016 received nothing"
+        False,
+        "send `%%error Game NAME refused: WHY` to programs of the 2016 protocol; in 2016 these programs received no "
+        "reply",
     )
 
 
@@ -248,29 +262,37 @@ class RecordingSection:
     """Recording of a session."""
 
     compression: Compression = param(
-        Compression.LZ4, "compression of the bag's chunks: lz4 is fast, bz2 is small and slow; rosbag reads all of them"
+        Compression.LZ4,
+        "compression of the bag's chunks: lz4 is fast, bz2 gives small files but is slow; rosbag reads all of them",
     )
     detail: RecordingDetail = param(
         RecordingDetail.CHANGES,
-        "changes: every other message, and of unchanged costmaps one in 10 s; all: every costmap, too",
+        "costmaps in the bag: changes: every changed costmap, and an unchanged costmap every 10 s; all: every costmap; "
+        "all other messages are always recorded",
     )
     definitions: DefinitionTexts = param(
         DefinitionTexts.OWN,
-        "message definitions in the bag; own: the same on every machine; installed: those of the installed ROS, with "
-        "comments, which `rosbag check` needs",
+        "message definitions in the bag; own: the same on every machine; installed: definitions of the installed ROS, "
+        "with the comments that `rosbag check` needs",
     )
-    errors: bool = param(True, "record each robot's estimated pose at every scan, its errors, and whether it is lost")
+    errors: bool = param(
+        True, "record each robot's pose estimate at every scan, the estimate's errors, and whether the robot is lost"
+    )
     readers: Readers = param(
         Readers.OWNER,
-        "accounts of this machine that may read the recording, which includes the treasures of a running game: owner, "
-        "group (the account's group) or everyone",
+        "accounts of this machine that may read the recording: owner, group (the account's group) or everyone; the "
+        "recording shows the treasures of a running game",
     )
     split_size: float | None = param(
-        None, "size of a file at which the recording continues in a new one; if null, there is one file", "MB", 0.1, 1e6
+        None,
+        "file size at which the recording continues in a new file; if null, there is only one file",
+        "MB",
+        0.1,
+        1e6,
     )
     split_duration: float | None = param(
         None,
-        "simulated time after which the recording continues in a new file; if null, one file",
+        "simulated time after which the recording continues in a new file; if null, there is only one file",
         "s",
         1.0,
         1e6,
@@ -278,7 +300,7 @@ class RecordingSection:
 
     @property
     def splitting(self) -> SplitLimits:
-        """Limits of a bag file before the recording continues in a new one. A megabyte is 2^20 bytes, as in rosbag."""
+        """Limits at which the recording continues in a new bag file. A megabyte is 2^20 bytes, as in rosbag."""
         size, duration = self.split_size, self.split_duration
         return SplitLimits(
             None if size is None else round(size * 2**20), None if duration is None else round(duration * 1e9)
@@ -287,69 +309,73 @@ class RecordingSection:
 
 @dataclass(frozen=True, slots=True)
 class WatchSection:
-    """Address for researchers' windows: they see the truth, and may send requests to robots."""
+    """Watch port for researchers' windows. The windows show the true state and may send requests to robots."""
 
-    host: str = param("127.0.0.1", "address to listen on; 0.0.0.0 also accepts remote clients that hold a key")
+    host: str = param("127.0.0.1", "address to listen on; 0.0.0.0 also accepts remote clients that have a key")
     port: int | None = param(
-        None, "TCP port, such as 6010; 0: any free port; if null, watching is not possible", "", 0, 65535
+        None, "TCP port, such as 6010; 0: any free port; if null, the game cannot be watched", "", 0, 65535
     )
     key: Path | None = param(
         None,
-        "path of a folder of keys (`thbridge keys`), or of a file with one key, that clients need; if null, no key is "
-        "needed",
+        "path of a folder of keys (`thbridge keys`) or of a file with one key; clients need one of these keys; if "
+        "null, clients need no key",
     )
 
 
 @dataclass(frozen=True, slots=True)
 class Study:
-    """A study: map, robots, game, participant, programs."""
+    """All settings of a study: map, robots, game, participant, programs."""
 
-    map: str = param("arena8", "name of a map, or path of a map folder (with a slash, relative to this file's folder)")
+    map: str = param(
+        "arena8", "name of a map, or path of a map folder (with a slash; relative to the folder of this file)"
+    )
     templates: str = param("original-2016", "name of a template set, or path of its folder")
-    robots: int = param(2, "size of the team", "", 1, MOST_ROBOTS)
-    robots_from: RobotsFrom = param(RobotsFrom.SIM, "simulated robots, or real robots of a ROS graph (section fleet)")
+    robots: int = param(2, "number of robots in the team", "", 1, MOST_ROBOTS)
+    robots_from: RobotsFrom = param(
+        RobotsFrom.SIM, "source of the robots: sim: simulated robots; ros: real robots on a ROS graph (section fleet)"
+    )
     external_nodes: ExternalNodes = param(
         ExternalNodes.NONE,
-        "ROS nodes that replace ours for simulated robots, with `simr --ros`; both: move_base and amcl",
+        "external ROS nodes that replace the software of simulated robots, with `simr --ros`; both: move_base and amcl",
     )
     seed: int = param(1, "random seed; the same seed gives the same run", "", 0, 2**31 - 1)
     rate: float | None = param(
         None,
-        "simulated seconds per second; 0: as fast as possible; if null, 1 if others take part, or else 0",
+        "simulated seconds per second of real time; 0: as fast as possible; if null, 1 if other programs or people "
+        "take part, otherwise 0",
         "",
         0,
         1000,
     )
-    game: GameSection = param(GameSection(), "rules and energy")
+    game: GameSection = param(GameSection(), "rules of the game, and the robots' energy")
     participant: ParticipantSection = param(
-        ParticipantSection(), "consent, display, strategy of a simulated participant"
+        ParticipantSection(), "the participant: consent, display, and the strategy of a simulated participant"
     )
-    dialogue: DialogueSection = param(DialogueSection(), "how robots and the participant talk")
-    server: ServerSection = param(ServerSection(), "the text server")
-    watch: WatchSection = param(WatchSection(), "researchers' windows")
+    dialogue: DialogueSection = param(DialogueSection(), "dialogues between the robots and the participant")
+    server: ServerSection = param(ServerSection(), "address and options of the text server")
+    watch: WatchSection = param(WatchSection(), "watch port for researchers' windows")
     keys: Path | None = param(
         None,
-        "path of a folder of keys (`thbridge keys`), with which thbridge's programs and windows on other machines take "
-        "part, encrypted; if null, they cannot",
+        "path of a folder of keys (`thbridge keys`) for thbridge's programs and windows on other machines; their "
+        "connections are encrypted; if null, they cannot take part",
     )
     open_to: tuple[str, ...] = param(
         (),
-        "networks, such as 10.0.0.0/24, whose machines may use the 2016 protocol, ROS and MAVLink, which have neither "
-        "keys"
-        " nor encryption, on the ports that are open to other machines",
+        "networks, such as 10.0.0.0/24; their machines may use the 2016 protocol, ROS and MAVLink on the ports that "
+        "are open to other machines; these protocols have neither keys nor encryption",
     )
     mavlink: MavlinkSection = param(MavlinkSection(), "the robots as MAVLink vehicles, for ground stations")
-    recording: RecordingSection = param(RecordingSection(), "the bag")
+    recording: RecordingSection = param(RecordingSection(), "recording of the session in a bag")
     fleet: FleetSection = param(FleetSection(), "real robots: names of their topics and frames")
-    world: WorldParameters = param(WorldParameters(), "true bodies, motors and sensors")
-    robot: RobotParameters = param(RobotParameters(), "software of every robot, under ROS's names")
+    world: WorldParameters = param(WorldParameters(), "the simulated robots' true bodies, motors and sensors")
+    robot: RobotParameters = param(RobotParameters(), "parameters of every robot's software, with ROS's names")
     each: Mapping[int, RobotParameters] = dataclasses.field(
         default_factory=dict,
-        metadata={"help": "robots with different software, by number: {2: {localization: ekf}}", "like": "robot"},
+        metadata={"help": "software of single robots, by robot number: {2: {localization: ekf}}", "like": "robot"},
     )
 
-    things: tuple[ThingEntry, ...] = param((), "obstacles that no map shows: each is a line - {key: value, ...}")
-    mishaps: tuple[MishapEntry, ...] = param((), "scheduled robot failures: each is a line - {key: value, ...}")
+    things: tuple[ThingEntry, ...] = param((), "obstacles that no map shows; write each as a line - {key: value, ...}")
+    mishaps: tuple[MishapEntry, ...] = param((), "scheduled robot failures; write each as a line - {key: value, ...}")
 
     def software(self, number: RobotNumber) -> RobotParameters:
         """Return the software of the robot with this number."""
@@ -358,28 +384,28 @@ class Study:
 
 @dataclass(frozen=True, slots=True)
 class StudyFile(Study):
-    """A study as people write it: noise may have a section of its own, and parameters may come from ROS files."""
+    """Contents of a study file: a study with the section `noise`, and names of ROS files with parameters."""
 
     noise: NoiseSection = param(NoiseSection(), "sensor noise, and the noise models of the robots' software")
     ros_parameters: tuple[Path, ...] = param(
         (),
-        "ROS's YAML files for the software (amcl.yaml, local_costmap:costmap.yaml with its namespace, ...); what they"
-        " leave out has ROS's default, and the section robot overrides them",
+        "ROS's YAML files for the robots' software (amcl.yaml, local_costmap:costmap.yaml with its namespace, ...); "
+        "parameters that these files omit have ROS's default; the section robot overrides the files",
     )
 
     @classmethod
     def of(cls, study: Study) -> "StudyFile":
-        """Return the study as it would be written to a file."""
+        """Return the contents of a study file for this study."""
         return cls(**_fields(study), noise=noise_section_of(study))
 
 
 def _fields(study: Study) -> dict[str, Never]:
-    """Return a study's fields as keyword arguments; `Never` fits every parameter's type."""
+    """Return the fields of a study as keyword arguments. The type `Never` is compatible with every parameter."""
     return {field.name: cast(Never, getattr(study, field.name)) for field in dataclasses.fields(Study)}
 
 
 def with_team_size(study: Study, robots: int) -> Study:
-    """Return the study with a team of this size, without sections and failures of robots with higher numbers."""
+    """Return the study with a team of this size. Sections and failures of robots with higher numbers are removed."""
     each = {number: software for number, software in study.each.items() if number <= robots}
     mishaps = tuple(mishap for mishap in study.mishaps if mishap.robot <= robots)
     manners = {number: manner for number, manner in study.dialogue.each.items() if number <= robots}
@@ -388,25 +414,28 @@ def with_team_size(study: Study, robots: int) -> Study:
 
 
 def check_manners(loaded: Loaded[Study], base: str = "") -> None:
-    """Raise BadFile for manners of robots that the study cannot have, whatever number of robots people choose.
+    """Check that every manner in `dialogue.each` is for a robot that the study can have.
 
-    Only a check calls this. Reading accepts such a study, because recordings of it must stay readable.
+    Only checks call this function. The reader accepts such a study, because its recordings must stay readable.
 
     Args:
         loaded: the study.
-        base: key that contains the study, with a dot at its end. If empty, the study is a whole file.
+        base: key that contains the study, followed by a dot. If empty, the study is a complete file.
+
+    Raises:
+        BadFile: a manner is for a robot whose number is above the largest possible team.
     """
     study = loaded.value
     most = max((study.robots, *(study.participant.robots or ())))
     for number in study.dialogue.each:
         if number > most:
             problem = f"there is no robot {number}: the study has {most}"
-            remedy = f"Write a number from 1 to {most}, or raise robots"
+            remedy = f"Write a number from 1 to {most}, or increase `robots`"
             raise loaded.fault(f"{base}dialogue.each.{number}", problem, remedy)
 
 
 def load_study(path: Path) -> Loaded[Study]:
-    """Read a study file, with notices about valid keys that have no effect.
+    """Read a study file. The result includes notices about valid keys that have no effect.
 
     Raises:
         BadFile: the file cannot be read, or has faults. BadFiles reports all faults at once.
@@ -415,12 +444,12 @@ def load_study(path: Path) -> Loaded[Study]:
 
 
 def read_study_text(path: Path, text: str) -> Study:
-    """Read a study from a text, such as the one in a bag; faults name `path` as the file. See `load_study`."""
+    """Read a study from a text, such as the study in a bag. Errors name `path` as the file. See `load_study`."""
     return load_study_tree(path, parse(path, text)).value
 
 
 def study_before(path: Path, tree: Node) -> StudyFile:
-    """Return the values to which a study's own lines are applied: defaults, its noise preset, its ROS files.
+    """Return the values that the keys of a study file override: defaults, noise preset and ROS files.
 
     Raises:
         BadFile: one of the ROS files cannot be read.
@@ -442,11 +471,11 @@ def load_study_tree(path: Path, tree: Node) -> Loaded[Study]:
 
 @dataclass(frozen=True, slots=True)
 class _Start:
-    """The values to which a study's own lines are applied.
+    """The values that the keys of a study file override.
 
     Attributes:
         study: these values.
-        begun: the software's defaults before presets and ROS files: those of hunts, or those of ROS.
+        begun: the software's defaults before presets and ROS files: the defaults of hunts, or the defaults of ROS.
         ros: contents of the ROS files.
     """
 
@@ -455,7 +484,7 @@ class _Start:
     ros: RosParameters
 
     def notices_about(self, study: Study, lines: Iterable[str]) -> Iterator[str]:
-        """Yield sentences about the ROS files, given the whole study and the keys of its own lines."""
+        """Yield sentences about the ROS files, given the complete study and the keys that its file contains."""
         yield from self.ros.notices
         own = {TARGET_PATHS.get(line.removeprefix("noise."), line).removeprefix("robot.") for line in lines}
         yield from sentences_of(ros_defaults(study.robot, self.begun, RobotParameters(), self.ros.written | own))
@@ -471,19 +500,19 @@ def _start(path: Path, tree: Node) -> _Start:
 
 
 def _ros_files(path: Path, tree: Node) -> list[Path]:
-    """Return the ROS files that a study names; they are needed before the rest of it can be read."""
+    """Return the ROS files that a study names. They must be known before the other keys can be read."""
     entries = tree.entries if isinstance(tree, Section) else []
     lists = [child.items for key, child in entries if key.text == "ros_parameters" and isinstance(child, Listing)]
     return [path.parent / item.text for items in lists for item in items if isinstance(item, Scalar)]
 
 
 def _given_twice(written: Loaded[StudyFile]) -> Iterator[BadFile]:
-    """Yield faults of numbers that are written twice with different values, in `noise` and under their own key."""
+    """Yield faults of numbers that have different values in the section `noise` and under their own key."""
     for path, home in TARGET_PATHS.items():
         key = f"noise.{path}"
         here, there = value_at(written.value.noise, path), value_at(written.value, home)
         if key in written.lines and home in written.lines and here != there:
-            problem = f"{here} here, but {there} as {home} in line {written.lines[home]}"
+            problem = f"the value is {here} here, but {there} as {home} in line {written.lines[home]}"
             yield written.fault(key, problem, "Keep one of the two")
 
 
@@ -493,18 +522,20 @@ def _contradictions(loaded: Loaded[Study]) -> Iterator[BadFile]:
     laser = study.world.laser
     if TICKS_PER_SECOND % laser.rate:
         rates = [str(rate) for rate in range(1, TICKS_PER_SECOND + 1) if TICKS_PER_SECOND % rate == 0]
-        problem = f"{laser.rate} does not divide the {TICKS_PER_SECOND} steps of a second"
+        problem = f"{laser.rate} is not a divisor of {TICKS_PER_SECOND}, the number of simulation steps per second"
         yield loaded.fault("world.laser.rate", problem, f"Write one of {', '.join(rates)}")
     if laser.range_min > laser.range_max:
         yield _crossed(loaded, "world.laser", study.world.laser, "range_min", "range_max")
     yield from _crossings(loaded, "robot", study.robot)
     for key, host in (("server.host", study.server.host), ("watch.host", study.watch.host)):
         if not (host.isprintable() and 0 < len(host) <= LONGEST_HOST):
-            yield loaded.fault(key, "not an address or name of a machine", "Write one such as 127.0.0.1")
+            yield loaded.fault(key, "this is not an address or name of a machine", "Write an address such as 127.0.0.1")
     for number, software in study.each.items():
         if number > study.robots:
             problem = f"there is no robot {number}: the study has {study.robots}"
-            yield loaded.fault(f"each.{number}", problem, f"Write a number from 1 to {study.robots}, or raise robots")
+            yield loaded.fault(
+                f"each.{number}", problem, f"Write a number from 1 to {study.robots}, or increase `robots`"
+            )
         if software != study.robot:
             yield from _crossings(loaded, f"each.{number}", software)
     if study.participant.robots is not None:
@@ -519,21 +550,21 @@ def _contradictions(loaded: Loaded[Study]) -> Iterator[BadFile]:
         yield loaded.fault("dialogue.confidence_spread", problem, remedy)
     for index, text in enumerate(study.open_to):
         if parse_network(text) is None:
-            remedy = "Write an address with the length of its prefix, such as 10.0.0.0/24; 0.0.0.0/0 is all machines"
+            remedy = "Write an address with a prefix length, such as 10.0.0.0/24; 0.0.0.0/0 means all machines"
             yield loaded.fault(f"open_to[{index}]", f"{text!r} is not a network", remedy)
     yield from faults_of_fleet(loaded, study.fleet, study.robots)
     yield from faults_of_mavlink(loaded, study.mavlink, study.robots)
     yield from faults_of_things(loaded, study.things)
     yield from faults_of_mishaps(loaded, study.mishaps, study.robots)
     if not _surrounds_origin(study.world.footprint):
-        problem = "these corners do not surround the robot's center (0, 0)"
-        yield loaded.fault("world.footprint", problem, "Write three or more corners in order around it")
+        problem = "the polygon of these corners does not contain the robot's center (0, 0)"
+        yield loaded.fault("world.footprint", problem, "Write three or more corners in order around the center")
 
 
 def _crossings(loaded: Loaded[Study], key: str, software: RobotParameters) -> Iterator[BadFile]:
     for name, low, high in MIN_MAX_PAIRS:
         section = value_at(software, name)
-        # A fault inherited from the section `robot` is reported there.
+        # A fault that comes from the section `robot` is reported only in that section.
         inherited = key != "robot" and section == value_at(loaded.value.robot, name)
         if not inherited and cast(float, value_at(section, low)) > cast(float, value_at(section, high)):
             yield _crossed(loaded, f"{key}.{name}", section, low, high)
@@ -541,11 +572,11 @@ def _crossings(loaded: Loaded[Study], key: str, software: RobotParameters) -> It
 
 def _crossed(loaded: Loaded[Study], key: str, section: object, low: str, high: str) -> BadFile:
     problem = f"{value_at(section, low)} is above {key}.{high}, which is {value_at(section, high)}"
-    return loaded.fault(f"{key}.{low}", problem, "Lower it, or raise the other")
+    return loaded.fault(f"{key}.{low}", problem, f"Decrease {low}, or increase {high}")
 
 
 def _surrounds_origin(corners: tuple[tuple[float, float], ...]) -> bool:
-    """Return True when a polygon winds around (0, 0) once, without touching it."""
+    """Return True if a polygon goes around (0, 0) exactly once and does not touch this point."""
     sides = list(zip(corners, corners[1:] + corners[:1], strict=True))
     angles = [elementary.atan2(x0 * y1 - y0 * x1, x0 * x1 + y0 * y1) for (x0, y0), (x1, y1) in sides]
     touches = any(abs(abs(angle) - math.pi) < 1e-9 for angle in angles)

@@ -1,4 +1,4 @@
-"""Studies as text: complete for recordings, commented for people."""
+"""Studies as text: the complete text for recordings, and a text with comments for people."""
 
 import dataclasses
 import re
@@ -15,22 +15,22 @@ if TYPE_CHECKING:
     from _typeshed import DataclassInstance
 
 _WORD = re.compile(r"[A-Za-z][A-Za-z0-9_-]*")
-"""Text that needs no quotes, unless YAML gives it another meaning."""
+"""Pattern of texts that need no quotes, unless YAML gives them another meaning."""
 _HEAD = (
-    "# A study: the one that `thbridge play` uses if no other is given. A key left out has the value written here,",
-    f"# except `templates`, which is then {Study().templates}: the game of 2016.",
+    "# The study that `thbridge play` uses if no other study is given. An omitted key has the value in this file.",
+    f"# Exception: if `templates` is omitted, its value is {Study().templates}, the game of 2016.",
     "",
 )
 _RESERVED = {"true", "false", "null", "yes", "no", "on", "off", "y", "n"}
 
 
 def resolved(study: Study) -> str:
-    """Return the whole study as YAML, including defaults; reading it gives an equal study."""
+    """Return the complete study as YAML, including defaults. If this text is read, the result is an equal study."""
     return "\n".join(_lines(StudyFile.of(study), "", commented=False)) + "\n"
 
 
 def commented_study() -> str:
-    """Return the built-in study `standard` as a file, each key with a comment on its meaning, unit and range."""
+    """Return the built-in study `standard` as a file. A comment explains the meaning, unit and range of each key."""
     return "\n".join([*_HEAD, *_lines(StudyFile.of(STANDARD), "", commented=True)]) + "\n"
 
 
@@ -58,7 +58,7 @@ def _lines(section: "DataclassInstance", key: str, commented: bool) -> Iterator[
             words = allowed(hints[field.name], field.metadata)
             comment = f"# {field.metadata['help']}" + (f" [{words}]" if words else "")
             comments = [comment, *_keys_of_items(hints[field.name])]
-            # Uncommented, these numbers would override any preset chosen later.
+            # Without the comment sign, these numbers would override a preset that an admin chooses later.
             lines = [
                 *comments,
                 *(f"# {line}" if key == "noise" and place != "noise.preset" else line for line in lines),
@@ -69,7 +69,7 @@ def _lines(section: "DataclassInstance", key: str, commented: bool) -> Iterator[
 
 
 def _entries(name: str, entries: Mapping[int, "DataclassInstance"], like: "DataclassInstance") -> Iterator[str]:
-    """Yield the lines of numbered sections; each shows only its differences from the section `like`."""
+    """Yield the lines of numbered sections. Each section lists only its differences from the section `like`."""
     yield f"{name}:" if entries else f"{name}: {{}}"
     for number, entry in entries.items():
         yield f"  {number}:"
@@ -77,7 +77,7 @@ def _entries(name: str, entries: Mapping[int, "DataclassInstance"], like: "Datac
 
 
 def _named_sections(name: str, sections: tuple["DataclassInstance", ...]) -> Iterator[str]:
-    """Yield the line that names sections, and then those sections."""
+    """Yield the line that lists the names of sections, followed by these sections."""
     names = [cast(str, getattr(section, "name")) for section in sections]  # noqa: B009 - any class of them
     yield f"{name}: {quoted(' '.join(names))}"
     for own_name, section in zip(names, sections, strict=True):
@@ -102,7 +102,7 @@ def _differences(section: "DataclassInstance", like: "DataclassInstance") -> Ite
 
 
 def _keys_of_items(hint: object) -> Iterator[str]:
-    """Yield comments about the keys of each item of a list of sections."""
+    """Yield comments on the keys of an item, if the type is a list of sections."""
     item = get_args(hint)[0] if get_origin(hint) is tuple else None
     if not (isinstance(item, type) and dataclasses.is_dataclass(item)):
         return
@@ -113,11 +113,11 @@ def _keys_of_items(hint: object) -> Iterator[str]:
 
 
 SHOWN_ELSEWHERE = {"world.odometry", *TARGET_PATHS.values()}
-"""Keys that are shown in the section `noise` instead."""
+"""Keys that this text shows in the section `noise` instead of their own section."""
 
 
 def as_yaml(value: object) -> str:
-    """Return one value as YAML that reads back equal."""
+    """Return a value as YAML. If the YAML is read, the result is an equal value."""
     if value is None:
         return "null"
     if isinstance(value, bool):
@@ -136,5 +136,5 @@ def as_yaml(value: object) -> str:
 
 
 def is_plain_word(text: str) -> bool:
-    """Return True when a text needs no quotes in a file."""
+    """Return True if a text needs no quotes in a YAML file."""
     return _WORD.fullmatch(text) is not None and text.lower() not in _RESERVED

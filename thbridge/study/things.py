@@ -36,7 +36,7 @@ SIZES = {Shape.CRATE: (0.6, 0.6), Shape.DOOR: (1.2, 0.1), Shape.FIRE: (0.8, 0.8)
 ROUND = {Shape.FIRE, Shape.PERSON}
 ROUND_CORNERS = 12
 LONGEST = 86400.0
-"""Latest time, seconds: a day."""
+"""Latest time, in seconds: one day."""
 LEAST_AREA = 1e-4
 MOST_CORNERS = 100
 FASTEST = 10.0
@@ -45,25 +45,35 @@ FASTEST = 10.0
 
 @dataclass(frozen=True, slots=True)
 class ThingEntry:
-    """An obstacle that no map shows: robots perceive it only with their lasers."""
+    """An obstacle that no map shows. Robots perceive it only with their lasers."""
 
-    name: str = field(metadata={"help": "name that people use"})
-    shape: Shape = field(metadata={"help": "shape; a polygon needs `corners`"})
-    at: tuple[float, float, float] | None = param(None, "where it stands: x, y, yaw on the map", "m, m, rad")
-    path: tuple[tuple[float, float], ...] = param((), "instead of `at`: points x, y that it walks through", "m")
-    speed: float = param(0.8, "speed at which it walks", "m/s", 0.01, FASTEST)
-    back_and_forth: bool = param(default=False, help="turn back at the end of the path instead of staying there")
+    name: str = field(metadata={"help": "name of the obstacle"})
+    shape: Shape = field(metadata={"help": "shape of the obstacle; a polygon needs `corners`"})
+    at: tuple[float, float, float] | None = param(
+        None, "pose on the map, for a standing obstacle: x, y, yaw", "m, m, rad"
+    )
+    path: tuple[tuple[float, float], ...] = param(
+        (), "points x, y on the map, for a walking obstacle (instead of `at`)", "m"
+    )
+    speed: float = param(0.8, "speed of a walking obstacle", "m/s", 0.01, FASTEST)
+    back_and_forth: bool = param(
+        default=False, help="walk back and forth on the path; if false, stop at the end of the path"
+    )
     size: tuple[float, float] | None = param(
-        None, "length along its yaw, and width across; if null, the usual size of the shape", "m", 0.02, 100
+        None, "length along the yaw, and width; if null, the default size of the shape", "m", 0.02, 100
     )
     corners: tuple[tuple[float, float], ...] = param(
-        (), "for a polygon: corners x, y relative to its own center, in order", "m"
+        (), "for a polygon: corners x, y relative to the polygon's center, in order", "m"
     )
-    appears: float = param(0.0, "simulated time at which it appears, once no robot is in its place", "s", 0, LONGEST)
-    vanishes: float | None = param(None, "simulated time at which it is removed; if null, it stays", "s", 0, LONGEST)
+    appears: float = param(
+        0.0, "simulated time at which the obstacle appears, or later, when no robot is there", "s", 0, LONGEST
+    )
+    vanishes: float | None = param(
+        None, "simulated time at which the obstacle is removed; if null, it stays", "s", 0, LONGEST
+    )
 
     def thing(self) -> Thing:
-        """Return the thing as a body in the world."""
+        """Return the obstacle as a body in the world."""
         if self.at is not None:
             x, y, yaw = self.at
             return Thing(self.name, self._footprint(), Pose2(x, y, yaw))
@@ -96,11 +106,15 @@ class MishapEntry:
     robot: int = field(metadata={"help": "number of the robot, from 1", "minimum": 1, "maximum": 64})
     what: Mishap = field(
         metadata={
-            "help": "`dies`: it stops and falls silent; `revives`: it works again; `carried`: it is moved by hand"
+            "help": "`dies`: the robot stops and sends nothing; `revives`: it works again; `carried`: a person moves it"
         }
     )
-    time: float = field(metadata={"help": "simulated time", "unit": "s", "minimum": 0, "maximum": LONGEST})
-    to: tuple[float, float, float] | None = param(None, "place to move it to: x, y, yaw on the map", "m, m, rad")
+    time: float = field(
+        metadata={"help": "simulated time of the failure", "unit": "s", "minimum": 0, "maximum": LONGEST}
+    )
+    to: tuple[float, float, float] | None = param(
+        None, "for `carried`: new pose of the robot on the map: x, y, yaw", "m, m, rad"
+    )
 
     def input(self) -> TeamInput:
         """Return the failure as an input of the team."""
@@ -111,7 +125,7 @@ class MishapEntry:
 
 
 def schedule_of(things: Sequence[ThingEntry], mishaps: Sequence[MishapEntry]) -> tuple[ScheduledInput, ...]:
-    """Return the timed inputs of all things and failures."""
+    """Return the scheduled inputs of all things and failures."""
     return (*_comings_and_goings(things), *(ScheduledInput(_tick(mishap.time), mishap.input()) for mishap in mishaps))
 
 
@@ -127,7 +141,7 @@ def _tick(seconds: float) -> int:
 
 
 def faults_of_things(loaded: Loaded[S], things: Sequence[ThingEntry]) -> Iterator[BadFile]:
-    """Yield faults of values in the section `things` that are valid alone, but not together."""
+    """Yield faults of values in the section `things` that are valid alone, but contradict each other."""
     first: dict[str, int] = {}
     for index, entry in enumerate(things):
         key = f"things[{index}]"
@@ -137,24 +151,26 @@ def faults_of_things(loaded: Loaded[S], things: Sequence[ThingEntry]) -> Iterato
             )
             yield loaded.fault(f"{key}.name", problem, "Give every thing its own name")
         if entry.vanishes is not None and entry.vanishes <= entry.appears:
-            problem = f"{entry.vanishes:g} is not after it appears, at {entry.appears:g}"
-            yield loaded.fault(f"{key}.vanishes", problem, "Raise it, or delete the line")
+            problem = f"{entry.vanishes:g} is not later than `appears`, which is {entry.appears:g}"
+            yield loaded.fault(f"{key}.vanishes", problem, "Write a later time, or delete the line")
         yield from _faults_of_place(loaded, key, entry)
         yield from _faults_of_body(loaded, key, entry)
 
 
 def _faults_of_place(loaded: Loaded[S], key: str, entry: ThingEntry) -> Iterator[BadFile]:
     if (entry.at is None) == (not entry.path):
-        problem = "neither `at` nor `path`" if entry.at is None else "both `at` and `path`"
+        problem = "the thing has neither `at` nor `path`" if entry.at is None else "the thing has both `at` and `path`"
         remedy = "Write at: [x, y, yaw] for a standing thing, or path: [[x, y], [x, y]] for a walking one"
         yield loaded.fault(key, problem, remedy)
     elif entry.at is None and len(entry.path) < 2:
         yield loaded.fault(f"{key}.path", "a path needs two points", "Write two points or more, or at: [x, y, yaw]")
     elif any(one == other for one, other in itertools.pairwise(entry.path)):
-        yield loaded.fault(f"{key}.path", "the same point twice in a row", "Delete one of the two")
+        yield loaded.fault(f"{key}.path", "two consecutive points are the same", "Delete one of the two")
     for name in ("speed", "back_and_forth"):
         if entry.at is not None and f"{key}.{name}" in loaded.lines:
-            yield loaded.fault(f"{key}.{name}", "a standing thing does not walk", "Delete the line, or give it a path")
+            yield loaded.fault(
+                f"{key}.{name}", "a thing with `at` does not walk", "Delete the line, or write `path` instead of `at`"
+            )
 
 
 def _faults_of_body(loaded: Loaded[S], key: str, entry: ThingEntry) -> Iterator[BadFile]:
@@ -164,41 +180,45 @@ def _faults_of_body(loaded: Loaded[S], key: str, entry: ThingEntry) -> Iterator[
             yield loaded.fault(f"{key}.corners", problem, "Write shape: polygon, or delete the line")
         return
     if entry.size is not None:
-        yield loaded.fault(f"{key}.size", "the corners give the size of a polygon", "Delete the line")
+        yield loaded.fault(
+            f"{key}.size", "a polygon cannot have a size, because its corners determine the size", "Delete the line"
+        )
     if len(entry.corners) < 3 or area(entry.corners) < LEAST_AREA:
         yield loaded.fault(f"{key}.corners", "these corners enclose no area", "Write three or more corners in order")
     elif crosses_itself(entry.corners):
-        yield loaded.fault(f"{key}.corners", "the sides cross each other", "Write the corners in order around it")
+        yield loaded.fault(
+            f"{key}.corners", "the polygon's sides cross each other", "Write the corners in order around the polygon"
+        )
 
 
 def fault_of_thing(thing: Thing, farthest: float, longest: int) -> str | None:
-    """Return the fault of a thing that a client describes, as a sentence for people, or None if it is valid.
+    """Return the fault of a thing as a sentence for people, or None if the thing is valid.
 
     Args:
         thing: the thing that the client describes.
         farthest: greatest coordinate, meters.
-        longest: greatest length of its name, characters.
+        longest: greatest length of the thing's name, characters.
     """
     places = ((thing.base_in_map.x, thing.base_in_map.y), (thing.base_in_map.theta, 0.0), *thing.path)
     if not 0 < len(thing.name) <= longest:
-        return f"a thing has a name, of at most {longest} characters"
+        return f"the name of a thing must have 1 to {longest} characters"
     if max(len(thing.footprint), len(thing.path)) > MOST_CORNERS:
-        return f"a thing has at most {MOST_CORNERS} corners, and as many points on its way"
+        return f"a thing may have at most {MOST_CORNERS} corners and {MOST_CORNERS} points on its path"
     if any(max(abs(x), abs(y)) > farthest for x, y in (*places, *thing.footprint)):
-        return "no map is that large"
+        return f"the coordinates of a thing must be within -{farthest:g} to {farthest:g} m"
     if area(thing.footprint) < LEAST_AREA or crosses_itself(thing.footprint):
-        return "its corners have to enclose something, in turn around it"
-    return None if 0.0 <= thing.speed <= FASTEST else f"a thing walks at 0 to {FASTEST:g} m/s"
+        return "the corners of a thing must enclose an area, and must be in order around this area"
+    return None if 0.0 <= thing.speed <= FASTEST else f"the speed of a thing must be 0 to {FASTEST:g} m/s"
 
 
 def faults_of_mishaps(loaded: Loaded[S], mishaps: Sequence[MishapEntry], robots: int) -> Iterator[BadFile]:
-    """Yield faults of values in the section `mishaps` that are valid alone, but not together."""
+    """Yield faults of values in the section `mishaps` that are valid alone, but contradict each other."""
     for index, entry in enumerate(mishaps):
         key = f"mishaps[{index}]"
         if entry.robot > robots:
             problem = f"there is no robot {entry.robot}: the study has {robots}"
-            yield loaded.fault(f"{key}.robot", problem, f"Write a number from 1 to {robots}, or raise robots")
+            yield loaded.fault(f"{key}.robot", problem, f"Write a number from 1 to {robots}, or increase `robots`")
         if entry.what is Mishap.CARRIED and entry.to is None:
             yield loaded.fault(key, "the place to move the robot to is missing", "Add the key `to: [x, y, yaw]`")
         if entry.what is not Mishap.CARRIED and entry.to is not None:
-            yield loaded.fault(f"{key}.to", f"a robot that {entry.what} stays where it is", "Delete it")
+            yield loaded.fault(f"{key}.to", f"a robot that {entry.what} does not move", "Delete the key `to`")

@@ -102,7 +102,7 @@ def test_the_study_in_docs_is_a_design(tmp_path: Path) -> None:
             "factors:\n  robots: [1, 2]\n  map: [arena9]\n",
             "(condition 1 (robots=1, map=arena9)). ",
         ),
-        ("factors: {robots: []}\n", "design.yaml, line 1, factors.robots: a factor needs levels. Write [LEVEL, "),
+        ("factors: {robots: []}\n", "design.yaml, line 1, factors.robots: the factor has no levels. Write [LEVEL, "),
         ("factors: {robots: [2, 2]}\n", "factors.robots: the level 2 is listed twice. Keep one of the two."),
         (
             "factors: {game.energy: [20, 20.0]}\n",
@@ -110,7 +110,7 @@ def test_the_study_in_docs_is_a_design(tmp_path: Path) -> None:
         ),
         (
             "factors: {robots: {from: 1}}\n",
-            "factors.robots: a range needs both ends. Write {from: A, to: B, steps: N}.",
+            "factors.robots: the range needs a first and a last value. Write {from: A, to: B, steps: N}.",
         ),
         ("factors: {seed: [1, 2]}\n", "design.yaml, line 1, factors.seed: "),
         ("base: {seed: 4}\nconditions:\n  - {seed: 3}\n", "design.yaml, line 3, seed: seeds are the same in all"),
@@ -129,15 +129,15 @@ def test_the_study_in_docs_is_a_design(tmp_path: Path) -> None:
         ),
         (
             "base: {game: {energy: 20}}\nfactors: {game: [{energy: 10}, {energy: 30}]}\n",
-            "design.yaml, line 2, game.energy: base and game both set it. Leave it out of one of the two.",
+            "design.yaml, line 2, game.energy: base and game both set this key. Delete the key in one of the two.",
         ),
         (
             "base: {robots: 3}\nfactors: {robots: [1, 2]}\n",
-            "design.yaml, line 2, robots: base and robots both set it. Leave it out of one of the two.",
+            "design.yaml, line 2, robots: base and robots both set this key. Delete the key in one of the two.",
         ),
         (
             "factors:\n  energy: {low: {game.energy: 9}, high: {game.energy: 99}}\n  game: {a: {game: {energy: 5}}}\n",
-            "design.yaml, line 3, game.energy: energy and game both set it.",
+            "design.yaml, line 3, game.energy: energy and game both set this key.",
         ),
         ("replicates: 100000000\n", "replicates: 100000000 games, but a sweep has at most 10000000. Write fewer."),
         ("study: none.yaml\n", "none.yaml: there is no such file. Check the name and the folder."),

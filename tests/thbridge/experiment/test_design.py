@@ -70,7 +70,7 @@ def test_all_faults_of_an_experiment_are_told_with_their_lines(tmp_path: Path) -
     ("line", "problem"),
     [
         ("within: {robots: [1, 2], seed: [1, 2]}", "seed cannot be a factor"),
-        ("base: {robots: 3}\nwithin: {robots: [1, 2]}", "base and robots both set it"),
+        ("base: {robots: 3}\nwithin: {robots: [1, 2]}", "base and robots both set this key"),
         ("within: {robts: [1, 2]}", "the nearest name is robots"),
         ("between: {noise.preset: [none, worse]}", "worse"),
         ("quota: 0", "1 to 100000"),

@@ -53,7 +53,7 @@ def test_a_number_of_noise_is_changed_once_and_named_where_it_was_written(tmp_pa
         ("noise: {gyro_noise: 0.1}\nnoise: {gyro_noise: 0.2}\n", "line 2, noise: written twice, first in line 1"),
         ("noise:\n  gyro_noise: 0.1\n  gyro_noise: 0.2\n", "line 3, noise.gyro_noise: written twice, first in line 2"),
         ("noise: {odometry: {alpha1: -1}}\n", "line 1, noise.odometry.alpha1: -1 is out of range"),
-        ("noise: {gyro_noise: 0.1}\nworld:\n  gyro_noise: 0.2\n", "line 1, noise.gyro_noise: 0.1 here, but 0.2 as"),
+        ("noise: {gyro_noise: 0.1}\nworld:\n  gyro_noise: 0.2\n", "the value is 0.1 here, but 0.2 as"),
     ):
         changes.write_text(text)
         with pytest.raises(BadFile, match=re.escape(fault)):
@@ -99,7 +99,7 @@ def test_faults_are_told_by_the_key(change: StudyChange, told: str) -> None:
 
 def test_files_of_ros_are_refused(tmp_path: Path) -> None:
     (tmp_path / "a.yaml").write_text("ros_parameters: [amcl.yaml]\n")
-    with pytest.raises(BadFile, match=r"line 1, ros_parameters: ROS files would change nothing"):
+    with pytest.raises(BadFile, match=r"line 1, ros_parameters: ROS files have no effect here"):
         with_changes(Study(), [tmp_path / "a.yaml"], [])
 
 

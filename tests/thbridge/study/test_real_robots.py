@@ -57,10 +57,10 @@ def test_a_robot_may_be_alone_on_its_graph():
         (
             "{robot: {namespace: /robot}}",
             "fleet.robot.odom",
-            "/robot/odom would be odom of robot 1 and odom of robot 2",
+            "/robot/odom is both odom of robot 1 and odom of robot 2",
         ),
         ("{each: {2: {odom_frame: robot1/odom}}}", "fleet.each.2.odom_frame", "of robot 1 and odom_frame of robot 2"),
-        ("{robot: {plan: odom}}", "fleet.robot.plan", "would be odom of robot 1 and plan of robot 1"),
+        ("{robot: {plan: odom}}", "fleet.robot.plan", "is both odom of robot 1 and plan of robot 1"),
     ],
 )
 def test_what_cannot_be_a_name_is_told_with_line_and_remedy(fleet, key, problem):

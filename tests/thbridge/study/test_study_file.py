@@ -206,7 +206,7 @@ BROKEN = {
     "a section as a key": ("? {a: 1}\n: 2\n", "study.yaml, line 1: a list or section is used as a key."),
     "sweeps between the ticks": (
         "world:\n  laser:\n    rate: 15\n",
-        "study.yaml, line 3, world.laser.rate: 15 does not divide the 50 steps of a second. "
+        "study.yaml, line 3, world.laser.rate: 15 is not a divisor of 50, the number of simulation steps per second. "
         "Write one of 1, 2, 5, 10, 25, 50.",
     ),
     "probabilities of error below 0": (
@@ -225,7 +225,7 @@ BROKEN = {
     ),
     "a footprint beside the robot": (
         "world: {footprint: [[1, 0], [2, 0], [1, 1]]}",
-        "study.yaml, line 1, world.footprint: these corners do not surround the robot's center (0, 0).",
+        "study.yaml, line 1, world.footprint: the polygon of these corners does not contain the robot's center (0, 0).",
     ),
 }
 
@@ -286,7 +286,7 @@ class TestNoise:
         text = "robot:\n  amcl: {odom_alpha1: 0.1}\nnoise:\n  believed: {amcl: {odom_alpha1: 0.3}}\n"
         assert refusal(text) == (
             "study.yaml, line 4, noise.believed.amcl.odom_alpha1: "
-            "0.3 here, but 0.1 as robot.amcl.odom_alpha1 in line 2. Keep one of the two."
+            "the value is 0.3 here, but 0.1 as robot.amcl.odom_alpha1 in line 2. Keep one of the two."
         )
 
     def test_the_same_number_twice_is_no_contradiction(self) -> None:

@@ -56,13 +56,13 @@ def test_the_resolved_study_reads_back_equal():
     [
         ("things:\n  - {shape: crate, at: [1, 2, 0]}", "line 2, things[0].name: missing"),
         ("things:\n  - {name: a, shape: box, at: [1, 2, 0]}", "'box' is not a valid choice. Write crate, door, fire"),
-        ("things:\n  - {name: a, shape: crate}", "line 2, things[0]: neither `at` nor `path`. Write at:"),
-        ("things:\n  - {name: a, shape: fire, at: [1, 2, 0], path: [[1, 1], [2, 1]]}", "both `at` and `path`"),
+        ("things:\n  - {name: a, shape: crate}", "line 2, things[0]: the thing has neither `at` nor `path`. Write at:"),
+        ("things:\n  - {name: a, shape: fire, at: [1, 2, 0], path: [[1, 1], [2, 1]]}", "has both `at` and `path`"),
         ("things:\n  - {name: a, shape: person, path: [[1, 1]]}", "things[0].path: a path needs two points"),
-        ("things:\n  - {name: a, shape: person, path: [[1, 1], [1, 1]]}", "the same point twice in a row"),
+        ("things:\n  - {name: a, shape: person, path: [[1, 1], [1, 1]]}", "two consecutive points are the same"),
         (
             "things:\n  - {name: a, shape: door, at: [1, 2, 0], speed: 1}",
-            "things[0].speed: a standing thing does not walk",
+            "things[0].speed: a thing with `at` does not walk",
         ),
         (
             "things:\n  - {name: a, shape: door, at: [1, 2, 0], corners: [[0, 0], [1, 0], [0, 1]]}",
@@ -71,13 +71,13 @@ def test_the_resolved_study_reads_back_equal():
         ("things:\n  - {name: a, shape: polygon, at: [1, 2, 0]}", "things[0].corners: these corners enclose no area"),
         (
             "things:\n  - {name: a, shape: polygon, at: [1, 2, 0], corners: [[0, 0], [2, 2], [2, 0], [0, 1]]}",
-            "the sides cross each other",
+            "the polygon's sides cross each other",
         ),
         (
             "things:\n  - {name: a, shape: polygon, at: [1, 2, 0], size: [1, 1], corners: [[0, 0], [1, 0], [0, 1]]}",
-            "things[0].size: the corners give the size of a polygon",
+            "things[0].size: a polygon cannot have a size, because its corners determine the size",
         ),
-        ("things:\n  - {name: a, shape: crate, at: [1, 2, 0], appears: 5, vanishes: 5}", "5 is not after it appears"),
+        ("things:\n  - {name: a, shape: crate, at: [1, 2, 0], appears: 5, vanishes: 5}", "is not later than `appears`"),
         (
             "things:\n  - {name: a, shape: crate, at: [1, 2, 0]}\n  - {name: a, shape: crate, at: [3, 2, 0]}",
             "line 3, things[1].name: 'a' is also the name of the thing in line 2",
@@ -87,7 +87,7 @@ def test_the_resolved_study_reads_back_equal():
             "mishaps:\n  - {robot: 1, what: carried, time: 1}",
             "the place to move the robot to is missing. Add the key `to: [x, y, yaw]`",
         ),
-        ("mishaps:\n  - {robot: 1, what: dies, time: 1, to: [1, 1, 0]}", "a robot that dies stays where it is"),
+        ("mishaps:\n  - {robot: 1, what: dies, time: 1, to: [1, 1, 0]}", "a robot that dies does not move"),
         ("mishaps:\n  - {robot: 1, what: dies}", "mishaps[0].time: missing"),
     ],
 )

@@ -100,7 +100,8 @@ def test_factors_and_steps_are_added_changed_and_removed(folder: Path) -> None:
     assert not [key for key in faulty(draft) if key != "within.participant.attitude"]
     draft = changed(folder, draft.reset(draft.fields()["within.participant.attitude"]))
     draft = changed(folder, draft.set(draft.fields()["within.dialogue.condition"], ""))
-    assert "a factor needs levels" in faulty(draft)["within.dialogue.condition"], "the row stays while it is typed anew"
+    faults = faulty(draft)
+    assert "the factor has no levels" in faults["within.dialogue.condition"], "the row stays while it is typed anew"
     draft = changed(folder, draft.set(draft.fields()["within.dialogue.condition"], "[collaborator, supervisor]"))
     draft = changed(folder, draft.add(draft.groups()["steps"]))
     assert draft.groups()["steps[9]"].label == "10: pause"
