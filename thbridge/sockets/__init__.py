@@ -1,1 +1,1 @@
-"""TCP and UDP sockets: addresses, admission, TLS, keys, and listening, for the wires of all features."""
+"""TCP and UDP sockets for all protocols: addresses, admission of peers, TLS, keys and listening."""

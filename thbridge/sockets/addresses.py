@@ -1,13 +1,13 @@
-"""Network addresses: HOST:PORT as people write them, and defaults."""
+"""Network addresses in the form HOST:PORT, and their defaults."""
 
 from dataclasses import dataclass
 from typing import NamedTuple
 
 LOCALHOST = "127.0.0.1"
 DEBIAN_HOST = "127.0.1.1"
-"""Loopback address of a Debian machine's own name, at which the participant's window of 2016 expects the server."""
+"""Loopback address of a Debian machine's own name. The participant's window of 2016 connects to this address."""
 LONGEST_HOST = 253
-"""Largest length of a machine's name (RFC 1035)."""
+"""Maximum length of a machine's name (RFC 1035)."""
 TEXT_SERVER_PORT = 6009
 WATCH_PORT = 6010
 ROS_MASTER_PORT = 11311
@@ -50,11 +50,11 @@ def parse_address(text: str) -> Address | None:
 
 
 class UdpTarget(NamedTuple):
-    """Target to which a UDP socket sends from the start.
+    """Target to which a UDP socket sends without waiting for a first message.
 
     Attributes:
         address: address of the station.
-        number: number of the only robot on the link, from 1; None for all robots.
+        number: number of the only robot on the link, from 1. If None, all robots are on the link.
     """
 
     address: Address

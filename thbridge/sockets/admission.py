@@ -1,4 +1,4 @@
-"""Admission of peers by address: programs of this machine, and of networks to which a server is open."""
+"""Admission of peers by address: programs of this machine, and of networks from which a server accepts peers."""
 
 import ipaddress
 from asyncio import BaseTransport
@@ -20,7 +20,7 @@ def parse_network(text: str) -> Network | None:
 
 
 def is_own(host: str) -> bool:
-    """Return True for an address or name at which only programs of this machine can reach a server."""
+    """Return True if only programs of this machine can reach a server at this address or name."""
     try:
         return _plain(host).is_loopback
     except ValueError:
@@ -39,16 +39,16 @@ class Admission:
 
     @classmethod
     def to(cls, networks: Iterable[str]) -> "Admission":
-        """Return the admission of these networks; invalid networks are left out."""
+        """Return the admission of these networks, without the invalid ones."""
         return cls(tuple(network for text in networks if (network := parse_network(text)) is not None))
 
     def refused(self, transport: BaseTransport) -> str | None:
-        """Return the address of a peer that is not admitted, for people; None for an admitted one."""
+        """Return the address of a peer that is not admitted, for people. If the peer is admitted, return None."""
         peer = peer_of(transport)
         return None if peer is None or self.admits(peer) else peer
 
     def admits(self, host: str) -> bool:
-        """Return True for the address of a peer that is admitted."""
+        """Return True if peers at this address are admitted."""
         try:
             address = _plain(host)
         except ValueError:
@@ -61,7 +61,7 @@ OWN_MACHINE = Admission()
 
 
 def peer_of(transport: BaseTransport) -> str | None:
-    """Return the address of a peer on another machine; None for a program of this machine."""
+    """Return the address of a peer on another machine. If the peer is a program of this machine, return None."""
     peer, own = transport.get_extra_info("peername"), transport.get_extra_info("sockname")
     if peer is None:
         return "a client that has left"  # A connection that was reset at once no longer has an address.
@@ -72,7 +72,7 @@ def peer_of(transport: BaseTransport) -> str | None:
 
 
 def _plain(host: str) -> ipaddress.IPv4Address | ipaddress.IPv6Address:
-    """Return an address without its zone, and an IPv4-mapped IPv6 address as IPv4. Raises ValueError."""
+    """Return an address without its zone; convert an IPv4-mapped IPv6 address to IPv4. Raises ValueError."""
     address = ipaddress.ip_address(host.partition("%")[0])
     mapped = address.ipv4_mapped if isinstance(address, ipaddress.IPv6Address) else None
     return mapped or address

@@ -7,7 +7,7 @@ from thbridge.files.errors import reason_of
 
 @dataclass(frozen=True, slots=True)
 class CannotListen:
-    """Failure to open a server; its text is one line for people."""
+    """Failure to open a server. `str` returns one line for people."""
 
     host: str
     port: int

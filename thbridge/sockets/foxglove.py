@@ -1,8 +1,8 @@
-"""Foxglove server: shows a running session in Foxglove. Every message is the same as in a bag.
+"""Foxglove server, which shows a running session in Foxglove. It sends the same messages that a bag contains.
 
-Foxglove reads ROS 1's messages and definitions, so nothing is converted. It can only watch: its messages have no
-effect. foxglove-sdk handles sockets and clients, on its own threads. A client that reads too slowly loses its oldest
-pending messages.
+Foxglove reads ROS 1's messages and definitions, so nothing is converted. Foxglove can only watch: messages from it
+have no effect. foxglove-sdk handles sockets and clients on its own threads. A client that reads too slowly loses its
+oldest pending messages.
 
 Source: the Foxglove WebSocket protocol, `ros1` messages with `ros1msg` schemas.
 """
@@ -24,14 +24,15 @@ from thbridge.sockets.errors import CannotListen
 _log = logging.getLogger(__name__)
 
 _STOP_SECONDS = 3.0
-"""Seconds that the library has to end its connections, so that no open connection can keep a session from ending."""
+"""Seconds that the library has to end its connections. Without this limit, an open connection could block the end of a
+session."""
 
 _MOST_WAITING = 4096
-"""Largest number of messages that may wait for one client: some seconds of a team's messages."""
+"""Maximum number of messages that may wait for one client. This is enough for some seconds of a team's messages."""
 
 
 class FoxgloveServer(ServerListener):
-    """Server of a session's messages for all connected Foxglove windows.
+    """Server that sends a session's messages to all connected Foxglove windows.
 
     Args:
         topics: topics that are advertised from the start; other topics are advertised with their first message.
@@ -52,11 +53,11 @@ class FoxgloveServer(ServerListener):
                 name="thbridge",
                 host=host,
                 port=port,
-                # Foxglove shows the session's time.
+                # With this capability, Foxglove shows the time of the session.
                 capabilities=[Capability.Time],
                 server_listener=self,
                 context=self._context,
-                # Random, so that Foxglove does not take another session at this address for this session.
+                # The id is random. Otherwise Foxglove would confuse a later session at this address with this session.
                 session_id=secrets.token_hex(8),
                 message_backlog_size=_MOST_WAITING,
             )
@@ -68,7 +69,7 @@ class FoxgloveServer(ServerListener):
         """Close all connections, with a timeout."""
         if self._server is None:
             return
-        # The library waits without limit for connections in an unfinished handshake, so it stops on a daemon thread.
+        # The library waits without limit for connections in an unfinished handshake. So a daemon thread stops it.
         stopping = threading.Thread(target=self._server.stop, name="foxglove", daemon=True)
         stopping.start()
         stopping.join(_STOP_SECONDS)
@@ -90,7 +91,7 @@ class FoxgloveServer(ServerListener):
     def on_subscribe(self, client: Client, channel: ChannelView) -> None:
         """Send the last message of a latched topic to a new subscriber, on a thread of foxglove-sdk.
 
-        All other subscribers of the topic get it again, which does no harm.
+        All other subscribers of the topic also receive this message again, which has no effect.
         """
         latched = self._latched.get(channel.id)
         if latched is not None:

@@ -1,4 +1,4 @@
-"""Detection of HTTP at other ports: a web page in a browser of this machine can send any text to any local port."""
+"""Detection of HTTP at ports of other protocols. A web page in a local browser can send any text to any local port."""
 
 import re
 

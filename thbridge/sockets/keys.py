@@ -1,4 +1,4 @@
-"""Keys for the admission of clients: a single key with all rights, or the keys of a ring, each with its rights."""
+"""Keys for the admission of clients: a single key with all rights, or a key ring with rights for each key."""
 
 import hmac
 import logging
@@ -18,13 +18,15 @@ class KeyVerifier(Protocol):
 
     @property
     def tls(self) -> ssl.SSLContext | None:
-        """Context of the server, with its certificate. If None, connections are plain and only from this machine."""
+        """TLS context of the server, with its certificate. If None, connections are not encrypted and only from this
+        machine.
+        """
 
     def identify(self, secret: str) -> Credentials | str:
         """Return the credentials of a secret, or the reason why it is refused, as a clause."""
 
     def why_not(self, credentials: Credentials) -> str | None:
-        """Return the reason why a client is no longer admitted; None if it is."""
+        """Return the reason why a client is no longer admitted, or None if it is still admitted."""
 
 
 class SingleKey:
@@ -36,7 +38,7 @@ class SingleKey:
         self._secret = secret.encode()
 
     def identify(self, secret: str) -> Credentials | str:
-        """Return credentials with all rights, or that the key is wrong."""
+        """Return credentials with all rights if the secret is right. Otherwise return a clause for people."""
         right = hmac.compare_digest(secret.encode(errors="surrogatepass"), self._secret)
         return LOCAL if right else "the key is wrong"
 
@@ -46,11 +48,13 @@ class SingleKey:
 
 
 class RingKeys:
-    """The keys of a ring, always in its present state; see `KeyVerifier`. A ring that cannot be read admits no client.
+    """Keys of a key ring; see `KeyVerifier`. Changes of the ring have an effect at once.
+
+    If the ring cannot be read, no client is admitted.
 
     Args:
         ring: the keys.
-        tls: context of the server, with the certificate that the keys are for.
+        tls: context of the server. The keys contain the fingerprint of its certificate.
     """
 
     def __init__(self, ring: KeyRing, tls: ssl.SSLContext) -> None:
@@ -67,7 +71,7 @@ class RingKeys:
         return Credentials(found.name, found.rights) if isinstance(found, KeyEntry) else found
 
     def why_not(self, credentials: Credentials) -> str | None:
-        """Return the reason why a client is no longer admitted; None if it is."""
+        """Return the reason why a client is no longer admitted, or None if it is still admitted."""
         try:
             return self._ring.why_not(credentials.key)
         except BadFile as error:

@@ -1,10 +1,10 @@
-"""Listening sockets of a session's servers, which leave the session the file descriptors that it needs to record.
+"""Listening sockets of a session's servers. They never use up the file descriptors that the session needs to record.
 
 A process has a limited number of descriptors (RLIMIT_NOFILE). Connections from outside must not use up the last
-descriptors; otherwise the next journal, bag or part of a bag could not be opened. So all servers of a process stay
-below a common mark. The system gives a new connection the lowest free number. If that number is at the mark, all
-descriptors below are in use, and the connection is closed at once. If there are few descriptors below the mark, the
-servers share them. So a flood of connections at one server leaves room for the others.
+descriptors; otherwise the session could not open its next journal or bag. So all servers of a process stay below a
+common mark. The system gives a new connection the lowest free number. If that number is not below
+the mark, all descriptors below the mark are in use, and the connection is closed at once. If there are few descriptors
+below the mark, each server gets a share of them. So a flood of connections at one server does not block the others.
 """
 
 from __future__ import annotations
@@ -27,37 +27,37 @@ from thbridge.sockets.tls import begin_connection
 _log = logging.getLogger(__name__)
 
 _AT_ONCE = 16
-"""Largest number of connections that one socket accepts in a round of the loop, because the loop has other work, such
-as ticks."""
+"""Maximum number of connections that one socket accepts in one round of the event loop. The limit leaves time for other
+work, such as ticks."""
 
 _REFUSED_AT_ONCE = 64
-"""Largest number of connections that are closed before one is accepted."""
+"""Maximum number of connections that are closed in a row because they are above the mark."""
 
 _AGAIN_SECONDS = 1.0
 """Seconds until the next attempt if the system cannot accept connections."""
 
 _MOST_ARRIVING = 256
-"""Largest number of unfinished TLS handshakes at a socket; a further one replaces the oldest. It is much larger than
-the number of connections in a round, because an honest handshake needs several rounds."""
+"""Maximum number of unfinished TLS handshakes at a socket; a further handshake replaces the oldest. This is much larger
+than `_AT_ONCE`, because an honest handshake needs several rounds."""
 
 BACKLOG = 4096
-"""Connections that may wait to be accepted; further clients try again after a second."""
+"""Maximum number of connections that wait to be accepted. TCP of further clients tries again after a second."""
 
 DESCRIPTORS = 12_288
-"""Wanted limit of descriptors of a process."""
+"""Wanted limit of file descriptors of a process."""
 
 RESERVED = 64
-"""Number of descriptors that connections may not use. If there are fewer than 256, it is a quarter of them."""
+"""Number of descriptors that connections may not use. If the limit is below 256, a quarter of it is reserved."""
 
 _OWN = 64
-"""Number of descriptors of a session with all servers open and no clients: some 50."""
+"""Number of descriptors that a session without clients may need. With all servers open, it needs about 50."""
 
 
 class ServerDoor:
-    """The listening sockets of one server, and its limit of connections.
+    """Listening sockets of one server, and its maximum number of connections.
 
     Args:
-        wanted: largest number of connections if there are enough descriptors.
+        wanted: maximum number of connections if there are enough descriptors.
         weight: share of the server, relative to other servers of this process, if there are too few descriptors.
     """
 
@@ -72,7 +72,7 @@ class ServerDoor:
 
     @property
     def most(self) -> int:
-        """Largest number of connections that the server may have now."""
+        """Maximum number of connections of the server at present."""
         doors = [*self._open, *({self} - set(self._open))]
         shares = fair_shares([(each._wanted, each._weight) for each in doors], mark() - _OWN)
         return max(1, shares[doors.index(self)])
@@ -112,25 +112,25 @@ class ServerDoor:
     def accept(
         self, connection: Callable[[], BaseProtocol], bound: socket.socket, tls: ssl.SSLContext | None = None
     ) -> None:
-        """Begin to accept at a socket that already listens; this object owns it from now on. See `listen`."""
+        """Begin to accept connections at a socket that already listens; see `listen`. This object closes the socket."""
         self._acceptors.append(_Acceptor(connection, bound, tls))
         self._open.add(self)
 
     def close(self) -> None:
-        """Accept no more."""
+        """Stop accepting connections."""
         for each in self._acceptors:
             each.close()
         self._open.discard(self)
 
     async def wait_closed(self) -> None:
-        """Wait until all is closed."""
+        """Wait until all sockets and unfinished handshakes are closed."""
         for each in self._acceptors:
             await each.wait_closed()
         self._acceptors = []
 
 
 class _Acceptor:
-    """Acceptor of connections at one listening socket. It gives each connection its protocol, encrypted or plain.
+    """Acceptor of connections at one listening socket. It starts the protocol of each connection, with or without TLS.
 
     asyncio's own server is not used, because it accepts before the first bytes can be inspected.
     """
@@ -148,7 +148,7 @@ class _Acceptor:
         self._begin()
 
     def close(self) -> None:
-        """Accept no more, and close connections that have not begun their protocol."""
+        """Stop accepting connections, and close connections that have no protocol yet."""
         if self._again is not None:
             self._again.cancel()
         self._loop.remove_reader(self._bound)
@@ -157,7 +157,7 @@ class _Acceptor:
             task.cancel()
 
     async def wait_closed(self) -> None:
-        """Wait until all is closed."""
+        """Wait until all unfinished handshakes have ended."""
         await asyncio.gather(*self._arriving, return_exceptions=True)
 
     def _begin(self) -> None:
@@ -171,13 +171,17 @@ class _Acceptor:
         except (BlockingIOError, InterruptedError, ConnectionAbortedError):
             return
         except OSError as error:
-            # There is no descriptor or no memory at all; an immediate attempt would fail too.
+            # The system has no descriptor or no memory left, so an immediate attempt would fail too.
             _log.warning("accepting no clients for one second: %s", error)
             self._loop.remove_reader(self._bound)
             self._again = self._loop.call_later(_AGAIN_SECONDS, self._begin)
 
     def _next(self) -> socket.socket:
-        """Return a connection below the mark. Raises OSError, such as BlockingIOError if no connection waits."""
+        """Return a connection with a descriptor below the mark.
+
+        Raises:
+            OSError: no connection waits (BlockingIOError), or the system cannot accept one.
+        """
         for _ in range(_REFUSED_AT_ONCE):
             accepted, _ = self._bound.accept()
             if accepted.fileno() < mark():
@@ -203,7 +207,7 @@ class _Acceptor:
 
 
 def raise_limit() -> None:
-    """Raise this process's limit of descriptors, which usually is 1024, to the wanted limit if allowed."""
+    """Raise this process's limit of descriptors, usually 1024, to the wanted limit or to the allowed maximum."""
     soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
     wanted = DESCRIPTORS if hard == resource.RLIM_INFINITY else min(DESCRIPTORS, hard)
     if soft != resource.RLIM_INFINITY and soft < wanted:
@@ -220,12 +224,12 @@ def mark() -> int:
 def check_room() -> None:
     """Check that an outgoing connection would get a descriptor below the mark.
 
-    This check is needed when peers decide to which programs, and to how many, the session connects.
+    It is needed where peers choose the programs to which the session connects, and their number.
 
     Raises:
         OSError: there is no such descriptor (EMFILE).
     """
-    # The system gives the lowest free descriptor.
+    # The system gives the lowest free descriptor, so this probe gets the descriptor that the connection would get.
     probe = os.open(os.devnull, os.O_RDONLY | os.O_CLOEXEC)
     os.close(probe)
     if probe >= mark():
@@ -233,9 +237,9 @@ def check_room() -> None:
 
 
 def fair_shares(wishes: Sequence[tuple[int, int]], room: int) -> list[int]:
-    """Return each server's share of a total: its wish, but at most its fair share by weight.
+    """Return each server's share of a total: the wanted number, but at most its fair share by weight.
 
-    The other servers share the part that some servers do not want.
+    If a server wants less than its fair share, the other servers divide the rest.
 
     Args:
         wishes: wanted number and weight of each server.
@@ -244,6 +248,7 @@ def fair_shares(wishes: Sequence[tuple[int, int]], room: int) -> list[int]:
     shares = [0] * len(wishes)
     left, waiting = max(0, room), list(range(len(wishes)))
     while waiting:
+        # Servers that want less than their fair share get their wish first, so that the others can divide the rest.
         weights = sum(wishes[each][1] for each in waiting)
         content = [each for each in waiting if wishes[each][0] * weights <= left * wishes[each][1]]
         for each in content or waiting:

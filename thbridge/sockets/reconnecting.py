@@ -1,4 +1,4 @@
-"""Client's side of a TCP connection that is restored after every loss."""
+"""Client's part of a TCP connection that is restored after every loss."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class LossReason(Enum):
 
 @dataclass(frozen=True, slots=True)
 class ConnectionLost:
-    """Loss of the connection; the client keeps trying. There is one event for each change of the reason."""
+    """Loss of the connection. The client keeps trying to reconnect. Each new reason causes one event."""
 
     reason: LossReason
     detail: str = ""
@@ -35,13 +35,13 @@ class ConnectionLost:
 
 @dataclass(frozen=True, slots=True)
 class Backoff:
-    """Delays between attempts to connect, and the timeout of a connection, seconds.
+    """Delays between attempts to connect, and timeout of a connection, in seconds.
 
     Attributes:
         initial: delay before the first reconnection; it doubles at each further reconnection.
         maximum: longest delay between two attempts.
-        timeout: time without a byte from the server until the connection counts as broken. The server pings idle
-            clients every 15 s.
+        timeout: time without a byte from the server after which the connection counts as broken. The server pings
+            idle clients every 15 s.
     """
 
     initial: float = 0.25
@@ -50,14 +50,14 @@ class Backoff:
 
 
 class ReconnectingClient(ABC):
-    """Client that connects to a server again and again until `run` is cancelled.
+    """Client that connects to a server again after every loss, until `run` is cancelled.
 
     Args:
         host: host of the server.
         port: port of the server.
         backoff: delays between two attempts.
-        segment: bytes that are read at a time.
-        key: key to present to the server; None for no key, which only servers of this machine accept.
+        segment: maximum number of bytes that are read at a time.
+        key: key to present to the server. If None, no key is presented; only servers of this machine accept this.
         may_be_plain: True if a key without a fingerprint may be sent to servers of this machine without encryption.
     """
 
@@ -78,7 +78,7 @@ class ReconnectingClient(ABC):
         self._key = key
         plain = key is None or (may_be_plain and key.fingerprint is None and is_own(host))
         self._context = None if key is None or plain else client_context(key)
-        self._writer: asyncio.StreamWriter | None = None  # Set while the server has accepted us.
+        self._writer: asyncio.StreamWriter | None = None  # None while the server has not accepted us.
         self._reason: LossReason | None = None
 
     async def run(self) -> NoReturn:
@@ -87,7 +87,7 @@ class ReconnectingClient(ABC):
         while True:
             loss = await self._converse()
             if self._reason is None:
-                # The server had accepted us, so this is a new loss: start with the shortest delay again.
+                # The server had accepted us, so this loss is new. Start with the shortest delay again.
                 delay = self._backoff.initial
             if loss.reason is not self._reason:
                 self._reason = loss.reason
@@ -109,7 +109,7 @@ class ReconnectingClient(ABC):
         """Exchange messages until the connection ends; return the reason."""
 
     async def _converse(self) -> ConnectionLost:
-        """Connect once and exchange messages until the connection ends, for any reason."""
+        """Connect once, exchange messages until the connection ends, and return the reason of the end."""
         try:
             async with asyncio.timeout(self._backoff.timeout):
                 reader, writer = await asyncio.open_connection(

@@ -1,6 +1,7 @@
-"""TLS for our programs on other machines: the session has a certificate, and its clients check the fingerprint.
+"""TLS for our programs on other machines. The session has a certificate, and its clients check the fingerprint.
 
-One port accepts both plain and encrypted connections: the first byte of TLS never begins one of our lines.
+One port accepts both plain and encrypted connections, because no line of our protocols begins with the first byte of
+TLS.
 """
 
 from __future__ import annotations
@@ -20,12 +21,12 @@ from thbridge.files.keys.key_file import ClientKey
 _HANDSHAKE = b"\x16"
 """First byte of a TLS connection: the type of its first record (RFC 8446, 5.1)."""
 _FIRST_BYTE_SECONDS = 1.0
-"""Seconds that a connection may be silent before it counts as plain: programs of 2016 may wait for the server."""
+"""Seconds of silence after which a connection counts as plain. Programs of 2016 may wait for the server to speak."""
 _HANDSHAKE_SECONDS = 10.0
 _SHUTDOWN_SECONDS = 1.0
 
 
-class UntrustedServer(ConnectionError):  # noqa: N818 - nothing went wrong with the program
+class UntrustedServer(ConnectionError):  # noqa: N818 - not a fault of the program
     """The key is for another server. The key was not sent."""
 
 
@@ -38,7 +39,7 @@ def server_context(certificate: Certificate) -> ssl.SSLContext:
 
 
 def client_context(key: ClientKey) -> ssl.SSLContext:
-    """Return the context of a client. If the key has no fingerprint, public authorities must vouch for the server."""
+    """Return the context of a client. Without a fingerprint in the key, a public authority must certify the server."""
     context = ssl.create_default_context() if key.fingerprint is None else ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
     if key.fingerprint is not None:
         context.check_hostname = False
@@ -55,7 +56,7 @@ def check_server(transport: BaseTransport, key: ClientKey) -> None:
     shown = None if encrypted is None else encrypted.getpeercert(binary_form=True)
     fingerprint = hashlib.sha256(shown or b"").hexdigest()
     if not hmac.compare_digest(fingerprint, key.fingerprint):
-        raise UntrustedServer(f"its certificate is sha256:{fingerprint}, not the one in the key")
+        raise UntrustedServer(f"its certificate is sha256:{fingerprint}, but the key is for another certificate")
 
 
 def is_encrypted(transport: BaseTransport) -> bool:
@@ -66,7 +67,7 @@ def is_encrypted(transport: BaseTransport) -> bool:
 async def begin_connection(
     connection: Callable[[], BaseProtocol], accepted: socket.socket, tls: ssl.SSLContext | None
 ) -> None:
-    """Give an accepted connection its protocol: over TLS if it begins with a handshake and `tls` is given, else plain.
+    """Start the protocol of an accepted connection, over TLS if the client begins a handshake and `tls` is given.
 
     Args:
         connection: factory of the protocol.
@@ -74,13 +75,13 @@ async def begin_connection(
         tls: context of the server. If None, all connections are plain.
 
     Raises:
-        OSError: the connection was lost first, for example by a failed handshake.
+        OSError: the connection was lost before its protocol started, for example by a failed handshake.
     """
     loop = asyncio.get_running_loop()
     try:
         encrypted = tls is not None and await _begins_tls(accepted)
     except (OSError, asyncio.CancelledError):
-        accepted.close()  # Closed only here; later the transport closes it.
+        accepted.close()  # Later errors need no close, because the transport closes its socket.
         raise
     if encrypted:
         await loop.connect_accepted_socket(
@@ -95,7 +96,7 @@ async def begin_connection(
 
 
 async def _begins_tls(accepted: socket.socket) -> bool:
-    """Return True if a connection's first byte begins a handshake; the byte is left for the protocol to read."""
+    """Return True if a connection's first byte begins a handshake. The byte stays in the socket for the protocol."""
     loop = asyncio.get_running_loop()
     readable = asyncio.Event()
     loop.add_reader(accepted, readable.set)
@@ -105,7 +106,7 @@ async def _begins_tls(accepted: socket.socket) -> bool:
                 await readable.wait()
     finally:
         loop.remove_reader(accepted)
-    # Check also after a timeout, because this event loop may have been blocked while the byte arrived.
+    # Check even after a timeout, because this event loop may have been blocked while the byte arrived.
     with contextlib.suppress(BlockingIOError):
         return accepted.recv(1, socket.MSG_PEEK) == _HANDSHAKE
     return False

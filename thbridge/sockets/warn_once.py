@@ -1,20 +1,21 @@
-"""Log warnings about peers. Each warning is logged once, even if its cause is repeated."""
+"""Warnings about peers, which are logged only once even if their cause is repeated."""
 
 import logging
 
 _REMEMBERED = 256
-"""Largest number of different warnings. There is a limit, because peers choose parts of the text."""
+"""Maximum number of different warnings. Without a limit, peers could fill the log, because they choose parts of the
+texts."""
 
 
 class WarnOnce:
-    """Logger of each warning once; repetitions go to the debug log."""
+    """Logger of warnings. Repeated warnings go to the debug log."""
 
     def __init__(self, log: logging.Logger) -> None:
         self._log = log
         self._given: set[str] = set()
 
     def warn(self, warning: str) -> None:
-        """Log a warning, unless it was logged before."""
+        """Log a warning. If it was logged before, or there were too many warnings, only the debug log gets it."""
         if warning in self._given or len(self._given) >= _REMEMBERED:
             self._log.debug("%s", warning)
             return
