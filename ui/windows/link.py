@@ -1,6 +1,7 @@
-"""Participant's program, which runs in a thread next to the window and communicates with the server.
+"""Participant's program. It communicates with the server, in a separate thread from that of the window.
 
-In each frame, the window takes the events received so far and sets its open requests. The threads share no other data.
+In each frame, the window takes the events received so far and replaces its open requests. The threads share no other
+data.
 """
 
 import asyncio
@@ -24,19 +25,20 @@ from thbridge.text_protocol.wire.lines import TextMessage
 POLL_PERIOD = 0.005
 """Seconds between two polls of the connection.
 
-On average, it delays the drawing of robots by half of this time, and also by the jitter that it adds to pose telemetry.
+On average, polling delays the drawing of robots by half of this time, plus the jitter that polling adds to pose
+telemetry.
 """
 
 RECONNECT_BACKOFF = Backoff(initial=0.25, maximum=2.0)
-"""Backoff of reconnecting.
+"""Delays between attempts to reconnect.
 
-It is short, because a person waits: the link connects within two seconds after the server returns.
+They are short, because a person waits. The link connects within two seconds after the server is available again.
 """
 
 
 @dataclass(frozen=True, slots=True)
 class ServerReached:
-    """Event: the server is reached, or reached again."""
+    """Event: the connection to the server is established, for the first time or again."""
 
 
 ServerEvent: TypeAlias = ParticipantUpdate | ServerReached | ConnectionLost
@@ -44,7 +46,7 @@ ServerEvent: TypeAlias = ParticipantUpdate | ServerReached | ConnectionLost
 
 @dataclass(frozen=True, slots=True)
 class ReceivedEvent:
-    """Event with the monotonic time of its arrival, seconds; the window may take it later."""
+    """Event with the monotonic time of its arrival, seconds; the window may handle the event later."""
 
     time: float
     event: ServerEvent
@@ -60,13 +62,13 @@ class ParticipantLink:
     Args:
         host: host of the server.
         port: port of the server.
-        token: id of this run of the program, by which the server recognizes a new connection after a network fault.
+        token: id of this run of the program. It lets the server recognize the program when it reconnects.
         consent: consent of a participant who has already agreed. If None, the participant has not agreed or was not
             asked.
-        key: key to show to the server; None for none.
+        key: key to present to the server. If None, no key is presented.
 
     Raises:
-        ValueError: the token is not one word.
+        ValueError: the token is not a single word.
     """
 
     def __init__(
@@ -95,7 +97,7 @@ class ParticipantLink:
         self._thread.start()
 
     def stop(self) -> None:
-        """Leave the server; return when that is done."""
+        """Disconnect from the server, and return when the thread has ended."""
         self._stopped.set()
         self._thread.join()
 
@@ -104,13 +106,13 @@ class ParticipantLink:
         return [self._events.popleft() for _ in range(len(self._events))]
 
     def request(self, requests: tuple[ParticipantRequest, ...]) -> None:
-        """Set all open requests; each is sent again until it is granted."""
+        """Replace the open requests. The link sends each of them again until the server grants it."""
         self._requested = requests
 
     def decline(self) -> None:
-        """Report to the server that the participant declines.
+        """Report to the server that the participant declines to take part.
 
-        This is sent first, even if the link is stopped meanwhile.
+        If the link is stopped afterward, it still sends this message first.
         """
         self._declined = True
 
@@ -121,8 +123,8 @@ class ParticipantLink:
 
     async def _converse(self) -> None:
         player = _WindowPlayer()
-        # A window that is opened again after a crash has the same token; random numbers distinguish its requests from
-        # earlier ones.
+        # After a crash, the window opens again with the same token. Random numbers distinguish its requests from the
+        # requests before the crash.
         role = TabUI(player, self, self._consent, 1 + secrets.randbelow(_FIRST_NUMBERS))
         role.run = self._token
         runner = _ClockedRole(role, self._report)
@@ -139,7 +141,7 @@ class ParticipantLink:
                 await asyncio.sleep(POLL_PERIOD)
 
     def observe(self, level: ParticipantUpdate) -> None:
-        """Pass on a message that the role received; see `thbridge.roles.participant.tabui.ParticipantObserver`."""
+        """Pass a received message on to the window; see `thbridge.roles.participant.tabui.ParticipantObserver`."""
         self._report(level)
 
     def _report(self, event: ServerEvent) -> None:
@@ -147,7 +149,7 @@ class ParticipantLink:
 
 
 class _WindowPlayer:
-    """Player that sends the requests of the window."""
+    """Player that returns the requests of the window."""
 
     def __init__(self) -> None:
         self.requested: tuple[ParticipantRequest, ...] = ()
@@ -157,7 +159,7 @@ class _WindowPlayer:
 
 
 class _ClockedRole:
-    """Role that is stepped by the wall clock, and that reports to the window when the server is reached."""
+    """Role that is stepped by the wall clock. It informs the window when the server is reached."""
 
     def __init__(self, role: TabUI, report: Callable[[ServerEvent], None]) -> None:
         self._role = role
@@ -175,6 +177,6 @@ class _ClockedRole:
         self._messages.append(message)
 
     def step(self) -> Sequence[TextMessage]:
-        """Return the role's replies to all messages up to this tick."""
+        """Return the role's replies to all messages received so far."""
         messages, self._messages = self._messages, []
         return self._role.step(int((time.monotonic() - self._begin) / TICK), messages)

@@ -1,10 +1,10 @@
 """Style of all windows: one typeface, one scale of sizes and spaces, light or dark.
 
-`apply_palette` sets the palette of the whole application, as `QApplication.setPalette` does; `colours()` returns it for
-widgets that paint themselves. Everything else follows from Qt's own roles, so plain widgets need no styling.
+`apply_palette` sets the palette of the whole application, as `QApplication.setPalette` does. `colours()` returns this
+palette for widgets that paint themselves. All other widgets use Qt's own color roles, and need no styling.
 
-`apply_text_size` makes all text larger or smaller. Lengths that depend on text are `px` of their length at the usual
-size; widgets follow changes by `follow_text`.
+`apply_text_size` makes all text larger or smaller. `px` scales a length with the text, and `follow_text` updates a
+widget when the size of text changes.
 """
 
 from collections.abc import Callable
@@ -46,7 +46,7 @@ Choice = Literal["light", "dark", "system"]
 Size = Literal["small", "body", "title", "hero"]
 
 GAP = 8
-"""Unit of spacing, logical pixels: all margins and distances are multiples of its half."""
+"""Unit of spacing, logical pixels. All margins and distances are multiples of half this unit."""
 
 RADIUS = 8
 """Radius of the corners of cards, panels and buttons, logical pixels."""
@@ -61,16 +61,16 @@ _TICKS = {
     palette.on_accent: Path(__file__).with_name(f"tick_{name}.svg").as_posix()
     for name, palette in (("light", LIGHT), ("dark", DARK))
 }
-"""Image files of a tick, by color."""
+"""Image files of a tick mark, by the color of the mark."""
 _SIGN = 48
-"""Side of the signs in message boxes, logical pixels."""
+"""Width and height of the signs in message boxes, logical pixels."""
 FRAME = QSize(16, 48)
 """Upper limit of the width and height of a window's frame and title bar, logical pixels; the real size
 is unknown before the window opens."""
 
 
 class _Current:
-    """Current style; a process has one application."""
+    """Current style of the application; a process has only one application."""
 
     palette: Palette = LIGHT
     usual: float = _SMALLEST_BODY
@@ -81,13 +81,13 @@ class _Current:
 class WindowStyle(PlainTextStyle):
     """Style of all widgets, with flat signs in message boxes.
 
-    Values that Qt requests thousands of times are in the style sheet.
+    Values that Qt requests thousands of times are not here, but in the style sheet.
     """
 
     def standardIcon(
         self, icon: QStyle.StandardPixmap, option: QStyleOption | None = None, widget: QWidget | None = None
     ) -> QIcon:
-        """Return an icon of the style."""
+        """Return the icon for a standard sign."""
         palette, kinds = colours(), QStyle.StandardPixmap
         signs = {
             kinds.SP_MessageBoxQuestion: ("?", palette.accent, palette.on_accent),
@@ -99,7 +99,7 @@ class WindowStyle(PlainTextStyle):
 
 
 def _sign_icon(letter: str, ground: str, ink: str) -> QIcon:
-    """Return a pixmap with a letter on a disc."""
+    """Return an icon that shows a letter on a disc."""
     pixmap = QPixmap(2 * _SIGN, 2 * _SIGN)
     pixmap.setDevicePixelRatio(2.0)
     pixmap.fill(Qt.GlobalColor.transparent)
@@ -126,13 +126,13 @@ def font(size: Size = "body", *, bold: bool = False) -> QFont:
 
     Its digits have equal widths, so that numbers do not move when they change.
     """
-    # Return a copy, because callers change it; Qt copies the data only when it is changed.
+    # Return a copy, because callers may change the font. Qt copies the data only when a font is changed.
     return QFont(_made_font(_Current.body * _SCALE[size], bold))
 
 
 @cache
 def _made_font(points: float, bold: bool) -> QFont:
-    """Create a typeface once, because painting and layout request it hundreds of times in a frame."""
+    """Return a cached typeface, because painting and layout request it hundreds of times in a frame."""
     made = QFont()
     made.setFamilies(["Inter", QFont().defaultFamily()])
     made.setPointSizeF(points)
@@ -151,7 +151,7 @@ def fixed_font() -> QFont:
 def apply_palette(app: QApplication, palette: Palette) -> None:
     """Set the palette of the whole application, including open windows.
 
-    A larger typeface of the system is kept; a smaller one is raised to a readable size.
+    The usual size of text is that of the system, but at least a readable size.
     """
     if not app.property("dressed"):
         _Current.usual = _Current.body = max(_SMALLEST_BODY, app.font().pointSizeF())
@@ -186,8 +186,11 @@ def _set_fonts(app: QApplication) -> None:
 
 
 def px(length: float) -> int:
-    """Return a length that depends on text: logical pixels at a text size of 10.5 points, scaled to the current
-    size."""
+    """Return a length scaled to the current size of text.
+
+    Args:
+        length: logical pixels at a text size of 10.5 points.
+    """
     return round(length * _Current.body / _SMALLEST_BODY)
 
 
@@ -196,8 +199,8 @@ def follow_text(widget: W, fit: Callable[[W], object]) -> W:
 
     Args:
         widget: the widget, which is also returned.
-        fit: function that sets them. It must refer to the widget only by its argument; otherwise the widget would never
-            be freed.
+        fit: function that sets the font or the lengths. It must refer to the widget only by its argument; otherwise
+                the widget would never be freed.
     """
     fit(widget)
     _Current.following.setdefault(widget, []).append(cast("Callable[[QWidget], object]", fit))
@@ -216,12 +219,12 @@ def usual_growth(screen: QSize) -> float:
 
 
 def open_within_screen(window: QWidget, wanted: QSize = _USUAL_WINDOW) -> None:
-    """Set the initial size of a window, so that the window with its frame fits into the free part of the screen."""
+    """Set the initial size of a window, so that it fits with its frame into the available part of the screen."""
     window.resize((wanted * _Current.body / _SMALLEST_BODY).boundedTo(window.screen().availableSize() - FRAME))
 
 
 def qt_palette(palette: Palette) -> QPalette:
-    """Return the same colors as Qt's palette."""
+    """Convert the palette to a palette of Qt."""
     role = QPalette.ColorRole
     made = QPalette()
     for roles, colour in (
@@ -243,7 +246,7 @@ def qt_palette(palette: Palette) -> QPalette:
 
 
 def label(text: str = "", size: Size = "body", *, bold: bool = False, muted: bool = False) -> QLabel:
-    """Return a plain label that wraps."""
+    """Return a label that shows its text literally and wraps it."""
     made = follow_text(PlainLabel(text), lambda it: it.setFont(font(size, bold=bold)))
     made.setWordWrap(True)
     if muted:
@@ -261,15 +264,15 @@ def spaced(layout: L, spacing: int, *margins: int) -> L:
 
 
 class FoldingRow(QWidget):
-    """Two parts side by side, or the second one below the first if the width is too small for both.
+    """Two parts side by side, or the second part below the first if the row is too narrow.
 
     Args:
         first: left part; it gets the remaining width.
         second: right part.
-        least: smallest width of the first part, `px`. If 0, it is the smallest width of its widgets.
+        least: smallest width of the first part, `px`. If 0, the smallest width of its widgets is used.
         spacing: distance between the parts when they are side by side, logical pixels.
-        spare: width that is kept free for words that get longer, `px`. If it is not 0, a change of words alone can fold
-            the row, but never unfolds it.
+        spare: width that is kept free for texts that get longer, `px`. If it is not 0, a change of texts alone can fold
+                the row, but cannot unfold the row.
 
     Attributes:
         parts: layout of the parts.
@@ -280,7 +283,7 @@ class FoldingRow(QWidget):
     ) -> None:
         super().__init__()
         self._spare = spare
-        # Width, size of text and number of widgets when it was last decided to fold or unfold.
+        # Width, size of text and number of widgets at the last decision to fold or unfold.
         self._decided: tuple[int, ...] = ()
         self._first, self._second, self._least, self._spacing = first, second, least, spacing
         self.parts = spaced(QBoxLayout(QBoxLayout.Direction.LeftToRight, self), spacing, 0)
@@ -293,19 +296,19 @@ class FoldingRow(QWidget):
         return self.parts.direction() == QBoxLayout.Direction.TopToBottom
 
     def minimumSizeHint(self) -> QSize:
-        """Return the width of the wider part, because the row can always fold."""
+        """Return the width of the wider part, because the row can always fold to this width."""
         parts = self._first.minimumSize(), self._second.minimumSize()
         margins = self.parts.contentsMargins()
         wide = max(part.width() for part in parts) + margins.left() + margins.right()
         return QSize(wide, self.parts.minimumSize().height())
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        """Fold or unfold."""
+        """Fold or unfold the row to fit the new width."""
         super().resizeEvent(event)
         self._fold()
 
     def event(self, event: QEvent) -> bool:
-        """Decide again if the words or their size have changed."""
+        """Fold or unfold the row after a change of the texts or their size."""
         if event.type() == QEvent.Type.LayoutRequest:
             self._fold()
         return super().event(event)
@@ -339,13 +342,13 @@ def style_as_panel(widget: QWidget) -> None:
 
 
 def text_colour_on(colour: str) -> str:
-    """Return the palette's text color with the best contrast on a color."""
+    """Return the text color of the palette that has the best contrast on this color."""
     palette = colours()
     return max((palette.panel, palette.text, palette.on_accent), key=lambda text: contrast(text, colour))
 
 
 def _sheet(palette: Palette) -> str:
-    """Return the style sheet with everything that Qt's palette cannot express."""
+    """Return the style sheet, with all settings that Qt's palette cannot express."""
     return f"""
     QToolTip {{
         color: {palette.text}; background: {palette.panel}; border: 1px solid {palette.line}; padding: {GAP // 2}px;

@@ -1,4 +1,4 @@
-"""Map of all windows, on pyqtgraph."""
+"""Map that all windows use, drawn with pyqtgraph."""
 
 from ui.windows.map.view import MapView
 

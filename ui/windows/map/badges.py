@@ -1,5 +1,4 @@
-"""Labels of robots: pictures that are made once, and their positions, at which they cover no robot, no words and no
-other label."""
+"""Labels of robots: cached pictures, and positions at which labels avoid robots, words and other labels."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -26,7 +25,7 @@ SIGN_WIDTH = 19.0
 
 _SIDES = np.array([(0, -1), (0, 1), (1, 0), (-1, 0), (1, -1), (-1, -1), (1, 1), (-1, 1)], dtype=np.float64)
 _REACHES = (1.0, 1.9, 2.8)
-"""Directions of labels from their robot, best first; and possible distances, as multiples of a label's height."""
+"""Possible directions of a label from its robot, the best first, and possible distances, in heights of the label."""
 
 OVERLAP_WEIGHT, ROBOT_WEIGHT, WORDS_WEIGHT, RANK_WEIGHT, MOVE_WEIGHT = 4.0, 1.0, 2.0, 6.0, 30.0
 """Weights in the cost of a position: per square pixel over another label, over a robot, and over words; per rank of the
@@ -35,7 +34,7 @@ position; and for a change of the position."""
 
 @dataclass(frozen=True, slots=True)
 class Anchor:
-    """Robot to label: its middle and radius on the screen, and the size of its label, pixels."""
+    """Robot that needs a label: its middle and radius on the screen, and the size of its label, pixels."""
 
     x: float
     y: float
@@ -47,12 +46,12 @@ class Anchor:
 def place_labels(anchors: Sequence[Anchor], before: Sequence[int], words: FloatArray) -> tuple[FloatArray, list[int]]:
     """Choose positions for labels, one label after another.
 
-    The search is greedy: each label takes the cheapest of 24 positions around its robot, given the labels placed before
-    it. While no label overlaps anything at its old position, there is no search.
+    If no label overlaps anything at its old position, all labels stay there. Otherwise the search is greedy: each label
+    gets the cheapest of 24 positions around its robot, given the labels placed so far.
 
     Args:
         anchors: the robots, in order of precedence.
-        before: number of the previous position of each label, so that labels do not jump around; -1 for none.
+        before: number of the previous position of each label, so that labels do not jump around; -1 if there is none.
         words: (m, 4) boxes that should stay readable: left, top, right, bottom.
 
     Returns:
@@ -91,13 +90,13 @@ def _places(about: FloatArray) -> FloatArray:
 
 
 def _crowded(boxes: FloatArray, others: FloatArray) -> bool:
-    """Return True if a label overlaps another one or one of the other boxes."""
+    """Return True if a label overlaps another label or one of the other boxes."""
     own = np.sum((boxes[:, 2] - boxes[:, 0]) * (boxes[:, 3] - boxes[:, 1]))
     return bool(np.sum(_overlap(boxes, np.concatenate((boxes, others)))) > own + 1e-6)
 
 
 def _overlap(boxes: FloatArray, others: FloatArray) -> FloatArray:
-    """Return the (k,) area that each of (k, 4) boxes shares with (m, 4) others."""
+    """Return the (k,) areas that each of (k, 4) boxes shares with (m, 4) other boxes."""
     across = np.minimum(boxes[:, None, 2], others[None, :, 2]) - np.maximum(boxes[:, None, 0], others[None, :, 0])
     down = np.minimum(boxes[:, None, 3], others[None, :, 3]) - np.maximum(boxes[:, None, 1], others[None, :, 1])
     area: FloatArray = np.sum(np.clip(across, 0.0, None) * np.clip(down, 0.0, None), axis=1)
@@ -113,7 +112,7 @@ class BadgeText:
         `colour`: color of the robot.
         selected: True if the robot is selected; the label is then filled.
         trouble: True if the robot has a problem; the label then has a warning sign.
-        commander: another commander of the robot in words, which follow the sign of a mast; empty if there is none.
+        commander: name of another commander of the robot, shown after the sign of a mast; empty if there is none.
     """
 
     label: str
@@ -139,7 +138,7 @@ class Badges:
         self._made: dict[tuple[BadgeText, float, str, float], Badge] = {}
 
     def clear(self) -> None:
-        """Forget all pictures before a change of palette or font."""
+        """Delete all pictures, because the palette or the font changes."""
         self._made.clear()
 
     def of(self, badge_text: BadgeText, palette: Palette, font: QFont, ratio: float) -> Badge:
@@ -188,7 +187,7 @@ def _made(badge_text: BadgeText, palette: Palette, font: QFont, ratio: float) ->
 
 
 def _paint_mast(painter: QPainter, left: float, ink: QColor) -> None:
-    """Paint a mast that sends to both sides, which is the sign of another commander."""
+    """Paint the sign of another commander: a radio mast with waves on both sides."""
     painter.setPen(QPen(ink, 1.4))
     painter.setBrush(Qt.BrushStyle.NoBrush)
     middle = left + SIGN_WIDTH / 2.0 - 2.0

@@ -1,4 +1,4 @@
-"""View of the map: pyqtgraph's ViewBox, which shows the whole map until a person zooms or drags it."""
+"""View of the map, a ViewBox of pyqtgraph. It shows the whole map until a person zooms or drags the map."""
 
 import math
 
@@ -14,10 +14,10 @@ MAX_SCALE = 400.0
 """Largest scale, pixels per meter."""
 
 FIT_MARGIN = 30.0
-"""Margin around the floor plan when all of it is shown, pixels."""
+"""Margin around the floor plan when the whole map is shown, pixels."""
 
 LEAST_FIT = 0.5
-"""Smallest scale, as a share of the scale of the whole map."""
+"""Smallest scale, as a share of the scale at which the whole map is shown."""
 
 
 class MapBox(pg.ViewBox):  # type: ignore[misc]  # pyqtgraph has no types
@@ -28,12 +28,12 @@ class MapBox(pg.ViewBox):  # type: ignore[misc]  # pyqtgraph has no types
     Args:
         palette: the colors.
         letters: the font.
-        menu: True if the right mouse button opens a menu, to which pyqtgraph adds its export.
+        menu: True if the right mouse button opens a menu, which includes pyqtgraph's export.
 
     Attributes:
         colors: palette for drawing items.
         letters: font for drawing items.
-        fitted: True while the whole map is shown, because no person has moved it.
+        fitted: True while the whole map is shown, because no person has zoomed or dragged it.
         bounds: box around the map, meters.
         exposed: part to paint, logical pixels of this box. If None, the whole box is being exported to a file.
     """
@@ -47,19 +47,19 @@ class MapBox(pg.ViewBox):  # type: ignore[misc]  # pyqtgraph has no types
         self.bounds = QRectF(-1.0, -1.0, 2.0, 2.0)
         self._menu = QMenu() if menu else None
         if self._menu is not None:
-            self._menu.addAction("Show all").triggered.connect(self.fit)
+            self._menu.addAction("Show the whole map").triggered.connect(self.fit)
             repair_export()
         self.sigRangeChangedManually.connect(self._moved)
         self.sigRangeChanged.connect(lambda: self._limit(self.viewRect()))
 
     def fit(self) -> None:
-        """Show the whole map, now and after changes of size."""
+        """Show the whole map, now and after each change of the box's size."""
         self.fitted = True
         middle = self.bounds.center()
         self._show_scale(self.fit_scale(), middle.x(), middle.y())
 
     def fit_scale(self) -> float:
-        """Return the scale of the whole map, pixels per meter."""
+        """Return the scale at which the whole map is shown, pixels per meter."""
         across: float = max(self.rect().width() - 2.0 * FIT_MARGIN, 1.0) / self.bounds.width()
         down: float = max(self.rect().height() - 2.0 * FIT_MARGIN, 1.0) / self.bounds.height()
         return min(across, down, MAX_SCALE)
@@ -71,7 +71,7 @@ class MapBox(pg.ViewBox):  # type: ignore[misc]  # pyqtgraph has no types
         return middle.x(), middle.y()
 
     def zoom(self, factor: float, x: float, y: float) -> None:
-        """Enlarge the map by a factor; one map point stays at its place on the screen."""
+        """Enlarge the map by a factor; the map point (x, y) stays at its place on the screen."""
         self.fitted = False
         self.scaleBy((1.0 / factor, 1.0 / factor), (x, y))
 
@@ -93,7 +93,7 @@ class MapBox(pg.ViewBox):  # type: ignore[misc]  # pyqtgraph has no types
             self.childGroup.setTransform(QTransform(exact.m11(), 0.0, 0.0, -exact.m11(), x, y))
 
     def resizeEvent(self, event: QGraphicsSceneResizeEvent) -> None:
-        """Keep the scale and the middle, or the whole map."""
+        """Show the same middle at the same scale, or still the whole map."""
         middle, scale = self.middle, event.oldSize().width() / self.viewRect().width()
         super().resizeEvent(event)
         if self.fitted:

@@ -1,4 +1,4 @@
-"""Tests for visible changes of the map. Usually nothing has moved, and nothing needs painting."""
+"""Tests for visible changes of the map. Usually nothing has moved, so that nothing needs to be painted."""
 
 from collections.abc import Sequence
 
@@ -29,9 +29,9 @@ def _same_room(one: RoomMark, other: RoomMark) -> bool:
 
 
 def settled(shown: Sequence[RobotMark], robots: Sequence[RobotMark], scale: float) -> tuple[RobotMark, ...]:
-    """Return the current robots.
+    """Return the marks of the current robots.
 
-    For each robot that looks the same at this scale (pixels per meter), return its old mark.
+    If a robot looks the same as before at this scale (pixels per meter), return its old mark.
     """
     before = {mark.robot: mark for mark in shown}
     return tuple(_settled(before.get(mark.robot), mark, scale) for mark in robots)

@@ -1,4 +1,4 @@
-"""Repair of pyqtgraph's export to SVG, which fails at the closed paths that Qt 6.11 writes.
+"""Repair of pyqtgraph's export to SVG, which fails on the closed paths that Qt 6.11 writes.
 
 Source: issue 3495 of pyqtgraph, which is fixed after its version 0.14.0.
 """

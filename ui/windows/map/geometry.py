@@ -1,4 +1,4 @@
-"""Floor plan as the map draws it: its cells and its extent, and a test if a place contains walls."""
+"""Floor plan in the form that the map draws, with its extent and a test for walls at a place."""
 
 import base64
 import binascii
@@ -27,7 +27,7 @@ class MapGeometry:
     Attributes:
         origin: origin of the cells, map frame.
         resolution: meters per cell.
-        cells: (rows, cols) FREE, WALL, UNKNOWN or another value without a meaning; row 0 lies at the origin.
+        cells: (rows, cols) FREE, WALL or UNKNOWN; other values have no meaning. Row 0 is at the origin.
         bounds: box around the known cells and the rooms, map frame.
         walls_below: (rows + 1, cols + 1) number of wall cells below and left of each corner of a cell. This is a
             summed-area table (Crow 1984), which gives the number of wall cells in any box with four look-ups.
@@ -52,7 +52,7 @@ class MapGeometry:
 
 
 def unpack(floor_plan: FloorPlan) -> MapGeometry:
-    """Unpack a floor plan. If its cells cannot be read, it has rooms but no walls."""
+    """Unpack a floor plan. If its cells cannot be read, the result has rooms but no walls."""
     cells = _cells(floor_plan)
     origin = Pose2(*floor_plan.origin)
     rows, cols = np.nonzero(cells != UNKNOWN)
@@ -77,7 +77,7 @@ def _cells(floor_plan: FloorPlan) -> NDArray[np.uint8]:
     rows, cols = floor_plan.height, floor_plan.width
     size = rows * cols
     if rows < 1 or cols < 1 or size > MOST_PIXELS:
-        return np.full((1, 1), UNKNOWN, dtype=np.uint8)  # Our keeper never sends a floor plan of such a size.
+        return np.full((1, 1), UNKNOWN, dtype=np.uint8)  # Our keeper never sends such sizes.
     try:
         packed = base64.b64decode(floor_plan.cells, validate=True)
         cells = np.frombuffer(zlib.decompressobj().decompress(packed, size), dtype=np.uint8)

@@ -77,11 +77,11 @@ class Ground(MapItem):
 
     @property
     def picture(self) -> object:
-        """Last picture; None before the first. It is replaced whenever the ground is painted again."""
+        """Latest picture of the ground, replaced at each painting; None before the first painting."""
         return self._picture
 
     def words(self, to_pixels: QTransform) -> FloatArray:
-        """Return (m, 4) boxes of the text in the last picture: left, top, right and bottom, pixels of the view."""
+        """Return (m, 4) boxes of the text in the latest picture: left, top, right and bottom, pixels of the view."""
         if self._picture is None:
             return np.empty((0, 4))
         corner = self._picture.corner(to_pixels)
@@ -89,12 +89,12 @@ class Ground(MapItem):
         return moved
 
     def draw(self, painter: QPainter, to_pixels: QTransform) -> None:
-        """Draw the picture. For a file, draw its parts directly."""
+        """Draw the picture. In an export to a file, draw floor, walls and rooms directly."""
         if self._exportOpts:
             self._paint_all(painter, to_pixels, self.box.rect())
             return
         picture, ratio = self._picture, self.box.getViewWidget().devicePixelRatioF()
-        # If a view only moved, its scale can differ in the last digits.
+        # The scale can differ in its last digits even if the view has only moved.
         moving = picture is not None and math.isclose(picture.to_pixels.m11(), to_pixels.m11(), rel_tol=1e-9)
         if not moving or picture is None or not self._covered(picture, to_pixels, ratio):
             picture = self._picture = self._painted(to_pixels, ratio, MARGIN if moving else 0.0)
@@ -110,7 +110,7 @@ class Ground(MapItem):
 
     def _painted(self, to_pixels: QTransform, ratio: float, margin: float) -> _Picture:
         view = self.box.rect()
-        # At every scaling in steps of a quarter, a multiple of four pixels is a whole number of device pixels.
+        # If the screen is scaled by a multiple of 0.25, four logical pixels are a whole number of device pixels.
         x, y = (4 * math.ceil(side * margin / 4.0) for side in (view.width(), view.height()))
         width, height = view.width() + 2 * x, view.height() + 2 * y
         pixmap = QPixmap(math.ceil(width * ratio), math.ceil(height * ratio))

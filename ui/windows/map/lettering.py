@@ -7,18 +7,18 @@ USUAL = 10.5
 
 
 LEAST = 400
-"""Width and height of a map from which its letters are larger, logical pixels."""
+"""Width and height above which the letters of a map may be larger than usual, logical pixels."""
 
 
 def fitting_font(font: QFont, width: int, height: int) -> QFont:
-    """Return the font of a map of this size. On a small map, large letters would cover the things that they label."""
+    """Return the font of a map of this size. On a small map, large letters would cover the labeled objects."""
     made = QFont(font)
     made.setPointSizeF(min(font.pointSizeF(), USUAL * max(1.0, min(width, height) / LEAST)))
     return made
 
 
 def text_scale(font: QFont) -> float:
-    """Return the factor from the nominal size of letters, signs and labels to the current size."""
+    """Return the current size of letters, signs and labels, as a multiple of their nominal size."""
     return font.pointSizeF() / USUAL if font.pointSizeF() > 0.0 else 1.0
 
 

@@ -35,7 +35,7 @@ def pieces(points: FloatArray) -> list[FloatArray]:
 
 
 def steps(points: FloatArray) -> FloatArray:
-    """Return (m, 4) lines between successive points of (n, 2); no line begins or ends at a row of NaN."""
+    """Return (m, 4) lines between successive ones of (n, 2) points; no line begins or ends at a row of NaN."""
     lines: FloatArray = np.concatenate((points[:-1], points[1:]), axis=1)
     return lines[~np.isnan(lines).any(axis=1)]
 

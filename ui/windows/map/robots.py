@@ -32,13 +32,13 @@ TRAIL_ALPHA = 0.5
 """Opacity of a trail at its newest end."""
 
 LABEL_MARGIN = 40.0
-"""Distance in pixels by which a robot may be outside the view and still have its label inside."""
+"""Greatest distance between the view and a robot outside it that gets a label, pixels."""
 
 JUMP = 1.0
-"""Distance between two frames from which a robot was not driven but moved, meters."""
+"""Distance between a robot's positions in two frames, above which the robot has jumped and not driven, meters."""
 
 FLAG = 20.0
-"""Margin around a path that includes the flag at its end, pixels."""
+"""Margin around a path with space for the flag at its end, pixels."""
 
 DASH, SPACE = 7.0, 5.0
 """Lengths of a dash and of the gap after it along a path, pixels."""
@@ -91,7 +91,7 @@ class _Place:
 
     Attributes:
         mark: the robot.
-        near: box around body, ring, ellipse and truth, and the last line of the trail.
+        near: box around the body, ring, ellipse, true pose, and last line of the trail.
         trail: box around the trail.
         path: box around the path and the flag at its end.
         badge: label; None while the robot is outside the view.
@@ -120,7 +120,7 @@ class Robots(MapItem):
 
     Args:
         box: view of the map.
-        ground: ground whose words labels must not cover.
+        ground: ground of the map; labels must not cover its words.
     """
 
     def __init__(self, box: MapBox, ground: Ground) -> None:
@@ -163,7 +163,7 @@ class Robots(MapItem):
 
     def draw(self, painter: QPainter, to_pixels: QTransform) -> None:
         """Draw all robots that have a part that needs painting."""
-        # A file may have more pixels than the screen.
+        # An exported file may have more pixels than the screen.
         ratio = self.box.getViewWidget().devicePixelRatioF() * painter.worldTransform().m11()
         if self._laid_in != (to_pixels, ratio, self._ground.picture):
             self._laid.clear()
@@ -278,7 +278,7 @@ class Robots(MapItem):
     def _paint_ellipse(self, painter: QPainter, to_pixels: QTransform, mark: RobotMark, ellipse: Ellipse) -> None:
         body = self._body(mark.footprint)
         if ellipse.major * to_pixels.m11() < body.inside * body.scale(to_pixels):
-            return  # The body will cover this part.
+            return  # The body covers the whole ellipse.
         c, s = to_pixels.m11() * math.cos(ellipse.angle), to_pixels.m11() * math.sin(ellipse.angle)
         centre = pixel(to_pixels, mark.pose.x, mark.pose.y)
         transform = QTransform(

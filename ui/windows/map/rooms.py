@@ -54,7 +54,7 @@ NAME_HEIGHT = 13.0
 
 
 def paint_floors(painter: QPainter, to_pixels: QTransform, rooms: Sequence[RoomMark], palette: Palette) -> None:
-    """Paint the floors of the rooms and their patterns; walls are painted over their edges."""
+    """Paint the floors of the rooms with their patterns. The walls are painted later, over the edges of the floors."""
     ratio = painter.device().devicePixelRatio()
     stripes, dots = _pattern("reserved", palette, ratio), _pattern("visited", palette, ratio)
     for mark in rooms:
@@ -79,7 +79,7 @@ def paint_signs(
     font: QFont,
     geometry: MapGeometry | None,
 ) -> FloatArray:
-    """Paint frames, numbers, names, signs of state and finds: above walls, below robots, and away from furniture.
+    """Paint frames, numbers, names, signs of state and finds. They cover walls, but neither robots nor furniture.
 
     Returns:
         (m, 4) left, top, right and bottom of all texts and signs, pixels.
@@ -97,8 +97,10 @@ def paint_signs(
 
 
 def _paint_edge(painter: QPainter, to_pixels: QTransform, mark: RoomMark, palette: Palette) -> None:
-    """Paint a frame inside the walls of a room that can be chosen; the frame is stronger while the room is
-    considered."""
+    """Paint a frame inside the walls of a room that can be chosen.
+
+    The frame is stronger while a person considers the room.
+    """
     if not mark.choosable and not mark.considered:
         return
     path = QPainterPath()
@@ -177,7 +179,7 @@ def _paint_words(painter: QPainter, space: _Space, mark: RoomMark, palette: Pale
         if sign is not None:
             _paint_sign(painter, sign.center(), mark, palette, scale)
             break
-    # If there is not enough space for both, show the answer, which is new.
+    # If there is space for only one of the two texts, show the answer, because it is new.
     texts = (mark.answer, *mark.answer_shorter), (mark.found, *mark.found_shorter)
     pills = [_Pill(space, words, font, shorter) for words, *shorter in texts if words]
     for scale in sorted({text_scale(font), min(text_scale(font), 1.0)}, reverse=True):
@@ -226,7 +228,7 @@ def _paint_title(
 
 
 class _Pill:
-    """Words in a frame in a lower corner of a room; they are shortened if there is no space for all words."""
+    """Words in a frame in a lower corner of a room. If there is too little space, the words are shortened."""
 
     def __init__(self, space: _Space, text: str, font: QFont, shorter: Sequence[str] = ()) -> None:
         self.font = sized(font, NAME_HEIGHT * text_scale(font), QFont.Weight.Medium)
@@ -239,12 +241,12 @@ class _Pill:
         self._space = space
 
     def put(self) -> QRectF | None:
-        """Reserve the place. Return None if there is no place, or if there are no words."""
+        """Reserve a box for the words. Return None if there are no words, or if there is no space."""
         return self._space.put(*self._size, right=False, low=True) if self.words else None
 
 
 def _have_space(space: _Space, pills: Sequence[_Pill]) -> bool:
-    """Return True if there is space for all of them; reserve nothing."""
+    """Return True if there is space for all pills, without reserving it."""
     boxes = [pill.put() for pill in pills if pill.words]
     for box in boxes:
         if box is not None:
@@ -281,8 +283,8 @@ _STROKES: dict[RoomState, list[list[tuple[float, float]]]] = {
 def _paint_sign(painter: QPainter, centre: QPointF, mark: RoomMark, palette: Palette, scale: float) -> None:
     """Paint the state of a room.
 
-    Open circle: not visited. Arrows: a robot is coming. On a disc, dot: visited; tick: won; cross: lost. Arrows and
-    discs have the robot's color.
+    An open circle means not visited. Arrows mean that a robot is on its way. A disc with a dot means visited, with a
+    tick won, and with a cross lost. Arrows and discs have the robot's color.
     """
     painter.save()
     painter.translate(centre)
@@ -321,7 +323,7 @@ def _paint_sign_of_usual_size(painter: QPainter, mark: RoomMark, palette: Palett
 def _pattern(state: str, palette: Palette, ratio: float) -> QBrush:
     """Return a brush: stripes for a reserved room, dots for a visited one.
 
-    A tile fills a room faster than single strokes.
+    Filling a room with a tile is faster than drawing single strokes.
     """
     step = HATCH_SPACING if state == "reserved" else DOT_SPACING
     tile = QPixmap(round(step * ratio), round(step * ratio))

@@ -54,19 +54,20 @@ pg.setConfigOption("mouseRateLimit", 0)  # Do not combine moves of the pointer: 
 class MapView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no types
     """Map that people can zoom and drag, and that can follow a robot; it reports clicks and hovering by signals.
 
-    To add other items, give them its `box`.
+    To add an item, create the item with the `box` of the map.
 
     Args:
         palette: the colors.
         parent: parent widget.
-        texts: texts of the description. If None, English ones.
+        texts: texts of the description for screen readers. If None, English texts are used.
         axes: True for axes in meters, and for a menu of the right mouse button that exports the map.
 
     Attributes:
         box: view of the map, to which items belong.
         followed: index of the robot that is kept in the middle, or None.
-        sight: part that has the followed robot in its middle, logical pixels. If None, it is the whole widget.
-        hovered: number of the room that the pointer was moved onto, or None.
+        sight: part of the widget that keeps the followed robot in its middle, logical pixels. If None, it is the whole
+            widget.
+        hovered: number of the room under the pointer, if the pointer was moved there; otherwise None.
 
     Signals:
         room_clicked: number of the room, counted from 1.
@@ -103,7 +104,7 @@ class MapView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no types
         self._last = QPointF()
         self.scene().sigMouseClicked.connect(self._click)
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
-        # This also applies to the widget itself, which is the viewport's focus proxy.
+        # This call also affects the widget itself, because it is the focus proxy of the viewport.
         self.viewport().setFocusPolicy(Qt.FocusPolicy.NoFocus)
         self._texts = texts or shipped_texts()
         self.setAccessibleName(self._texts.text("map.name"))
@@ -112,7 +113,7 @@ class MapView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no types
         self._describing.start(DESCRIPTION_PERIOD)
 
     def _lay_out(self) -> None:
-        """Fill the widget with the map, and configure it for a few items that are all painted in each frame."""
+        """Fill the widget with the map. Configure the scene for a few items that are painted in each frame."""
         layout = pg.GraphicsLayout()
         self.setCentralItem(layout)
         layout.setContentsMargins(0, 0, 0, 0)
@@ -132,7 +133,7 @@ class MapView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no types
     # Contents ---------------------------------------------------------------------------------------------------------
 
     def show_floor_plan(self, floor_plan: FloorPlan) -> None:
-        """Show another floor plan, all of it."""
+        """Show another floor plan, completely visible."""
         geometry = unpack(floor_plan)
         self._ground.show_geometry(geometry)
         left, bottom, right, top = geometry.bounds
@@ -153,7 +154,7 @@ class MapView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no types
         self._follow()
 
     def set_palette(self, palette: Palette) -> None:
-        """Use other colors."""
+        """Use the colors of this palette."""
         self.box.colors = palette
         self._ground.change_colors()
         self._robots.invalidate()
@@ -176,13 +177,13 @@ class MapView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no types
     # View -------------------------------------------------------------------------------------------------------------
 
     def fit(self) -> None:
-        """Show the whole floor plan, now and after changes of size, and stop following a robot."""
+        """Stop following a robot, and show the whole floor plan, now and after each change of size."""
         self._end_follow()
         self.box.fit()
 
     @property
     def fitted(self) -> bool:
-        """True while the whole floor plan is shown, because no person has moved it."""
+        """True while the whole floor plan is shown, because no person has zoomed or dragged it."""
         return self.box.fitted
 
     def follow(self, robot: int | None) -> None:
@@ -193,9 +194,10 @@ class MapView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no types
             self._follow()
 
     def set_tool(self, cursor: Qt.CursorShape | None) -> None:
-        """Let a tool use the left button and receive `point_pressed` and similar signals. If None, end this.
+        """Let a tool with this cursor use the left button. If None, no tool uses it.
 
-        While a tool uses the left button, the middle button drags the map, and clicks select nothing.
+        While a tool uses the left button, the map emits `point_pressed`, `point_dragged` and `point_released`. The
+        middle button then drags the map, and clicks select nothing.
         """
         self._tool = cursor
         self._point_at(self._last)
@@ -211,12 +213,12 @@ class MapView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no types
         return at.x(), at.y()
 
     def robot_place(self, robot: int) -> QPointF | None:
-        """Return the pixel of this widget at the middle of a robot, if it is shown."""
+        """Return the pixel of this widget at the middle of a robot; None if the robot is not shown."""
         pose = next((mark.pose for mark in self._robots.marks if mark.robot == robot), None)
         return None if pose is None else self.pixel(pose.x, pose.y)
 
     def room_place(self, room: int) -> QRectF | None:
-        """Return the box around a room, pixels of this widget, if it is shown."""
+        """Return the box around a room, pixels of this widget; None if the room is not shown."""
         region = next((mark.region for mark in self._rooms if mark.room == room), None)
         if region is None:
             return None
@@ -224,23 +226,25 @@ class MapView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no types
         return QRectF(self.pixel(left, top), self.pixel(right, bottom))
 
     def opposite_corner(self, robot: int) -> tuple[bool, bool] | None:
-        """Return the corner of the map farthest from a robot, if the robot is shown, as two flags: True for right, True
-        for bottom."""
+        """Return the corner of the map that is farthest from a robot; None if the robot is not shown.
+
+        The corner is given by two flags: True for right, and True for bottom.
+        """
         pose = next((mark.pose for mark in self._robots.marks if mark.robot == robot), None)
         middle = self.box.bounds.center()
         return None if pose is None else (pose.x < middle.x(), pose.y > middle.y())
 
     def metres(self, pixels: float) -> float:
-        """Return the length in meters on the map of a length on the screen."""
+        """Convert a length on the screen, pixels, to a length on the map, meters."""
         return pixels / self.box.to_pixels().m11()
 
     def room_at(self, position: QPointF) -> int | None:
-        """Return the room under a pixel of this widget."""
+        """Return the number of the room at a pixel of this widget."""
         here = np.array([self.point(position)])
         return next((mark.room for mark in self._rooms if contains(mark.region, here)[0]), None)
 
     def robot_at(self, position: QPointF) -> int | None:
-        """Return the robot nearest to a pixel of this widget, if a robot is near the pixel."""
+        """Return the index of the robot nearest to a pixel of this widget; None if no robot is near the pixel."""
         reached = [(self.pixel(mark.pose.x, mark.pose.y) - position, mark.robot) for mark in self._robots.marks]
         near = [(gap.x() ** 2 + gap.y() ** 2, robot) for gap, robot in reached]
         distance, robot = min(near, default=(HIT_RADIUS**2 + 1.0, -1))
@@ -251,7 +255,7 @@ class MapView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no types
         return QSize(800, 600)
 
     def minimumSizeHint(self) -> QSize:
-        """Return an empty size: the window decides on the minimum."""
+        """Return an empty size, because the window sets the minimum size."""
         return QSize()
 
     def _end_follow(self) -> None:
@@ -270,13 +274,13 @@ class MapView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no types
     # Events -----------------------------------------------------------------------------------------------------------
 
     def paintEvent(self, event: QPaintEvent) -> None:
-        """Paint, and inform the items about the part that needs painting."""
+        """Paint the map, and set the part to paint for its items."""
         self.box.exposed = event.region().translated(-self.box.scenePos().toPoint())
         super().paintEvent(event)
         self.box.exposed = None
 
     def resizeEvent(self, event: QResizeEvent | None) -> None:
-        """Adapt to another size; a small map has smaller letters."""
+        """Adapt to another size of the widget; a small map has smaller letters."""
         super().resizeEvent(event)
         if event is not None:
             self._fit_letters()
@@ -307,7 +311,7 @@ class MapView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no types
         return bool(super().viewportEvent(event))
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
-        """Start a tool's stroke; pyqtgraph distinguishes clicks from drags."""
+        """Start a stroke of the tool. Without a tool, pyqtgraph distinguishes clicks from drags."""
         self._stroking = self._tool is not None and event.button() == Qt.MouseButton.LeftButton
         if self._stroking:
             self.point_pressed.emit(*self.point(event.position()))
@@ -315,7 +319,7 @@ class MapView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no types
             super().mousePressEvent(event)
 
     def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
-        """Start a tool's stroke also at the second press of a double click."""
+        """Start a stroke of the tool, also at the second press of a double click."""
         if self._tool is not None:
             self.mousePressEvent(event)
         else:
@@ -367,7 +371,7 @@ class MapView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no types
             self.room_clicked.emit(room)
 
     def _point_at(self, position: QPointF) -> None:
-        """Show if a click at a pixel has an effect, and hover the room at the pixel if the pointer was moved there."""
+        """Set the cursor, which shows whether a click at a pixel has an effect; update the hovered room."""
         robot, room = self.robot_at(position), self.room_at(position)
         choosable = any(mark.room == room and mark.choosable for mark in self._rooms)
         shape = Qt.CursorShape.PointingHandCursor if robot is not None or choosable else Qt.CursorShape.ArrowCursor

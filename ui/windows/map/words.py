@@ -12,7 +12,7 @@ from ui.windows.map.geometry import contains
 
 
 def describe(texts: Texts, rooms: Sequence[RoomMark], robots: Sequence[RobotMark]) -> str:
-    """Describe the number of rooms, their states, and the places of all robots."""
+    """Return a description of the number of rooms, their states, and the places of all robots."""
     clauses = [texts.text("map.rooms", rooms=texts.text("words.rooms", count=len(rooms)))]
     for key, states in (("map.visited", VISITED), ("map.won", ("won",)), ("map.lost", ("lost",))):
         numbers = [str(mark.room) for mark in rooms if mark.state in states]
