@@ -1,1 +1,1 @@
-"""Text protocol of 2016: lines, messages and router in `wire`; server and client over TCP in `sockets`."""
+"""Text protocol of 2016. `wire` has lines, messages and the router; `sockets` has the TCP server and client."""

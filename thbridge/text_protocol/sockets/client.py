@@ -1,4 +1,4 @@
-"""Socket of the text client, which keeps one of our own programs connected to a server."""
+"""Socket of the text client. The client keeps one of our own programs connected to a server."""
 
 from __future__ import annotations
 
@@ -23,15 +23,15 @@ from thbridge.text_protocol.wire.lines import TextMessage, encode_line
 _log = logging.getLogger(__name__)
 
 _EVENTS = 1024
-"""Largest number of queued events; above it nothing is read, and finally the server disconnects the client."""
+"""Maximum number of queued events. At this number the client stops reading, and finally the server disconnects it."""
 
 _BACKLOG = 1024 * 1024
-"""Bytes that may wait to be sent before the connection counts as dead."""
+"""Maximum number of bytes that wait to be sent. Above it, the connection counts as dead."""
 
 _SEGMENT = 16 * 1024
 
 _LAST_WORDS = 0.1
-"""Seconds that the last messages have to be sent."""
+"""Seconds that remain for sending the last messages."""
 
 
 TextClientEvent: TypeAlias = NameRegistered | TextMessage | ConnectionLost
@@ -40,13 +40,13 @@ TextClientEvent: TypeAlias = NameRegistered | TextMessage | ConnectionLost
 class TextClient(ReconnectingClient):
     """Client that keeps the program `name` connected to a server until `run` is cancelled.
 
-    It yields `NameRegistered` at the first connection and after every reconnection. The program must then introduce
-    itself again.
+    `NameRegistered` is the first event of every connection. After it, the program must introduce itself to the other
+    programs again.
 
     Args:
         name: name of the program on the server.
-        token: one word that marks this run of the program, e.g. some random digits; see `ClientSession`.
-        key: key to present to the server, over TLS; None for servers of this machine.
+        token: one word that identifies this run of the program, e.g. random digits; see `ClientSession`.
+        key: key to present to the server over TLS. If None, the server must run on this machine.
 
     Attributes:
         name: name of the program.
@@ -65,7 +65,7 @@ class TextClient(ReconnectingClient):
         backoff: Backoff | None = None,
         key: ClientKey | None = None,
     ) -> None:
-        ClientSession(name, token)  # This rejects a bad name before the run.
+        ClientSession(name, token)  # Raises for a bad name now instead of in `run`.
         super().__init__(host, port, backoff or Backoff(), _SEGMENT, key)
         self.name = name
         self.address = f"{host}:{port}"
@@ -74,7 +74,7 @@ class TextClient(ReconnectingClient):
 
     @asynccontextmanager
     async def running(self) -> AsyncIterator[None]:
-        """Stay connected inside the `async with`; messages that are sent inside it are still delivered."""
+        """Stay connected inside the `async with`. At its end, wait a moment until the last messages are delivered."""
         running = asyncio.create_task(self.run())
         try:
             yield
@@ -83,7 +83,7 @@ class TextClient(ReconnectingClient):
             running.cancel()
 
     def send(self, message: TextMessage) -> bool:
-        """Send a message; return False if no server has accepted the name, so that the message is lost."""
+        """Send a message. Return False if the message is lost because no server has accepted the name."""
         if self._writer is None:
             return False
         self._write(self._writer, encode_line(message.line()))
@@ -143,5 +143,6 @@ class TextClient(ReconnectingClient):
 
     def _write(self, writer: asyncio.StreamWriter, data: bytes) -> None:
         writer.write(data)
+        # A server that does not read counts as dead. Otherwise the waiting bytes would fill the memory.
         if writer.transport.get_write_buffer_size() > _BACKLOG:
             writer.transport.abort()

@@ -1,7 +1,7 @@
-"""Sockets of the text server, which carry out the router's decisions over TCP.
+"""Sockets of the text server. They carry out the router's decisions over TCP.
 
-Everything runs on the thread of one event loop, including the router. So no locks are needed. A session with programs
-in this process steps them on the same loop, and wraps the router, so it records all input.
+Everything runs on the thread of one event loop, including the router. So no locks are needed. A session steps
+the programs of this process on the same loop. It wraps the router in order to record all input.
 """
 
 from __future__ import annotations
@@ -43,34 +43,34 @@ from thbridge.text_protocol.wire.router import (
 _log = logging.getLogger(__name__)
 
 _SEGMENT = 16 * 1024
-"""Bytes that are handled at a time, so that one client that floods the server leaves time for the others."""
+"""Maximum number of bytes that are handled at a time. So a client that floods the server does not block the others."""
 
 _LINGER = 1.0
 """Seconds that a client has to read its last line before the connection is closed."""
 
 _MOST_LINGERING = 64
-"""Largest number of rejected connections at a time that stay open to read their last line."""
+"""Maximum number of rejected connections that stay open until the client has read its last line."""
 
 _CHECK_INTERVAL = 1.0
-"""Seconds between two checks for idle clients, and for keys that are no longer valid."""
+"""Seconds between two checks for idle clients and for keys that are no longer valid."""
 
 _KEY_SECONDS = 10.0
 """Seconds that an encrypted connection has to send its key."""
 
 _WRONG_KEY_SECONDS = 1.0
-"""Delay in seconds before the server answers that a key is wrong; then the client may try again."""
+"""Seconds before the server rejects a wrong key, so that a connection cannot try many keys."""
 
 _LONGEST_KEY_LINE = 4096
 
 _MOST_WITHOUT_KEY = 64
-"""Largest number of encrypted connections without a valid key; a further one replaces the oldest."""
+"""Maximum number of encrypted connections without a valid key. A further connection replaces the oldest one."""
 
 
 class RouterInterface(Protocol):
-    """Interface of a server's router: a `MessageRouter`, which documents the methods, or a wrapper of one."""
+    """Interface of a server's router: a `MessageRouter`, which documents the methods, or a wrapper of it."""
 
     def make_room(self, now: float) -> Sequence[RouterOutput]:
-        """Make room for a connection if the server is full."""
+        """Close an idle connection if the server is full."""
 
     def connect(self, now: float, credentials: Credentials = LOCAL) -> ConnectionId | TurnedAway:
         """Accept a connection."""
@@ -95,7 +95,7 @@ class RouterInterface(Protocol):
 
 
 class TextServer:
-    """TCP server of one router, for plain connections; with keys, also for TLS connections.
+    """TCP server of one router. It accepts plain connections, and with keys also TLS connections.
 
     Args:
         clock: returns seconds; must not run backward.
@@ -123,7 +123,7 @@ class TextServer:
         self.complaints = WarnOnce(_log)
         """Warnings about clients."""
         self._all_closed = asyncio.Event()
-        # Connections of the router; in addition, rejected connections and connections without a key.
+        # The sum counts the router's connections, rejected connections, and connections without a key.
         self._door = ServerDoor(RouterLimits().clients + _MOST_LINGERING + _MOST_WITHOUT_KEY)
         self._names: dict[ConnectionId, str] = {}
         self._watch: asyncio.Task[None] | None = None
@@ -134,14 +134,14 @@ class TextServer:
         """Begin to serve.
 
         Args:
-            router: makes the decisions; it may have local endpoints without a socket.
+            router: router that decides about all lines. It may have local endpoints, which have no socket.
             host: address to listen on. With `LOCALHOST` the server also listens on `DEBIAN_HOST`, if the machine has
                 that address and no other program listens there.
             port: TCP port; 0 selects any free port.
         """
         self._router = router
         if not 0 <= port <= 65535:
-            return CannotListen(host, port, "a port is a number from 0 to 65535")
+            return CannotListen(host, port, "a port must be a number from 0 to 65535")
         tls = None if self._keys is None else self._keys.tls
         try:
             address = await self._door.listen(lambda: _Connection(self), host, port, tls)
@@ -152,7 +152,7 @@ class TextServer:
             try:
                 await self._door.listen(lambda: _Connection(self), DEBIAN_HOST, address.port, tls)
             except OSError as error:
-                _log.info("programs that expect the server at %s cannot find it: %s", DEBIAN_HOST, error)
+                _log.info("programs that connect to %s cannot reach the server: %s", DEBIAN_HOST, error)
         return address
 
     async def stop(self) -> None:
@@ -177,7 +177,7 @@ class TextServer:
             connection.go_on()
 
     def hold(self, connection: ConnectionId, held: _Connection) -> None:
-        """Throttle a connection: read no more from it until the next `perform`."""
+        """Throttle a connection: stop reading from it until the next `perform`."""
         self._held[connection] = held
 
     def admits(self, connection: ConnectionId) -> bool:
@@ -196,25 +196,25 @@ class TextServer:
                         transport.write(data)
                         waiting += self._router.report_backlog(connection, transport.get_write_buffer_size())
                 case CloseConnection(connection, reason):
-                    _log.info("client %d is closed: %s", connection, reason.value)
+                    _log.info("client %d is disconnected: %s", connection, reason.value)
                     transport = self._transports.pop(connection, None)
                     if transport is not None:
                         _close(transport, reason.flush)
                 case LineSkipped(connection, length):
-                    self.complaints.warn(f"client {connection} sent a line that is too long; skipped")
+                    self.complaints.warn(f"client {connection} sent a line that is too long; the line is skipped")
                     _log.info("client %d sent a line of %d bytes", connection, length)
                 case ClientJoined(connection, name):
-                    _log.info("client %d is %s", connection, name)
+                    _log.info("client %d has registered the name %s", connection, name)
                     self._names[connection] = name
                     self._enter_game(connection)
                 case ClientLeft(connection, name):
-                    _log.info("client %d is no longer %s", connection, name)
+                    _log.info("client %d has given up the name %s", connection, name)
                     self._names.pop(connection, None)
                 case Forwarded():
-                    pass  # For the session; there is nothing to send.
+                    pass  # Only the session uses this output. The server has nothing to send.
 
     def note_game(self, name: str, over: bool) -> None:
-        """Note the unique name of the present or next game, and if it is over.
+        """Note the unique name of the present or next game, and whether the game is over.
 
         Participants with keys enter this game. From then on, their keys are valid only for this game. A game that is
         over admits no new participants.
@@ -227,16 +227,16 @@ class TextServer:
     # Connections
 
     def arrived(self, connection: _Connection, transport: Transport) -> bool:
-        """Admit a new connection; return False if there is no room, or its machine is not admitted."""
+        """Admit a new connection. Return False if the server is full or does not admit the client's machine."""
         encrypted = is_encrypted(transport)
         stranger = None if encrypted else self._admission.refused(transport)
         if stranger is not None:
-            self.complaints.warn(f"{stranger} is in none of the networks of open_to; its connection is closed")
+            self.complaints.warn(f"a client at {stranger} is rejected: its address is in no network of open_to")
             transport.abort()
             return False
         if len(self._open) >= self._door.most:
             # File descriptors are scarce, so the oldest connection without a name is closed.
-            self.complaints.warn(f"more than {self._door.most} connections: out of file descriptors")
+            self.complaints.warn(f"a connection is closed: all {self._door.most} available file descriptors are in use")
             nameless = next((each for each in self._transports if each not in self._names), None)
             if nameless is None:
                 transport.abort()
@@ -262,15 +262,15 @@ class TextServer:
     def connected(
         self, connection: _Connection, transport: Transport, shown: Credentials | None
     ) -> ConnectionId | None:
-        """Accept or reject a connection; `shown` are the credentials of its key, if it has one."""
+        """Accept or reject a connection. `shown` contains the credentials of its key. If None, it has no key."""
         self._without_key.pop(connection, None)
         now = self._clock()
         self._perform(self._router.make_room(now))
         accepted = self._router.connect(now, shown or (LOCAL if peer_of(transport) is None else PLAIN))
         if isinstance(accepted, TurnedAway):
-            self.complaints.warn("a client was rejected: the server is full")
+            self.complaints.warn("a client is rejected: the server is full")
             transport.write(accepted.farewell)
-            # Only a few rejected connections may stay open, because recordings need the file descriptors.
+            # Few rejected connections may stay open, because recordings need file descriptors.
             _close(transport, flush=len(self._open) - len(self._transports) <= _MOST_LINGERING)
             return None
         self._transports[accepted] = transport
@@ -283,7 +283,7 @@ class TextServer:
         self._perform(self._router.receive_data(connection, data, self._clock()))
 
     def ended(self, connection: ConnectionId) -> None:
-        """Handle the end of a client's bytes."""
+        """Handle the end of the bytes from a client."""
         self._with_key.pop(connection, None)
         self._perform(self._router.eof(connection))
         self._transports.pop(connection, None)
@@ -303,7 +303,7 @@ class TextServer:
                     self._turn_out(connection, self._keys.why_not(credentials))
 
     def _enter_game(self, connection: ConnectionId) -> None:
-        """Add a participant with a key to the present game. If that is not allowed, end the connection."""
+        """Add a participant with a key to the present game. End the connection if its key does not allow this game."""
         credentials, name = self._with_key.get(connection), self._names.get(connection)
         if self._keys is None or self._game is None or credentials is None or name is None:
             return
@@ -322,12 +322,12 @@ class TextServer:
 
 
 class _Connection(BufferedProtocol):
-    """One TCP connection. Bytes that arrive after its end are read and ignored.
+    """One TCP connection. Bytes that arrive after the end of the connection are read and ignored.
 
     If they were left unread, closing the socket would reset the connection, and the shutdown line could be lost.
 
-    asyncio sends each write at once (TCP_NODELAY). This is important: the C++ client of 2016 treats one segment as one
-    line, and would overlook a ``%%goto`` in the same segment as an ack.
+    asyncio sends each write at once (TCP_NODELAY). This is important, because the C++ client of 2016 treats a segment
+    as one line. It would overlook a ``%%goto`` in the same segment as an ack.
     """
 
     def __init__(self, server: TextServer) -> None:
@@ -351,7 +351,7 @@ class _Connection(BufferedProtocol):
             self._id = self._server.connected(self, transport, None)
 
     def get_buffer(self, sizehint: int) -> memoryview:
-        # A memoryview, because asyncio reads further TLS records into slices, and slices of a bytearray are copies.
+        # asyncio reads further TLS records into slices. Slices of a bytearray would be copies, so this is a memoryview.
         return memoryview(self._buffer)
 
     def buffer_updated(self, nbytes: int) -> None:
@@ -361,7 +361,7 @@ class _Connection(BufferedProtocol):
             return
         begun, self._begun = self._begun, True
         if not begun and self._transport is not None and begins_http(data):
-            self._server.complaints.warn("a client sent HTTP, as a web page does; its connection is closed")
+            self._server.complaints.warn("a client is rejected: it sent HTTP, as web pages in browsers do")
             self._transport.abort()
             return
         self._read(data)
@@ -372,7 +372,7 @@ class _Connection(BufferedProtocol):
             self._transport.abort()
 
     def _take_key(self, data: bytes) -> None:
-        """Wait for the first line, which contains the key, and answer it."""
+        """Collect bytes of the first line, which contains the key. Answer the line when it is complete."""
         line, newline, rest = data.partition(b"\n")
         if self._transport is None or self._timer is None:
             return
@@ -403,9 +403,9 @@ class _Connection(BufferedProtocol):
             self._read(self._waiting)
 
     def _read(self, data: bytes) -> None:
-        """Pass on the admitted lines, one by one.
+        """Pass the admitted lines to the server, one by one.
 
-        The other lines wait here and, by back-pressure, in the client's socket.
+        Other lines wait here. As reading pauses, still later lines wait in the client's socket (back-pressure).
         """
         begin, self._waiting = 0, b""
         while begin < len(data) and self._transport is not None and self._id is not None:
@@ -433,19 +433,19 @@ class _Connection(BufferedProtocol):
             self._timer.cancel()
         if self._transport is not None:
             self._server.lost(self, self._transport)
-            # Breaks a reference cycle: a TLS transport uses much memory and refers to this object.
+            # A TLS transport uses much memory and refers to this object. This breaks the reference cycle.
             self._transport = None
 
 
 def _close(transport: Transport, flush: bool) -> None:
-    """Close a connection, at once or after the other side has had a moment to read the last bytes."""
+    """Close a connection. If `flush`, first give the other side a moment to read the last bytes."""
     if flush and transport.can_write_eof():
         try:
             transport.write_eof()
-        except OSError:  # The other side is gone already, but asyncio has not noticed it yet.
+        except OSError:  # The other side has closed the connection, but asyncio has not noticed it yet.
             flush = False
     elif flush:
-        transport.close()  # TLS closes both directions at once, after the pending bytes.
+        transport.close()  # TLS sends the pending bytes and then closes both directions at once.
     if flush:
         asyncio.get_running_loop().call_later(_LINGER, transport.abort)
     else:

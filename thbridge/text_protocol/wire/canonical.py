@@ -1,4 +1,4 @@
-"""Canonical content of the commands to SimR and of its answer, as HRTeam defined them in 2015.
+"""Canonical content of the commands to SimR and of SimR's answer, as HRTeam defined them in 2015.
 
 Positions are meters in the map frame. Headings are radians here, and degrees on the wire (0 is East, counterclockwise).
 Numbers on the wire have three decimals.
@@ -18,7 +18,7 @@ from thbridge.text_protocol.wire.lines import TextCommand, TextMessage, Unreadab
 
 
 class MoveDirection(Enum):
-    """Direction of driving by hand, by its letter on the wire."""
+    """Direction of driving by hand. The values are the letters on the wire."""
 
     FORWARD = "F"
     BACKWARD = "B"
@@ -47,7 +47,7 @@ class PoseQuery:
 
 @dataclass(frozen=True, slots=True)
 class GotoPoint:
-    """Order to drive to a point; `heading` is None if any heading is allowed."""
+    """Order to drive to a point. If `heading` is None, any heading is allowed."""
 
     robot: int
     x: float
@@ -86,7 +86,7 @@ def encode(value: CanonicalValue, sender: str, receiver: str) -> TextMessage:
 
 
 def decode(message: TextMessage) -> CanonicalValue | UnreadableText:
-    """Return the value in a message."""
+    """Return the value in a message, or the reason why it cannot be read."""
     try:
         value = _value(message)
     except ValueError as error:
@@ -99,8 +99,8 @@ def decode(message: TextMessage) -> CanonicalValue | UnreadableText:
 def decode_goto(message: TextMessage, dialect: Dialect, rooms: int) -> legacy.GotoRoom | GotoPoint | UnreadableText:
     """Return the room or point to which a ``%%goto`` sends a robot.
 
-    In the legacy dialect it is a room if x and y are the same whole number below `rooms` and the heading is 45. In
-    every other case it is a point.
+    In the legacy dialect, the target is a room if x and y are the same whole number below `rooms` and the heading is
+    45. In every other case, the target is a point.
     """
     if dialect is Dialect.LEGACY_2016:
         value = legacy.decode(message)
@@ -148,7 +148,7 @@ def _value(message: TextMessage) -> CanonicalValue | None:
 def _number(value: float) -> str:
     if not math.isfinite(value):
         raise ValueError(f"{value} is not a number that can be sent")
-    # Adding 0.0 turns the -0.0 that rounding leaves into 0.0.
+    # Rounding may return -0.0. Adding 0.0 turns this into 0.0, so that the wire never shows "-0.000".
     return f"{round(value, 3) + 0.0:.3f}"
 
 
@@ -157,6 +157,7 @@ def _degrees(heading: float) -> str:
 
 
 def _whole(text: str) -> int:
+    # `int` alone would also accept blanks, underscores, other scripts' digits, and numbers of any length.
     if not (text.isascii() and text.removeprefix("-").isdigit() and len(text) <= 10):
         raise ValueError(f"{text!r} is not a whole number")
     return int(text)

@@ -1,7 +1,7 @@
-"""Client's side of the text protocol for our own programs, without the socket.
+"""Client's part of the text protocol for our own programs, without the socket.
 
-A `ClientSession` is for one connection: send its `hello`, feed it the received bytes, and carry out the events. It
-registers as an extended client, answers pings, and does not pass on the server's own lines.
+A `ClientSession` is for one connection. Send its `hello`, pass the received bytes to `receive_data`, and carry out the
+events. The session registers as an extended client, answers pings, and handles the server's own lines itself.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ _PONG_LINE = encode_line(f"{TextCommand.PONG} ")
 
 @dataclass(frozen=True, slots=True)
 class NameRegistered:
-    """The server has accepted our name. Now the program must introduce itself to the other programs."""
+    """Event: the server has accepted our name. Now the program must introduce itself to the other programs."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,7 +39,7 @@ class ServerCloseReason(Enum):
 
 @dataclass(frozen=True, slots=True)
 class ClosedByServer:
-    """The server has announced the end of this connection; no more messages follow.
+    """Event: the server has announced the end of this connection. No more messages follow.
 
     Attributes:
         reason: kind of reason.
@@ -58,8 +58,8 @@ class ClientSession:
 
     Args:
         name: name to register.
-        token: one word that marks this run of the program, so that it may replace its own dead connection. It is random
-            for each run, and stays the same over reconnections.
+        token: one random word for this run of the program, the same at each reconnection. With this word, the program
+            may replace its own dead connection.
 
     Attributes:
         hello: registration line, to be sent first.
@@ -78,7 +78,7 @@ class ClientSession:
         self._refused = ""
 
     def receive_data(self, data: bytes) -> list[ClientSessionEvent]:
-        """Return the events in bytes from the server; none after `ClosedByServer`."""
+        """Return the events in bytes from the server. After `ClosedByServer` there are no more events."""
         events: list[ClientSessionEvent] = []
         for line in self._lines.feed(data):
             if self._ended:
@@ -87,7 +87,7 @@ class ClientSession:
         return events
 
     def _handle(self, parts: list[str]) -> list[ClientSessionEvent]:
-        # The server's own lines are matched as a whole: routed lines may begin with the same word, but are longer.
+        # A server's own line has exactly one word. Routed lines may begin with the same word, but are longer.
         match parts:
             case [TextCommand.PING]:
                 return [SendToServer(_PONG_LINE)]

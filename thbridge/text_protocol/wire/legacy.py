@@ -1,11 +1,11 @@
-"""Dialect ``legacy-2016``: the protocol as the programs of the 2016 treasure hunt adapted it to their game.
+"""Dialect ``legacy-2016``: the form of the protocol that the programs of the 2016 treasure hunt used for their game.
 
-Robots and rooms count from 0 on the wire: robot 0 is the first robot, room 0 the first room (the corridor has no number
-here). Each value is encoded by its method `message`. `decode` uses only the command and the form of the content, not
-the sender.
+On the wire, robot 0 is the first robot and room 0 is the first room. The corridor has no number here. The method
+`message` of each value encodes it. `decode` uses only the command and the form of the content, not the sender.
 
-The programs of 2016 recognize a line by looking for ``ping``, ``error``, ``found``, ``score``, ``image`` and ``snap``,
-in about that order, anywhere in it. So the names of treasures and pictures should not contain these words.
+The programs of 2016 recognize a line by one of the words ``ping``, ``error``, ``found``, ``score``, ``image`` and
+``snap``. They look for these words in about this order, anywhere in the line. So the names of treasures and pictures
+should not contain these words.
 """
 
 from __future__ import annotations
@@ -25,8 +25,8 @@ TABUI = "TabUI"
 HIDER = "Hider"
 """The program that knows the treasures."""
 
-_HEADING = "45"  # The programs of 2016 always sent this heading, and no program used it.
-_MAX_DIGITS = 9  # Fits into an int of Java.
+_HEADING = "45"  # All programs of 2016 sent this heading, and none of them used it.
+_MAX_DIGITS = 9  # More digits may not fit into an int of Java.
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,7 +66,7 @@ class AskTreasure:
 
 @dataclass(frozen=True, slots=True)
 class FoundTreasure:
-    """Answer of Hider: properties that the robot senses in a room; several blanks in a row become one on the wire.
+    """Answer of Hider: properties that the robot senses in a room. The wire keeps only one of several blanks in a row.
 
     Attributes:
         room: the room's number.
@@ -121,13 +121,13 @@ class TreasureImage:
 
 @dataclass(frozen=True, slots=True)
 class NameTreasure:
-    """Message of TabUI: the participant's name for a treasure; several blanks in a row become one on the wire."""
+    """Message of TabUI: the participant's name for a treasure. The wire keeps only one of several blanks in a row."""
 
     room: int
     name: str
 
     def message(self) -> TextMessage:
-        """Return ``%%found TabUI Hider "ROOM,NAME``: the quotation mark is never closed."""
+        """Return ``%%found TabUI Hider "ROOM,NAME``. TabUI never closed the quotation mark."""
         return TextMessage.of(TextCommand.FOUND, TABUI, HIDER, f'"{self.room},{self.name}')
 
 
@@ -159,7 +159,7 @@ _SCORE = re.compile(rf",(-?[0-9]{{1,{_MAX_DIGITS}}})")
 
 
 def decode(message: TextMessage) -> LegacyValue | UnreadableText:
-    """Return the value in a message of this dialect."""
+    """Return the value in a message of this dialect, or the reason why it cannot be read."""
     text = message.text
     match message.command:
         case TextCommand.GOTO:

@@ -1,7 +1,7 @@
-"""Lines of the text protocol: framing, tokens and the routed message.
+"""Lines of the text protocol: framing, tokens and routed messages.
 
-The protocol is that of the HRTeam server (2015), as the treasure hunt of 2016 used it. It has one message per line, in
-UTF-8, with tokens separated by ASCII white space. The first token is the command.
+The treasure hunt of 2016 used the protocol of the HRTeam server (2015). Each line is one message in UTF-8. ASCII white
+space separates its tokens. The first token is the command.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 EXTENDED = "extended"
-"""Second token of a ``%%setid`` that requests more than the protocol of 2016."""
+"""Second argument of a ``%%setid``, by which our own programs request extensions of the protocol of 2016."""
 
 _TOKEN = re.compile(r"\S+", re.ASCII)
 
@@ -53,7 +53,7 @@ ROUTED = frozenset(
         TextCommand.WHERE,
     }
 )
-"""Commands that the server passes on to the client that they name."""
+"""Commands that the server passes on to the receiver in the line."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,8 +74,8 @@ class TextMessage:
     """Routed message, ``COMMAND FROM TO CONTENT...``.
 
     Attributes:
-        command: usually one of `ROUTED`; any word inside a ``%%send``.
-        sender: name of the program that sends it (it is not checked against the connection).
+        command: usually one of `ROUTED`. Inside a ``%%send`` it may be any word.
+        sender: name of the sending program. It may differ from the name of the connection.
         receiver: name of the receiving program.
         content: the remaining tokens.
 
@@ -95,7 +95,7 @@ class TextMessage:
 
     @classmethod
     def of(cls, command: str, sender: str, receiver: str, text: str) -> TextMessage:
-        """Return a message with running text as content, which is split at white space as on the wire."""
+        """Return a message with running text as content. The text is split at white space, as on the wire."""
         return cls(command, sender, receiver, tuple(tokens(text)))
 
     @property
@@ -106,24 +106,23 @@ class TextMessage:
     def line(self) -> str:
         """Return the message as it is sent, without the line feed.
 
-        It always ends with one blank: the Java clients of 2016 cut a fixed number of characters off the end, and rely
-        on that blank.
+        It always ends with one blank, because the Java clients of 2016 cut a fixed number of characters off the end.
         """
         return " ".join((self.command, self.sender, self.receiver, *self.content, ""))
 
 
 def tokens(line: str) -> list[str]:
-    """Split a line at ASCII white space (a no-break space is part of a token, as it was for Java)."""
+    """Split a line at ASCII white space. A no-break space is part of a token, as in the Java programs of 2016."""
     return _TOKEN.findall(line)
 
 
 def parse_line(line: str) -> TextMessage | UnreadableText:
-    """Return the message in a line; for a ``%%send``, the message inside it."""
+    """Return the message in a line. If the command is ``%%send``, return the message inside it."""
     return parse_tokens(tokens(line))
 
 
 def parse_tokens(parts: Sequence[str]) -> TextMessage | UnreadableText:
-    """Return the message in a line that is split into tokens; see `parse_line`."""
+    """Return the message in a line that is already split into tokens; see `parse_line`."""
     match parts:
         case [TextCommand.SEND, _, _, command, sender, receiver, *content]:
             return TextMessage(command, sender, receiver, tuple(content))
@@ -136,5 +135,5 @@ def parse_tokens(parts: Sequence[str]) -> TextMessage | UnreadableText:
 
 
 def encode_line(line: str) -> bytes:
-    """Return a line as bytes with its line feed; lone surrogates, which UTF-8 cannot encode, become question marks."""
+    """Return a line as bytes with its line feed. UTF-8 cannot encode lone surrogates, so they become question marks."""
     return line.encode("utf-8", errors="replace") + b"\n"

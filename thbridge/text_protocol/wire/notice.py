@@ -1,7 +1,7 @@
 r"""Notices: messages between our own programs that extend the protocol of 2016.
 
-A notice is sent as ``%%error FROM TO thbridge {json}``. The JSON is compact ASCII without blanks (those in strings are
-written ``\u0020``). So it is one token, and any server of the protocol passes it on unchanged.
+A notice is sent as ``%%error FROM TO thbridge {json}``. The JSON is compact ASCII. It contains no blanks: a blank in a
+string is written ``\u0020``. So the JSON is one token, and any server of the protocol passes it on unchanged.
 """
 
 from __future__ import annotations
@@ -16,20 +16,20 @@ import msgspec
 from thbridge.text_protocol.wire.lines import TextCommand, TextMessage, UnreadableText
 
 JsonValue: TypeAlias = bool | int | float | str | Sequence["JsonValue"] | Mapping[str, "JsonValue"] | None
-"""Any value of JSON; `parse_notice` returns lists and dictionaries."""
+"""Any value of JSON. `parse_notice` returns its sequences as lists and its mappings as dictionaries."""
 
 SERVER = "Server"
-"""Sender name in the server's own notices."""
+"""Name of the sender in the server's own notices."""
 
 UNDELIVERED = "undelivered"
-"""The server's notice of a failed delivery, with the fields `command`, `receiver`, `content` (its beginning) and
-`reason`."""
+"""Kind of the server's notice about a failed delivery. Its fields are `command`, `receiver`, `content` (only the
+beginning) and `reason`."""
 
 REFUSED = "refused"
-"""The server's notice before it closes a connection because of its key, with the field `reason`, a clause."""
+"""Kind of the server's notice before it closes a connection because of its key. The field `reason` is a clause."""
 
 COUNTED = range(1, 1 << 32)
-"""Valid numbers of games and dialogues; they are also keys of random numbers. Other numbers come from faulty
+"""Valid numbers of games and dialogues. These numbers are also keys of random numbers. Other numbers come from faulty
 senders."""
 
 _MARK = "thbridge"
@@ -38,13 +38,13 @@ _REQUEST = "request"
 
 @dataclass(frozen=True, slots=True)
 class Notice:
-    """Notice, as its receiver reads it.
+    """Notice as its receiver gets it.
 
     Attributes:
         sender: name of the program that sends it.
         receiver: name of the receiving program.
-        kind: name of its subject, which determines its fields.
-        fields: the fields.
+        kind: name of its subject. It determines the fields.
+        fields: names and values of its fields.
     """
 
     sender: str
@@ -54,20 +54,20 @@ class Notice:
 
     @property
     def request(self) -> int | None:
-        """Number that the sender gave this request, the same in each repetition; None if it has no number."""
+        """Number that the sender gave this request, the same in each repetition. None if the request has no number."""
         number = self.fields.get(_REQUEST)
         return number if type(number) is int and number in COUNTED else None
 
 
 class NoticeValue(msgspec.Struct, frozen=True, tag_field="kind"):
-    """Base of the values in notices. Their tags are their kinds on the wire, which are the same in all releases."""
+    """Base class of the values in notices. A class has its kind on the wire as its tag; no release changes the tags."""
 
 
 N = TypeVar("N", bound=NoticeValue)
 
 
 def kind_of(value_class: type[NoticeValue]) -> str:
-    """Return the kind, on the wire, of notices with values of a class."""
+    """Return the kind on the wire of notices that have values of this class."""
     return str(value_class.__struct_config__.tag)
 
 
@@ -88,14 +88,14 @@ class NoticeDecoder(Generic[N]):
     """Decoder of all notices that one program accepts.
 
     Args:
-        union: class of their values, or a union of such classes, which are distinguished by their tags.
+        union: class of the values, or a union of classes with different tags.
     """
 
     def __init__(self, union: object) -> None:
         self._union = union
 
     def decode(self, notice: Notice) -> N | None:
-        """Return the value of a notice; None if it is not for this program, or malformed."""
+        """Return the value of a notice. Return None if this program does not accept its kind, or if it is malformed."""
         try:
             value: N = msgspec.convert({**notice.fields, "kind": notice.kind}, self._union)
         except msgspec.ValidationError:
@@ -103,7 +103,7 @@ class NoticeDecoder(Generic[N]):
         return value
 
     def read(self, message: TextMessage) -> N | None:
-        """Return the value of the notice in a message; None also if the message contains no notice."""
+        """Return the value of the notice in a message; see `decode`. If the message has no notice, return None."""
         notice = parse_notice(message)
         return self.decode(notice) if isinstance(notice, Notice) else None
 
@@ -114,7 +114,7 @@ def decode_notice(notice: Notice, value_class: type[N]) -> N | None:
 
 
 def notice(sender: str, receiver: str, kind: str, /, **fields: JsonValue) -> TextMessage:
-    """Return the message with a notice; fields keep their order.
+    """Return the message with a notice. The fields keep their order.
 
     Raises:
         ValueError: a number is not finite, a field is called ``kind``, or a name is not one token.
@@ -141,7 +141,7 @@ def parse_notice(message: TextMessage) -> Notice | UnreadableText:
     text = " ".join(message.content[1:])
     try:
         value: JsonValue = json.loads(text, parse_constant=_refuse_constant)
-    # A long line of nested brackets exhausts the parser's stack.
+    # Many nested brackets cause RecursionError, because they exhaust the parser's stack.
     except (ValueError, RecursionError) as error:
         return UnreadableText(message.line(), f"its JSON is broken: {error}")
     if not isinstance(value, dict):
@@ -155,11 +155,11 @@ def parse_notice(message: TextMessage) -> Notice | UnreadableText:
 
 
 def _has_half_a_character(text: str) -> bool:
-    """Return True if an escape is half of a surrogate pair without the other half; JSON's grammar allows this."""
+    """Return True if the text contains only one half of a surrogate pair, as an escape. JSON's grammar allows this."""
     if r"\u" not in text:
         return False
     try:
-        # Parsing joins pairs to one character. Halves stay, and cannot be encoded.
+        # Parsing joins a pair to one character. A single half stays as it is, and encoding fails.
         json.dumps(json.loads(text), ensure_ascii=False).encode()
     except UnicodeEncodeError:
         return True

@@ -1,12 +1,12 @@
-"""Text server without its sockets: it stores the holder of each name and passes messages on.
+"""Text server without its sockets. It stores which party holds each name, and it passes messages on.
 
-`MessageRouter` receives bytes, times and messages, and returns outputs for its owner to carry out. It serves two kinds
-of parties, with the same set of names and the same rules:
+`MessageRouter` receives bytes, times and messages. It returns outputs, which its owner carries out. It serves two kinds
+of parties, with one set of names and the same rules:
 
 * connections, which send bytes (`connect`, `receive_data`, `eof`, `report_backlog`) and are pinged (`advance`);
 * local endpoints, the programs of this process, which exchange `TextMessage` values (`attach`, `submit`, `take`).
-  Messages from them and to them wait for `exchange`: everything sent during one tick is received in the next one; the
-  order of the programs' steps does not matter.
+  Messages from endpoints and to endpoints wait for `exchange`. All messages of one tick are received in the next tick,
+  so that the order of the programs' steps does not matter.
 
 Effect of a connection's line (T is one of the routed commands):
 
@@ -24,13 +24,13 @@ anything else, blank, binary or overlong    ack
 
 Extended clients register with ``%%setid NAME extended [TOKEN]``. Only they
 
-* get a notice of kind ``undelivered`` about a failed delivery, before the ack. (Failed notices cause no such notice, so
-  that a stream of notices without a receiver causes no echo.)
+* get a notice of kind ``undelivered`` about a failed delivery, before the ack. (A failed notice causes no such notice.
+  Otherwise a stream of notices without a receiver would cause an echo.)
 * receive the notices of other extended parties. (Notices to clients of 2016 are withheld, because these clients would
   misread them.)
-* replace a dead holder of their name. It must have the same key; or both must have no key. A holder is dead if it has
-  not answered a ping yet, or if it registered with the same TOKEN. In the latter case, it is this program's own
-  connection from before a network failure.
+* replace a dead holder of their name. It must have the same key; or both must have no key. A holder counts as dead
+  if it has not answered a ping yet, or if it registered with the same TOKEN. With the same TOKEN, it is this program's
+  own connection from before a network failure.
 
 A connection from another machine has credentials. With a key it may register the names for which the key has rights,
 and send only in its own name. Without a key it is never extended. A client that breaks these rules gets the reason, and
@@ -63,14 +63,14 @@ from thbridge.text_protocol.wire.notice import REFUSED, SERVER, UNDELIVERED, Not
 
 ConnectionId = NewType("ConnectionId", int)
 
-# The exact bytes matter: the clients of 2016 look for words anywhere in a line, and count characters from its end.
+# The exact bytes matter. The clients of 2016 look for words anywhere in a line, and count characters from its end.
 ACK_LINE = encode_line(f"{TextCommand.ACK} ")
 PING_LINE = encode_line(f"{TextCommand.PING} ")
 PONG_LINE = encode_line(f"{TextCommand.PONG} i am here")
 SHUTDOWN_LINE = encode_line(f"{TextCommand.SHUTDOWN} ")
 
 _QUOTED = 200
-"""Largest number of characters of an undelivered message's content in the notice about it."""
+"""Maximum number of characters that a notice quotes from the content of an undelivered message."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,12 +78,12 @@ class RouterLimits:
     """Limits of one server.
 
     Attributes:
-        clients: largest number of connections at a time; a further one is rejected.
-        line: length of the longest accepted line, bytes.
-        backlog: bytes (characters for a local endpoint) that may be queued for one reader.
+        clients: maximum number of connections. A further connection is rejected.
+        line: maximum length of a line, bytes.
+        backlog: maximum amount of data queued for one receiver: bytes, or characters for a local endpoint.
         ping_after: seconds without a line after which a client is pinged.
         drop_after: seconds after an unanswered ping at which a client is dropped.
-        idle: seconds without a line after which a client without a name may be replaced by another client.
+        idle: seconds without a line after which a new client may replace a client without a name.
     """
 
     clients: int = 256
@@ -108,7 +108,7 @@ class CloseReason(Enum):
 
     @property
     def flush(self) -> bool:
-        """True when pending bytes are still sent; False when the other side no longer reads."""
+        """True if pending bytes are still sent. False if the other side no longer reads."""
         return self in (CloseReason.NAME_TAKEN, CloseReason.ASKED, CloseReason.STOPPED, CloseReason.NOT_ENTITLED)
 
 
@@ -122,7 +122,7 @@ class SendToClient:
 
 @dataclass(frozen=True, slots=True)
 class CloseConnection:
-    """Connection to be closed; the router has removed it already, and its name is free."""
+    """Connection to be closed. The router has already removed it and freed its name."""
 
     connection: ConnectionId
     reason: CloseReason
@@ -130,12 +130,12 @@ class CloseConnection:
 
 @dataclass(frozen=True)
 class Forwarded:
-    """Message that was passed on or could not be passed on, for taps and recorders.
+    """Message that was passed on or could not be passed on. Taps and recorders use this output.
 
     Attributes:
         message: the message.
-        delivered: True when it was given to the holder of the receiver's name.
-        sender_extended: True when it came from an extended client or a local endpoint.
+        delivered: True if the holder of the receiver's name got it.
+        sender_extended: True if it came from an extended client or a local endpoint.
     """
 
     message: TextMessage
@@ -144,13 +144,13 @@ class Forwarded:
 
     @cached_property
     def legacy_value(self) -> legacy.LegacyValue | UnreadableText:
-        """The message's value in the dialect of 2016; decoded once for all taps and recorders."""
+        """Value of the message in the dialect of 2016. It is decoded only once for all taps and recorders."""
         return legacy.decode(self.message)
 
 
 @dataclass(frozen=True, slots=True)
 class LineSkipped:
-    """Line longer than the limit; it was dropped, and acknowledged like an unknown line."""
+    """Line longer than the limit. It was dropped, and acknowledged like an unknown line."""
 
     connection: ConnectionId
     length: int
@@ -158,7 +158,7 @@ class LineSkipped:
 
 @dataclass(frozen=True, slots=True)
 class ClientJoined:
-    """A connection has a name from now on. This is for logs, and for recorders of the names that can be reached."""
+    """Event: a connection has registered a name. Logs use this, and recorders that note the reachable names."""
 
     connection: ConnectionId
     name: str
@@ -168,7 +168,7 @@ class ClientJoined:
 
 @dataclass(frozen=True, slots=True)
 class ClientLeft:
-    """A connection no longer has its name."""
+    """Event: a connection no longer has its name."""
 
     connection: ConnectionId
     name: str
@@ -179,21 +179,21 @@ RouterOutput: TypeAlias = SendToClient | CloseConnection | Forwarded | LineSkipp
 
 @dataclass(frozen=True, slots=True)
 class TurnedAway:
-    """The connection cannot be accepted now: write `farewell` to it and close it."""
+    """Rejection of a connection. The owner of the router writes `farewell` to the connection and closes it."""
 
     farewell: bytes
 
 
 @dataclass(frozen=True, slots=True)
 class NameTaken:
-    """A local endpoint cannot have this name: another party has it."""
+    """Rejection of a local endpoint's name, because another party has this name."""
 
     name: str
 
 
 @dataclass(slots=True)
 class _Connection:
-    """TCP client. `pinged` is the time of a ping that is not answered by a line yet."""
+    """TCP client. `pinged` is the time of a ping after which no line has arrived yet."""
 
     id: ConnectionId
     lines: LineSplitter
@@ -215,7 +215,7 @@ class _Connection:
 
 @dataclass(slots=True)
 class _Endpoint:
-    """Program of this process. `arriving` becomes `inbox` at the next exchange; `waiting` counts both."""
+    """Program of this process. `exchange` moves `arriving` to `inbox`. `waiting` counts the characters of both."""
 
     extended: ClassVar[bool] = True
     name: str
@@ -228,7 +228,7 @@ class _Endpoint:
         return "too many messages are queued for its receiver" if self.waiting + _size(message) > backlog else None
 
     def hand_over(self, message: TextMessage) -> list[RouterOutput]:
-        """Keep a message for the next exchange."""
+        """Queue a message until the next exchange."""
         self.arriving.append(message)
         self.waiting += _size(message)
         return []
@@ -238,7 +238,7 @@ class LocalEndpoints:
     """Programs of this process at a router.
 
     Args:
-        holders: holders of names, including connections.
+        holders: holders of all names, including connections.
     """
 
     def __init__(self, holders: dict[str, _Connection | _Endpoint]) -> None:
@@ -247,7 +247,7 @@ class LocalEndpoints:
         self._submitted: list[tuple[_Endpoint, TextMessage]] = []
 
     def attach(self, name: str) -> NameTaken | None:
-        """Register a name for a program of this process; the program counts as extended and is never pinged.
+        """Register a name for a program of this process. The program counts as extended and is never pinged.
 
         Raises:
             ValueError: the name is not one token.
@@ -260,7 +260,7 @@ class LocalEndpoints:
         return None
 
     def detach(self, name: str) -> None:
-        """Free the name of a local endpoint; messages it has submitted are still passed on.
+        """Free the name of a local endpoint. Messages that it has submitted are still passed on.
 
         Raises:
             KeyError: no endpoint is attached under this name.
@@ -269,7 +269,7 @@ class LocalEndpoints:
         del self._holders[name]
 
     def submit(self, name: str, message: TextMessage) -> None:
-        """Send a message as a local endpoint; it is passed on at the next `exchange`.
+        """Send a message as a local endpoint. The next `exchange` passes it on.
 
         Raises:
             KeyError: no endpoint is attached under this name.
@@ -277,7 +277,7 @@ class LocalEndpoints:
         self._submitted.append((self._endpoints[name], message))
 
     def take(self, name: str) -> list[TextMessage]:
-        """Take the messages to a local endpoint that came up to the last `exchange`, oldest first.
+        """Take the messages that a local endpoint received up to the last `exchange`, oldest first.
 
         Raises:
             KeyError: no endpoint is attached under this name.
@@ -300,7 +300,7 @@ class LocalEndpoints:
 
 
 class MessageRouter:
-    """State of the text server; see the module's description.
+    """Router of the text server; see the module's description.
 
     Times are seconds on any clock that does not run backward. Not safe for use by several threads at once.
 
@@ -321,9 +321,9 @@ class MessageRouter:
     # Connections
 
     def make_room(self, now: float) -> list[RouterOutput]:
-        """If the server is full, close the connection without a name that has been silent longest.
+        """If the server is full, close the connection that has no name and has been silent longest.
 
-        It must have been silent for `RouterLimits.idle` seconds; otherwise all connections stay.
+        If no such connection has been silent for `RouterLimits.idle` seconds, all connections stay.
         """
         if self._stopped or len(self._connections) < self.limits.clients:
             return []
@@ -334,7 +334,7 @@ class MessageRouter:
         return self._close(min(idle, key=lambda client: client.last_line), CloseReason.IDLE)
 
     def connect(self, now: float, credentials: Credentials = LOCAL) -> ConnectionId | TurnedAway:
-        """Accept a connection, without a name at first; reject it if the server is full or has stopped."""
+        """Accept a connection, which has no name at first. Reject it if the server is full or has stopped."""
         if self._stopped or len(self._connections) >= self.limits.clients:
             return TurnedAway(SHUTDOWN_LINE)
         self._connection_count += 1
@@ -343,7 +343,7 @@ class MessageRouter:
         return connection
 
     def receive_data(self, connection: ConnectionId, data: bytes, now: float) -> list[RouterOutput]:
-        """Handle bytes from a connection; bytes from a closed connection are ignored."""
+        """Handle bytes from a connection. Bytes from a closed connection are ignored."""
         client = self._connections.get(connection)
         if client is None:
             return []
@@ -355,7 +355,7 @@ class MessageRouter:
             else:
                 outputs += self._handle(client, tokens(line))
             if connection not in self._connections:
-                break
+                break  # The line has closed the connection, so the bytes after it are ignored.
         return outputs
 
     def admits(self, connection: ConnectionId) -> bool:
@@ -368,14 +368,14 @@ class MessageRouter:
         return [] if client is None else self._release(client)
 
     def report_backlog(self, connection: ConnectionId, size: int) -> list[RouterOutput]:
-        """Note the number of bytes in a connection's outgoing buffer; close the connection if it does not read."""
+        """Note the number of bytes in a connection's outgoing buffer. Close the connection if there are too many."""
         client = self._connections.get(connection)
         if client is None or size <= self.limits.backlog:
             return []
         return self._close(client, CloseReason.SLOW)
 
     def advance(self, now: float) -> list[RouterOutput]:
-        """Ping silent connections, and drop those that did not answer a ping. Must be called once a second."""
+        """Ping silent connections, and drop connections that did not answer a ping. Must be called once a second."""
         outputs: list[RouterOutput] = []
         for client in list(self._connections.values()):
             if client.pinged is not None:
@@ -387,7 +387,7 @@ class MessageRouter:
         return outputs
 
     def stop(self) -> list[RouterOutput]:
-        """Send the shutdown line to every connection, close it, and accept no more."""
+        """Send the shutdown line to all connections, close them, and reject further connections."""
         self._stopped = True
         outputs: list[RouterOutput] = []
         for client in list(self._connections.values()):
@@ -396,12 +396,12 @@ class MessageRouter:
         return outputs
 
     def display_name(self, connection: ConnectionId) -> str | None:
-        """Return a connection's name for people, or its number while it has no name; None if it is not open."""
+        """Return a connection's name for people, or its number if it has no name. If it is not open, return None."""
         client = self._connections.get(connection)
         return None if client is None else client.name or f"connection {connection}"
 
     def keyed_programs(self) -> list[ClientJoined]:
-        """Return the programs that have presented a key, with their names, in the order of their connections."""
+        """Return the programs that have presented a key and have a name, in the order of their connections."""
         return [
             ClientJoined(client.id, client.name, client.extended, client.credentials)
             for client in self._connections.values()
@@ -409,9 +409,9 @@ class MessageRouter:
         ]
 
     def exchange(self) -> list[RouterOutput]:
-        """Pass on all submitted messages, in order; local endpoints may then `take` theirs.
+        """Pass on all submitted messages in order. Then local endpoints may `take` their messages.
 
-        A run of several local programs is deterministic because this is called once per tick.
+        As this is called once per tick, a run of several local programs is deterministic.
         """
         outputs: list[RouterOutput] = []
         for endpoint, message in self.local.take_submitted():
@@ -465,13 +465,12 @@ class MessageRouter:
         return [sent, *self._close(client, CloseReason.NOT_ENTITLED)]
 
     def _forward(self, origin: _Connection | _Endpoint, message: TextMessage) -> list[RouterOutput]:
-        """Pass a message on; if that is not possible, send a notice to an extended origin."""
+        """Pass a message on. If this is not possible, send a notice to the sender if it is extended."""
         extended = origin.extended
         is_extension = extended and is_notice(message)
         withheld = _withheld(origin, message) if isinstance(origin, _Connection) else None
         if withheld is not None:
-            # Taps do not get this message either: the keeper would believe that it comes from the program that it
-            # names.
+            # Taps do not get this message either. The keeper would believe the false sender's name in it.
             reported = extended and not is_extension
             return origin.hand_over(_undelivered(origin.name or SERVER, message, withheld)) if reported else []
         holder = self._holders.get(message.receiver)
@@ -522,15 +521,15 @@ def _is_dead(holder: _Connection, newcomer: _Connection, token: str | None) -> b
 
 
 def farewell(name: str, reason: str) -> bytes:
-    """Return the last lines for one of our clients whose key does not allow a request, or is no longer valid."""
+    """Return the last lines for a client of ours if its key does not allow a request or is no longer valid."""
     return encode_line(notice(SERVER, name, REFUSED, reason=reason).line()) + SHUTDOWN_LINE
 
 
 _RIGHTS = {legacy.SIMR: Right.ROBOTS, legacy.HIDER: Right.HIDER}
-"""Rights for the names of programs; all other names are participants'."""
+"""Right that each program's name requires. All other names require a participant's right."""
 _NEEDS_KEY = "programs of thbridge on another machine need a key"
 PLAY_AGAIN = "PlayAgain"
-"""Kind of the notice with which a participant begins another game."""
+"""Kind of the notice by which a participant begins another game."""
 
 
 def right_of(name: str) -> Right:
@@ -539,7 +538,7 @@ def right_of(name: str) -> Right:
 
 
 def _not_entitled(credentials: Credentials, name: str, extended: bool) -> str | None:
-    """Return the reason why a connection may not have a name, as a clause; None if it may."""
+    """Return the reason, as a clause, why a connection may not have a name. Return None if it may."""
     if extended and not credentials.extended:
         return _NEEDS_KEY
     if credentials.may(right_of(name)):
@@ -548,7 +547,7 @@ def _not_entitled(credentials: Credentials, name: str, extended: bool) -> str | 
 
 
 def _withheld(client: _Connection, message: TextMessage) -> str | None:
-    """Return the reason why a client's credentials do not allow a message; None if they do."""
+    """Return the reason why a client's credentials do not allow a message, or None if they do."""
     if not client.credentials.extended and is_notice(message):
         return _NEEDS_KEY
     if not client.credentials.key:
