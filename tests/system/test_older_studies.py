@@ -88,7 +88,7 @@ def test_groups_go_on_where_they_were(old: Path, tmp_path: Path, monkeypatch: py
     said = " ".join(output_of("study", "check", study).split())
     assert "goes on as it is, because people have taken part; 4 people in 2 groups" in said
     # No release ever showed this step.
-    assert "A new study would be refused" in said and "feelings.calm is not a choice of one answer" in said
+    assert "A new study would be refused" in said and "feelings.calm is not an item with one chosen answer" in said
     assert "P-K2YEQ" in output_of("study", "status", study)
     for name, instead in (
         ("WindowProcess", lambda *_: WindowOfTwo(people=3)),

@@ -155,8 +155,8 @@ def test_nobody_is_recorded_without_consent(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("behind", "line"),
     [
-        ("  - {step: practice, name: practice}\n", "line 10, steps[0]: practice comes before the consent"),
-        ("  - {step: form, form: feelings.yaml, each_condition: true}\n", "line 10, steps[0]: practice comes before"),
+        ("  - {step: practice, name: practice}\n", "line 10, steps[0]: practice is before the consent"),
+        ("  - {step: form, form: feelings.yaml, each_condition: true}\n", "line 10, steps[0]: practice is before"),
     ],
 )
 def test_consent_comes_before_all_that_is_recorded(tmp_path: Path, behind: str, line: str) -> None:
@@ -193,7 +193,7 @@ def test_each_group_is_asked_for_consent(tmp_path: Path) -> None:
 def test_an_empty_text_is_no_consent(tmp_path: Path) -> None:
     folder = folder_of(tmp_path)
     (tmp_path / "consent.txt").write_text(" \n")
-    assert "consent.txt: the text for consent is empty" in refused(folder)
+    assert "consent.txt: the consent text is empty" in refused(folder)
 
 
 def test_a_study_under_way_goes_on_with_faults_that_an_earlier_release_let_pass(tmp_path: Path) -> None:
@@ -215,18 +215,18 @@ def test_a_study_under_way_goes_on_with_faults_that_an_earlier_release_let_pass(
             "{robots: 2, dialogue.each: {3: {persistence: 1}}}",
             "line 2, base.dialogue.each.3: there is no robot 3: the study has 2. Write a number from 1 to 2",
         ),
-        ("{participant.shows.answers: false}", "{robots_from: ros}", "line 2, base.robots_from: the kiosk simulates"),
+        ("{participant.shows.answers: false}", "{robots_from: ros}", "line 2, base.robots_from: the kiosk supports"),
         ("{participant.shows.answers: false}", "{external_nodes: both}", "line 2, base.external_nodes: "),
         (
             "dialogue.condition: [",
             "score: {a: {robots: 1}, b: {robots: 2}}, dialogue.condition: [",
             "within.score: exp",
         ),
-        ("quota: 4", "quota: 4\nseeds: [1]", "seeds: 1 seeds for 2 trials"),
+        ("quota: 4", "quota: 4\nseeds: [1]", "seeds: 2 trials need 2 seeds, but the list has 1"),
         (
             "game, each_condition: true}",
             "game, each_condition: true}\n  - {step: trial, name: more}",
-            "steps[4]: this game",
+            "steps[4]: this trial",
         ),
         (
             "form: feelings.yaml,",
@@ -241,12 +241,12 @@ def test_a_study_under_way_goes_on_with_faults_that_an_earlier_release_let_pass(
         (
             "form: feelings.yaml,",
             "form: feelings.yaml, when: {understood.who: me},",
-            "steps[4].when: 'me' is not an answer to understood.who. Write one of you, they, both",
+            "steps[4].when: 'me' is not a possible answer to understood.who. Write one of you, they, both",
         ),
         (
             "{step: debrief,",
             "{step: debrief, when: {feelings.calm: '5'},",
-            "steps[5].when: feelings.calm is not a choice of one answer",
+            "steps[5].when: feelings.calm is not an item with one chosen answer",
         ),
         ("{step: debrief,", "{step: debrief, only_at: {robots: 2},", "steps[5].only_at: robots is not a factor"),
         (
@@ -257,12 +257,12 @@ def test_a_study_under_way_goes_on_with_faults_that_an_earlier_release_let_pass(
         (
             "{step: debrief,",
             "{step: debrief, only_at: {dialogue.condition: supervisor},",
-            "steps[5].only_at: each participant meets all levels of dialogue.condition",
+            "steps[5].only_at: each participant plays at all levels of dialogue.condition",
         ),
         (
             "attempts: 2",
             "attempts: 2, right: 3",
-            "steps[2].right: the check asks for 3 right answers, but only 2 items have one",
+            "steps[2].right: the check needs 3 right answers, but only 2 items have a right answer",
         ),
         (
             "repeat: practice}\n  - {step: trial, name: game, each_condition: true}",
@@ -281,7 +281,7 @@ def test_what_would_spoil_data_is_refused_at_its_key(tmp_path: Path, old: str, n
         (
             "correct: you",
             "correct: me",
-            "line 4, items[0].correct: 'me' is not one of its answers. Write one of you, they",
+            "line 4, items[0].correct: 'me' is not one of the item's options. Write one of you, they",
         ),
         ("correct: you", "correct: you, several: true", "items[0].correct: an item with several answers"),
         (
@@ -292,7 +292,7 @@ def test_what_would_spoil_data_is_refused_at_its_key(tmp_path: Path, old: str, n
         (
             "options: [energy, points], correct: energy",
             "scale: number, maximum: 5, shuffle: false, correct: '7'",
-            "items[1].correct: '7' is not one of its answers. Write a number from 0 to 5",
+            "items[1].correct: '7' is not a possible answer. Write a number from 0 to 5",
         ),
         ("correct: you", "correct_by_condition: {robots=2: you}", "correct_by_condition: robots is not a factor"),
         (
@@ -308,7 +308,7 @@ def test_what_would_spoil_data_is_refused_at_its_key(tmp_path: Path, old: str, n
         (
             "correct: you",
             "correct_by_condition: {dialogue.condition=supervisor: you, dialogue.condition=collaborator: both}",
-            "each participant meets all levels of dialogue.condition, but is asked once, outside of all conditions",
+            "each participant plays at all levels of dialogue.condition, but this item is asked only once",
         ),
     ],
 )
@@ -333,7 +333,7 @@ def test_an_answer_key_by_a_factor_that_was_removed_is_refused(tmp_path: Path) -
     understood = replaced("correct: you", by, FORMS["understood.yaml"])
     removed = replaced("within: {dialogue.condition: [supervisor, collaborator]}\n", "")
     said = refused(folder_of(tmp_path, removed, understood=understood))
-    assert "dialogue.condition is not a factor. Write one `correct`: there are no factors." in said
+    assert "dialogue.condition is not a factor of the study. Write `correct` instead." in said
 
 
 def test_what_rehearsals_read_is_checked_as_well(tmp_path: Path) -> None:

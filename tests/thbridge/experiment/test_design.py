@@ -56,12 +56,12 @@ def test_all_faults_of_an_experiment_are_told_with_their_lines(tmp_path: Path) -
         read_experiment(path)
     said = str(told.value)
     for fault in (
-        "line 2, seeds: 1 seeds for 2 trials",
-        "line 5, steps: no trial comes once for each condition",
-        "line 6, steps[0]: consent without a text",
-        "line 7, steps[1].form: no form wrkload exists. Name a file, or one of preference, trust",
+        "line 2, seeds: 2 trials need 2 seeds, but the list has 1",
+        "line 5, steps: no trial is repeated for each condition",
+        "line 6, steps[0]: the step consent has no text",
+        "line 7, steps[1].form: the form wrkload does not exist. Write the path of a form, or one of preference, trust",
         "line 9, steps[3].when: no earlier step has the name nobody",
-        "a check needs right answers",
+        "no item of this check has a right answer",
     ):
         assert fault in said
 

@@ -82,8 +82,8 @@ def test_keys_of_the_step_change_the_practice_game_alone(tmp_path: Path) -> None
     [
         (", base: {robots: many}", "robots", "'many' is not a number"),
         (", base: {map: nowhere}", "map", "nowhere"),
-        (", at_least: {moves: 3}", "steps[0].at_least.moves", "the map and the energy of the robots allow 2 of these"),
-        (", base: {game.energy: 1}", "steps[0].at_least.moves", "allow 0 of these"),
+        (", at_least: {moves: 3}", "steps[0].at_least.moves", "the map and the robots' energy allow at most 2"),
+        (", base: {game.energy: 1}", "steps[0].at_least.moves", "allow at most 0"),
         (", at_least: {moves: 0.5}", "steps[0].at_least.moves", "not a whole number"),
         (", at_least: {jumps: 1}", "steps[0].at_least.jumps", "jumps is not counted in practice"),
         (", at_least: {moves: some}", "steps[0].at_least.moves", "'some' is not a number"),
@@ -106,7 +106,7 @@ def test_what_nobody_can_do_is_refused_with_its_line(tmp_path: Path, keys: str, 
 
 def test_only_practice_takes_the_keys_of_practice(tmp_path: Path) -> None:
     text = (STUDY % "").replace("each_condition: true", "each_condition: true, at_least: {moves: 1}")
-    with pytest.raises(BadFile, match="a trial is not a practice game"):
+    with pytest.raises(BadFile, match="this key is only for practice games, not for the step trial"):
         read_experiment(write_experiment(tmp_path, text))
 
 

@@ -109,7 +109,7 @@ def test_scales_are_never_shuffled(tmp_path: Path) -> None:
     with pytest.raises(BadFile) as told:
         read_form(tmp_path / "form.yaml")
     assert "line 3, items[0].shuffle: the answers of a likert item have a fixed order" in str(told.value)
-    assert "line 4, items[1].pinned: 'z' is not one of its answers. Write some of x, y" in str(told.value)
+    assert "line 4, items[1].pinned: 'z' is not one of the item's options. Write some of x, y" in str(told.value)
 
 
 def test_all_faults_of_a_form_are_told_with_their_lines(tmp_path: Path) -> None:

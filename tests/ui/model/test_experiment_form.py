@@ -106,7 +106,7 @@ def test_factors_and_steps_are_added_changed_and_removed(folder: Path) -> None:
     draft = changed(folder, draft.add(draft.groups()["steps"]))
     assert draft.groups()["steps[9]"].label == "10: pause"
     draft = changed(folder, draft.set(draft.fields()["steps[9].step"], "form"))
-    assert "a form without a form" in faulty(draft)["steps[9].step"]
+    assert "the step form has no form" in faulty(draft)["steps[9].step"]
     draft = changed(folder, draft.remove(draft.groups()["steps[9]"]))
     assert draft.faults == ()
 
@@ -159,7 +159,7 @@ def test_an_item_moved_and_moved_back_is_the_same_text(items: list[str], data: s
         ("[none, bad wheels]", "{calm: {noise.preset: nine}, wild: {robots: 3}}", "between.noise.preset", "nine"),
         ("{robots: 2}", "{robots: many}", "base.robots", "many"),
         ("text: consent.txt", "text: nowhere.txt", "steps[1].text", "nowhere.txt"),
-        (", form: workload", "", "steps[5].step", "a form without a form"),
+        (", form: workload", "", "steps[5].step", "the step form has no form"),
         ("repeat: practice", "repeat: practise", "steps[3].repeat", "practise"),
         ("understood.played: 'yes'", "nobody.q: 'yes'", "steps[7].when", "nobody"),
     ],

@@ -1,4 +1,4 @@
-"""The file of an experiment: differences between conditions, number of people, and the steps of each person."""
+"""The file of an experiment: conditions, number of people, and the steps of each person."""
 
 import itertools
 from collections.abc import Iterator, Mapping, Sequence
@@ -26,45 +26,48 @@ from thbridge.study.overrides import merged, resolved_tree
 from thbridge.study.study_file import Study, load_study
 
 MOST_CONDITIONS = 16
-"""Largest number of conditions that one person goes through."""
+"""Largest number of conditions for each person."""
 MOST_PEOPLE = 100_000
 MOST_TRIALS = 64
-"""Number of trials of a person; practice games avoid the seeds of these trials."""
+"""Number of trials whose seeds practice games never use."""
 LONGEST_TITLE = 200
-"""Largest number of letters of a title."""
+"""Greatest length of a title, in characters."""
 LARGEST_SEED = 2**31 - 1
 _OWN_READING = ("base", "within", "between")
-"""Keys of an experiment that contain keys of studies."""
+"""Keys of an experiment whose sections contain keys of studies."""
 
 
 class OrderKind(StrEnum):
-    """Rule by which conditions are ordered for each person."""
+    """Rule for the order of the conditions of each person."""
 
     BALANCED = "balanced"
-    """Balanced Latin square: each condition comes equally often at every position, and after every other condition."""
+    """Balanced Latin square: each condition is equally often at every position, and equally often after each other
+    condition."""
     CYCLIC = "cyclic"
-    """Plain Latin square: each condition comes equally often at every position.
+    """Cyclic Latin square: each condition is equally often at every position.
 
-    An odd number of conditions needs half as many orders as with a balanced square.
+    For an odd number of conditions, this rule needs only half the number of orders of a balanced square.
     """
     FIXED = "fixed"
-    """The order in the file."""
+    """The same order for each person, as in the file."""
 
 
 class WhoBegins(StrEnum):
-    """Person who begins the next run on the laboratory's computer."""
+    """Person who starts the next run on the laboratory's computer."""
 
     PARTICIPANT = "participant"
-    """The participant, who sits down and presses a button."""
+    """The participant presses a button to start."""
     RESEARCHER = "researcher"
-    """The researcher, in their own window or with a key combination."""
+    """The researcher starts the run in the desk window or with a key combination."""
 
 
 @dataclass(frozen=True, slots=True)
 class RecruitingSection:
-    """Questions to people whom a recruiting service has sent."""
+    """Question for people from a recruiting service."""
 
-    ask: str = param("", "question for the code from the service, before the first step; if empty, it is not asked")
+    ask: str = param(
+        "", "question that asks people for their code of the service before the first step; if empty, no question"
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,60 +76,71 @@ class ExperimentFile:
 
     title: str = field(metadata={"help": "title of the study"})
     seed: int = param(1, "random seed", "", 0, LARGEST_SEED)
-    study: Path | None = param(None, "study file of all games, relative to this file's folder; if null, the defaults")
-    base: Mapping[str, str] = field(default_factory=dict, metadata={"help": "keys of the study, overriding its file"})
+    study: Path | None = param(
+        None, "path of the study file for all games, relative to the folder of this file; if null, the defaults"
+    )
+    base: Mapping[str, str] = field(
+        default_factory=dict, metadata={"help": "keys of the study that override the study file"}
+    )
     within: Mapping[str, str] = field(
-        default_factory=dict, metadata={"help": "factors with all of their levels for each participant"}
+        default_factory=dict, metadata={"help": "factors within people: each participant plays at all levels"}
     )
     between: Mapping[str, str] = field(
-        default_factory=dict, metadata={"help": "factors with one of their levels for each participant"}
+        default_factory=dict, metadata={"help": "factors between people: each participant plays at only one level"}
     )
     quota: int = param(
-        12, "number of runs that count, for each combination of levels between people", "", 1, MOST_PEOPLE
+        12, "number of valid runs that each combination of levels between people needs", "", 1, MOST_PEOPLE
     )
-    order: OrderKind = param(OrderKind.BALANCED, "how conditions are ordered for each person")
-    in_block: int = param(1, "number of places per block for each combination of levels between people", "", 1, 100)
+    order: OrderKind = param(OrderKind.BALANCED, "rule for the order of each person's conditions")
+    in_block: int = param(1, "number of places of each combination of levels between people in a block", "", 1, 100)
     seeds: tuple[int, ...] = param(
-        (), "seeds of the games; the first one is for every person's first trial; if empty, drawn", "", 0, LARGEST_SEED
+        (),
+        "random seeds of the trials, in the order of play and the same for all people; if empty, the program chooses "
+        "the seeds",
+        "",
+        0,
+        LARGEST_SEED,
     )
-    begins: WhoBegins = param(WhoBegins.PARTICIPANT, "who begins the run of the next person")
-    recruiting: RecruitingSection = param(RecruitingSection(), "questions to people from a recruiting service")
-    recruitment: str = param("", "sentence on how people were found and paid, for the methods text")
+    begins: WhoBegins = param(WhoBegins.PARTICIPANT, "who starts the run of the next person")
+    recruiting: RecruitingSection = param(RecruitingSection(), "question for people from a recruiting service")
+    recruitment: str = param("", "sentence for the methods text: how people were recruited and paid")
     ethics: str = param(
-        "", "sentence on the approval by an ethics committee, with its name and number, for the methods text"
+        "", "sentence for the methods text: approval by an ethics committee, with the committee's name and the number"
     )
-    sample_size_reason: str = param("", "sentence on the reason for the quota, for the methods text")
+    sample_size_reason: str = param("", "sentence for the methods text: reason for the quota")
     exclusions: tuple[str, ...] = param(
-        (), "rules by which researchers exclude runs or answers, one sentence each, for the methods text"
+        (), "sentences for the methods text: one for each rule by which researchers exclude runs or answers"
     )
-    preregistration: str = param("", "sentence on where the study is registered, for the methods text")
+    preregistration: str = param("", "sentence for the methods text: where the study is registered")
     deviations: tuple[str, ...] = param(
-        (), "deviations from the preregistration with their reasons, one sentence each, for the methods text"
+        (), "sentences for the methods text: one for each deviation from the preregistration, with its reason"
     )
-    data_availability: str = param("", "sentence on where data and materials are, for the methods text")
+    data_availability: str = param("", "sentence for the methods text: where data and materials are available")
     most_lag: float | None = param(
         None,
-        "largest lag of a game behind real time (a slow machine lags); a run with a larger lag does not count, and its "
-        "place is free again; if null, every run counts",
+        "largest delay of a game behind real time (on a slow machine, games are late); a run with a larger delay does "
+        "not count, and its place becomes free; if null, the delay does not matter",
         "s",
         0,
         3600,
     )
     consent_elsewhere: str = param(
         "",
-        "sentence on how participants gave consent outside of the program, such as on paper, for the methods text; "
-        "if empty, a step asks for it",
+        "sentence for the methods text: how participants gave consent outside of the program, for example on paper; "
+        "if empty, a step of the study must ask for consent",
     )
-    markers: bool = param(default=False, help="send each event of the log to other recorders (Lab Streaming Layer)")
-    steps: tuple[StepEntry, ...] = param((), "steps of a person, in this order")
+    markers: bool = param(
+        default=False, help="send each event of the log to other recording programs (Lab Streaming Layer)"
+    )
+    steps: tuple[StepEntry, ...] = param((), "steps of each person, in order")
 
 
 @dataclass(frozen=True, slots=True)
 class ExperimentCondition:
-    """A condition that people meet.
+    """A combination of levels of the factors within people.
 
     Attributes:
-        name: its levels in words; empty if nothing differs within people.
+        name: the levels in words; empty if there are no factors within people.
         levels: the level of each factor within people.
     """
 
@@ -139,7 +153,7 @@ class Cell:
     """A combination of levels of the factors between people.
 
     Attributes:
-        name: its levels in words; empty if nothing differs between people.
+        name: the levels in words; empty if there are no factors between people.
         levels: the level of each factor between people.
         studies: the study of each condition in this cell.
     """
@@ -151,22 +165,22 @@ class Cell:
 
 @dataclass(frozen=True, slots=True)
 class ExperimentDesign:
-    """An experiment, read and checked.
+    """An experiment after reading and checking.
 
     Attributes:
         path: its file.
-        `beside`: the folder that paths in its studies are relative to.
+        `beside`: the folder for relative paths in the studies.
         file: contents of the file.
-        study: the study of all games, before conditions change it.
+        study: the common study of all games, without the changes of the conditions.
         conditions: the conditions within people, in the file's order.
-        cells: combinations between people.
-        orders: orders of conditions that people are assigned to.
-        forms: the form of each step that has one, by the step's index.
-        practices: the studies of each practice game, by the step's index. For each combination between people, one
-            study for each condition in which the person may play it.
-        lines: line of each key and item of the file, by its path.
-        form_files: each form with the lines of its file, by the step's index.
-        doubts: possible mistakes in the files that studies name, if these files were read, too.
+        cells: the combinations of levels between people.
+        orders: possible orders of the conditions.
+        forms: the form of each step with a form, by the step's index.
+        practices: the studies of each practice game, by the step's index. For each combination of levels between
+            people, there is one study for each condition.
+        lines: line number of each key and item of the file, by its path.
+        form_files: each form and the line numbers of its file, by the step's index.
+        doubts: possible mistakes in the files that the studies name. Empty if these files were not read.
     """
 
     path: Path
@@ -183,31 +197,31 @@ class ExperimentDesign:
     doubts: tuple[BadFile, ...] = ()
 
     def fault(self, key: str, problem: str, remedy: str) -> BadFile:
-        """Return a fault at a key of the file, with the nearest line."""
+        """Return a fault at a key of the file, with the line number of the key or of the nearest key above."""
         return Loaded(self.path, self.file, self.lines).fault(key, problem, remedy)
 
     @property
     def allocation(self) -> Allocation:
-        """Assignment of places."""
+        """Assignment of places to groups and orders."""
         file = self.file
         return Allocation(len(self.cells), len(self.orders), file.quota, file.seed, file.in_block)
 
     def levels_at(self, cell: int, condition: int | None) -> Mapping[str, str]:
-        """Return the level of each factor that a participant of a cell meets in a step.
+        """Return the level of each factor for a participant of a cell in a step.
 
-        For steps that belong to no condition, factors within people are left out.
+        If the step belongs to no condition, the result has no factors within people.
         """
         within = {} if condition is None else self.conditions[condition].levels
         return {**self.cells[cell].levels, **within}
 
 
 def read_experiment(path: Path, *, with_files: bool = False) -> ExperimentDesign:
-    """Read an experiment, with the study of every condition, and every form.
+    """Read an experiment, with the study of every condition and all forms.
 
     Args:
-        path: its file.
-        with_files: True to also read the files that its games need (maps, templates, words), and check that they can
-            start.
+        path: the file of the experiment.
+        with_files: True to also read the files that the games need (maps, templates, words), and to check that the
+            games can start.
 
     Raises:
         BadFile: the experiment cannot be read, or it has faults. BadFiles reports all faults at once.
@@ -216,7 +230,7 @@ def read_experiment(path: Path, *, with_files: bool = False) -> ExperimentDesign
 
 
 def experiment_of(path: Path, whole: Node, *, with_files: bool = False) -> ExperimentDesign:
-    """Read the tree of an experiment's file, as `read_experiment` does; `path` is named in faults."""
+    """Read the tree of an experiment's file; see `read_experiment`. Error messages name `path` as the file."""
     entries = {key.text: node for key, node in entries_of(whole)}
     plain = [
         (key, Section(key.line, []) if key.text in _OWN_READING else without_bases(node))
@@ -237,9 +251,13 @@ def experiment_of(path: Path, whole: Node, *, with_files: bool = False) -> Exper
         check_keys_set_once(path, base, {**between, **within})
     conditions = tuple(ExperimentCondition(_named(levels), _labels(levels)) for levels in factorial(within))
     if len(conditions) > MOST_CONDITIONS:
-        raise loaded.fault("within", f"{len(conditions)} conditions for each person", "Write fewer factors or levels")
+        raise loaded.fault(
+            "within",
+            f"each person would play {len(conditions)} conditions",
+            f"Write factors and levels for at most {MOST_CONDITIONS}",
+        )
     cells = []
-    # Faults of combined values are reported with a line that people wrote.
+    # Faults of combined values are reported with a line number of the experiment's file.
     start, files = at_line(resolved_tree(study), line), SettingCache(beside)
     for cell in factorial(between):
         studies = []
@@ -315,9 +333,11 @@ def _check_factors(
     loaded: Loaded[ExperimentFile], within: Mapping[str, list[Level]], between: Mapping[str, list[Level]]
 ) -> None:
     if both := next((factor for factor in within if factor in between), None):
-        raise loaded.fault("between", f"{both} is a factor within people, too", "Keep one of the two")
+        raise loaded.fault("between", f"{both} is also a factor within people", "Keep one of the two")
     if "seed" in {*within, *between}:
-        raise loaded.fault("within", "seed cannot be a factor: all conditions share one seed", "Write `seeds`")
+        raise loaded.fault(
+            "within", "seed cannot be a factor, because all conditions use the same seed", "Write `seeds`"
+        )
 
 
 def _labels(levels: Mapping[str, Level]) -> dict[str, str]:
@@ -342,11 +362,15 @@ def _form(loaded: Loaded[ExperimentFile], index: int, entry: StepEntry, language
         path = shipped if is_regular(shipped) else path
     if not is_regular(path):
         names = ", ".join(sorted(form.stem for form in SHIPPED.glob("*.yaml")))
-        raise loaded.fault(f"steps[{index}].form", f"no form {entry.form} exists", f"Name a file, or one of {names}")
+        raise loaded.fault(
+            f"steps[{index}].form",
+            f"the form {entry.form} does not exist",
+            f"Write the path of a form, or one of {names}",
+        )
     form = read_form(path)
     if entry.step is StepKind.CHECK and not any(item.is_checked for item in form.value.items):
-        remedy = "Write `correct` for at least one of its items"
-        raise BadFile(path, "a check needs right answers", remedy, key="items")
+        remedy = "Write `correct` for at least one item of the form"
+        raise BadFile(path, "no item of this check has a right answer", remedy, key="items")
     return form
 
 
@@ -355,37 +379,37 @@ _FORMS = {StepKind.CHECK, StepKind.FORM}
 
 
 def name_of(index: int, entry: StepEntry) -> str:
-    """Return the name of a step: its own name, the name of its form, or its kind and its number in the file."""
+    """Return the name of a step: its key `name`, the name of its form, or its kind with its number in the file."""
     return entry.name or (Path(entry.form).stem if entry.form else f"{entry.step}_{index + 1}")
 
 
 def _problems(loaded: Loaded[ExperimentFile], conditions: int) -> Iterator[BadFile]:
-    """Yield faults of values that are valid alone, but not together."""
+    """Yield faults of values that are valid alone, but contradict each other."""
     file = loaded.value
     if len(file.title) > LONGEST_TITLE or visible(file.title) != file.title:
-        problem = f"a title has at most {LONGEST_TITLE} letters, on one line"
-        yield loaded.fault("title", problem, "Shorten it: exports name files and headings after it")
+        problem = f"a title must be one line of at most {LONGEST_TITLE} characters"
+        yield loaded.fault("title", problem, "Shorten the title: exports use it in file names and headings")
     if not file.steps:
-        yield loaded.fault("steps", "participants have nothing to do", "Write at least one line '- {step: trial}'")
+        yield loaded.fault("steps", "the study has no steps", "Write at least one line '- {step: trial}'")
     trials = [entry.each_condition for entry in file.steps if entry.step is StepKind.TRIAL]
     played = sum(conditions if each else 1 for each in trials)
     if file.seeds and len(file.seeds) < played:
-        remedy = f"Write {played}, one for each trial of a person"
-        yield loaded.fault("seeds", f"{len(file.seeds)} seeds for {played} trials", remedy)
+        remedy = "Write one seed for each trial"
+        yield loaded.fault("seeds", f"{played} trials need {played} seeds, but the list has {len(file.seeds)}", remedy)
     if conditions > 1 and not any(trials):
         remedy = "Mark the trial: {step: trial, each_condition: true}"
-        yield loaded.fault("steps", "no trial comes once for each condition", remedy)
+        yield loaded.fault("steps", "no trial is repeated for each condition", remedy)
     names: dict[str, int] = {}
     for index, entry in enumerate(file.steps):
         key, name = f"steps[{index}]", name_of(index, entry)
         if entry.step in _TEXTS and entry.text is None:
-            yield loaded.fault(key, f"{entry.step} without a text", "Write text: FILE")
+            yield loaded.fault(key, f"the step {entry.step} has no text", "Write text: FILE")
         if entry.text is not None and not is_regular(loaded.path.parent / entry.text):
-            yield loaded.fault(f"{key}.text", f"file {entry.text} does not exist", "Write the path of a text")
+            yield loaded.fault(f"{key}.text", f"the file {entry.text} does not exist", "Write the path of a text file")
         if entry.step in _FORMS and not entry.form:
-            yield loaded.fault(key, f"a {entry.step} without a form", "Write form: NAME")
+            yield loaded.fault(key, f"the step {entry.step} has no form", "Write form: NAME")
         if name in names:
-            remedy = "Give each a name of its own: `name: ...`"
+            remedy = "Write a different name for each step: `name: ...`"
             yield loaded.fault(key, f"{name} is also the name of step {names[name] + 1}", remedy)
         if entry.repeat and entry.repeat not in names and entry.repeat != name:
             yield loaded.fault(f"{key}.repeat", f"no earlier step has the name {entry.repeat}", _one_of(names))
@@ -397,11 +421,16 @@ def _problems(loaded: Loaded[ExperimentFile], conditions: int) -> Iterator[BadFi
 
 
 def _one_of(names: Mapping[str, int]) -> str:
-    return f"Write one of {', '.join(names)}" if names else "Delete it: this is the first step"
+    return f"Write one of {', '.join(names)}" if names else "Delete the key, because this is the first step"
 
 
 def drawn_seed(design: ExperimentDesign, trial: int) -> int:
-    """Return the seed of the game with this number, from 0. It is the same for all people."""
+    """Return the random seed of a trial, which is the same for all people.
+
+    Args:
+        design: the experiment.
+        trial: number of the trial in the person's order, from 0.
+    """
     file = design.file
     if file.seeds:
         return file.seeds[trial]
@@ -409,7 +438,12 @@ def drawn_seed(design: ExperimentDesign, trial: int) -> int:
 
 
 def practice_seed(design: ExperimentDesign, attempt: int) -> int:
-    """Return the seed of a practice attempt, from 1: the same for all people, and different from every trial's."""
+    """Return the random seed of a practice attempt. It is the same for all people, and no trial has this seed.
+
+    Args:
+        design: the experiment.
+        attempt: number of the attempt, from 1.
+    """
     trials = {*design.file.seeds} or {drawn_seed(design, trial) for trial in range(MOST_TRIALS)}
     drawn = int(noise.key(design.file.seed, "experiment", "practice", str(attempt))) % LARGEST_SEED
     return next(seed for seed in itertools.count(drawn) if seed not in trials) % LARGEST_SEED

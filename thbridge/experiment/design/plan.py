@@ -1,4 +1,4 @@
-"""The steps of one person: the steps of the file, with trials in the person's order of conditions."""
+"""The steps of one person: the steps of the file, repeated for each condition in the person's order."""
 
 import itertools
 from collections.abc import Sequence
@@ -11,15 +11,15 @@ from thbridge.experiment.design.steps import StepEntry, StepKind
 
 @dataclass(frozen=True, slots=True)
 class PlannedStep:
-    """A step that a person is to go through.
+    """A step in the plan of a person.
 
     Attributes:
-        number: from 1, in the person's order.
+        number: number of the step in the person's order, from 1.
         index: index of the step in the file.
         entry: the step in the file.
         name: name of the step in the file.
-        condition: index of its condition. If None, it belongs to no condition.
-        trial: number of trials before it. If None, it is not a trial.
+        condition: index of the step's condition. If None, the step belongs to no condition.
+        trial: number of trials before this trial. If None, the step is not a trial.
     """
 
     number: int
@@ -49,14 +49,14 @@ def plan_of(design: ExperimentDesign, place: Place) -> tuple[PlannedStep, ...]:
 
 
 def _only(design: ExperimentDesign, entry: StepEntry) -> int | None:
-    """Return the condition of a step outside of all conditions: for a trial, the only condition; otherwise None."""
+    """Return the condition of a step without `each_condition`: for a trial, the only condition; otherwise None."""
     return 0 if entry.step is StepKind.TRIAL and len(design.conditions) == 1 else None
 
 
 def repeated_from(plan: Sequence[PlannedStep], check: PlannedStep) -> int:
-    """Return the number of the step from which a failed check is repeated.
+    """Return the number of the step to which a person returns after failing a check.
 
-    It is the last step before the check that has the name in `repeat`, or the check itself.
+    This is the last step before the check with the name in `repeat`, or the check itself if there is no such step.
     """
     named = (step.number for step in reversed(plan[: check.number]) if step.name == check.entry.repeat)
     return next(named, check.number)

@@ -1,7 +1,7 @@
-"""Faults of an experiment that would spoil or lose data once people take part.
+"""Faults of an experiment that would spoil or lose data.
 
-An experiment with such faults can be read, because a study that is already running must open, continue and export. The
-check, freezing and the run of a new study refuse it.
+An experiment with these faults can be read, because a study with data must open, continue and export. But the commands
+`study check`, `study freeze` and the first `study run` refuse the experiment.
 """
 
 from collections.abc import Iterator
@@ -21,7 +21,7 @@ from thbridge.study.robots_from import RobotsFrom
 from thbridge.study.study_file import check_manners
 
 GATHERING = {StepKind.PRACTICE, StepKind.CHECK, StepKind.TRIAL, StepKind.FORM}
-"""Kinds of steps in which participants do or answer something that is recorded."""
+"""Kinds of steps that record actions or answers of participants."""
 
 _COLUMNS = """
 actor advice advice_from advice_right advised advised_known after_advice_s after_advice_wall_s agreed agreed_at answer
@@ -38,11 +38,11 @@ speaker stands state step subscale switched taken_when_right talk text time_s ti
 value waiting_s wall wall_seconds words
 """
 TAKEN_COLUMNS = frozenset(_COLUMNS.split())
-"""Names of columns of exported tables. A factor of the same name would overwrite the column."""
+"""Names of columns of exported tables. A factor with one of these names would overwrite the column."""
 
 
 def faults_of(design: ExperimentDesign) -> Iterator[BadFile]:
-    """Yield all faults that would spoil data, each with its line and remedy."""
+    """Yield all faults that would spoil data, with line numbers and remedies."""
     yield from _of_consent(design)
     yield from _of_factors(design)
     yield from _of_games(design)
@@ -50,7 +50,7 @@ def faults_of(design: ExperimentDesign) -> Iterator[BadFile]:
         yield from _of_branch(design, index, entry)
         yield from _of_levels(design, index, entry)
         if entry.step is StepKind.TRIAL and not entry.each_condition and len(design.conditions) > 1:
-            problem = f"this game belongs to none of the {len(design.conditions)} conditions, so it would not be played"
+            problem = f"this trial is not assigned to one of the {len(design.conditions)} conditions"
             yield design.fault(f"steps[{index}]", problem, "Write each_condition: true, or step: practice")
         if entry.step is StepKind.CHECK:
             yield from _of_check(design, index, entry)
@@ -62,16 +62,16 @@ def faults_of(design: ExperimentDesign) -> Iterator[BadFile]:
 
 
 def _of_consent(design: ExperimentDesign) -> Iterator[BadFile]:
-    """Yield faults of a study that would record people who have not given consent, or not before the recording."""
+    """Yield faults of a study that would record people without their earlier consent."""
     for entry in design.file.steps:
         if entry.step is StepKind.CONSENT and entry.text is not None:
             path = design.path.parent / entry.text
             if not read_text(path).strip():
-                yield BadFile(path, "the text for consent is empty", "Write the text that participants agree to")
+                yield BadFile(path, "the consent text is empty", "Write the text that participants must agree to")
     if design.file.consent_elsewhere.strip():
         return
     for cell in design.cells:
-        # In each group, the consents that no branch skips.
+        # Consent steps that all participants of the group see.
         asked = [
             index
             for index, entry in enumerate(design.file.steps)
@@ -80,16 +80,15 @@ def _of_consent(design: ExperimentDesign) -> Iterator[BadFile]:
         where = f" at {cell.name}" if asked != _consents(design) and cell.name else ""
         if not asked:
             remedy = (
-                "Write {step: consent, text: FILE} before every step that is recorded; if participants consent "
-                "elsewhere, "
-                "such as on paper, write how: `consent_elsewhere: SENTENCE`"
+                "Write {step: consent, text: FILE} before all recorded steps; if participants give their consent "
+                "outside of the program, write how: `consent_elsewhere: SENTENCE`"
             )
             yield design.fault("steps", f"no step asks for consent{where}", remedy)
             return
         for index, entry in enumerate(design.file.steps[: asked[0]]):
             if entry.step in GATHERING:
-                problem = f"{name_of(index, entry)} comes before the consent{where}, which is step {asked[0] + 1}"
-                yield design.fault(f"steps[{index}]", problem, "Move the consent before it")
+                problem = f"{name_of(index, entry)} is before the consent{where}, which is step {asked[0] + 1}"
+                yield design.fault(f"steps[{index}]", problem, "Move the consent before this step")
                 return
 
 
@@ -101,48 +100,54 @@ def _of_factors(design: ExperimentDesign) -> Iterator[BadFile]:
     for section, levels in (("within", design.conditions[0].levels), ("between", design.cells[0].levels)):
         for factor in levels:
             if factor in TAKEN_COLUMNS:
-                problem = "exported tables have another column of this name"
+                problem = "exported tables already have a column with this name"
                 yield design.fault(f"{section}.{factor}", problem, f"Write another name, such as {factor}_level")
 
 
 def _of_games(design: ExperimentDesign) -> Iterator[BadFile]:
-    """Yield faults of games that simulated robots at the kiosk cannot play as the study says."""
+    """Yield faults of studies whose games the kiosk's simulated robots cannot play."""
     faults = FaultCollection()
     practices = chain.from_iterable(design.practices.values())
     for study in chain.from_iterable((*(cell.studies for cell in design.cells), *practices)):
         with faults.kept():
             check_manners(Loaded(design.path, study, design.lines), "base.")
         if study.robots_from is RobotsFrom.ROS:
-            faults.found.append(design.fault("base.robots_from", "the kiosk simulates its robots", "Write sim"))
+            faults.found.append(
+                design.fault("base.robots_from", "the kiosk supports only simulated robots", "Write sim")
+            )
         if study.external_nodes is not ExternalNodes.NONE:
-            problem = "the kiosk's robots run their own navigation"
+            problem = "the kiosk's robots cannot use external ROS nodes"
             faults.found.append(design.fault("base.external_nodes", problem, "Write none"))
-    # The same key may be wrong in each condition.
+    # A fault may occur in each condition; report it once.
     yield from {str(fault): fault for fault in faults.found}.values()
 
 
 def _of_branch(design: ExperimentDesign, index: int, entry: StepEntry) -> Iterator[BadFile]:
-    """Yield faults of a step that no possible answer leads to."""
+    """Yield faults of a step whose condition on earlier answers can never be met."""
     names = {name_of(number, step): number for number, step in enumerate(design.file.steps[:index])}
     for branch, answer in entry.when.items():
         key = f"steps[{index}].when"
         step, _, name = branch.rpartition(".")
         form = design.forms.get(names.get(step, -1))
         if form is None:
-            yield design.fault(key, f"{step} has no form, so it has no answers", "Name a step with a form")
+            yield design.fault(key, f"{step} has no form, so it has no answers", "Write the name of a step with a form")
             continue
         item = next((item for item in form.items if item.id == name), None)
         if item is None:
             remedy = f"Write one of {', '.join(f'{step}.{item.id}' for item in form.items)}"
             yield design.fault(key, f"{step} has no item {name}", remedy)
         elif item.scale is not Scale.CHOICE or item.several:
-            yield design.fault(key, f"{branch} is not a choice of one answer", "Name an item of the scale choice")
+            yield design.fault(
+                key, f"{branch} is not an item with one chosen answer", "Name an item with the scale choice"
+            )
         elif answer not in (offered := [*item.options, *([NOT_APPLICABLE] if item.not_applicable else [])]):
-            yield design.fault(key, f"{answer!r} is not an answer to {branch}", f"Write one of {', '.join(offered)}")
+            yield design.fault(
+                key, f"{answer!r} is not a possible answer to {branch}", f"Write one of {', '.join(offered)}"
+            )
 
 
 def _of_levels(design: ExperimentDesign, index: int, entry: StepEntry) -> Iterator[BadFile]:
-    """Yield faults of a step that is limited to levels that do not exist, or that no participant meets there."""
+    """Yield faults of the key `only_at` of a step: unknown levels, and levels that do not apply to this step."""
     key, factors = f"steps[{index}].only_at", _levels_of(design)
     for factor, level in entry.only_at.items():
         if factor not in factors:
@@ -151,7 +156,7 @@ def _of_levels(design: ExperimentDesign, index: int, entry: StepEntry) -> Iterat
         elif level not in factors[factor]:
             yield design.fault(key, f"{factor} has no level {level}", f"Write one of {', '.join(factors[factor])}")
         elif factor in design.conditions[0].levels and not entry.each_condition:
-            problem = f"each participant meets all levels of {factor}, but the step is outside of all conditions"
+            problem = f"each participant plays at all levels of {factor}, but this step belongs to no condition"
             yield design.fault(key, problem, "Write each_condition: true, or delete the line")
 
 
@@ -168,12 +173,12 @@ def _of_check(design: ExperimentDesign, index: int, entry: StepEntry) -> Iterato
     """Yield faults of a check that no participant can pass."""
     asked = [item for item in design.forms[index].items if item.is_checked]
     if entry.right is not None and entry.right > len(asked):
-        problem = f"the check asks for {entry.right} right answers, but only {len(asked)} items have one"
+        problem = f"the check needs {entry.right} right answers, but only {len(asked)} items have a right answer"
         yield design.fault(f"steps[{index}].right", problem, f"Write at most {len(asked)}")
 
 
 def _of_right_answers(design: ExperimentDesign, index: int, entry: StepEntry) -> Iterator[BadFile]:
-    """Yield faults of right answers that cannot be given, in checks and in attention checks."""
+    """Yield faults of right answers that participants cannot give, in checks and in attention checks."""
     form, is_check = design.form_files[index], entry.step is StepKind.CHECK
     for number, item in enumerate(form.value.items):
         if not item.is_checked or not (item.attention or is_check):
@@ -189,33 +194,33 @@ def _of_right_answers(design: ExperimentDesign, index: int, entry: StepEntry) ->
 
 
 def _why_never_given(item: Item, answer: str) -> tuple[str, str] | None:
-    """Return problem and remedy of a right answer that no participant can give, or None."""
+    """Return the problem and the remedy if no participant can give this right answer, or None."""
     if item.scale is Scale.CHOICE:
         if item.several:
             return "an item with several answers has no single right answer", "Delete `several`"
         if answer not in item.options:
-            return f"{answer!r} is not one of its answers", f"Write one of {', '.join(item.options)}"
+            return f"{answer!r} is not one of the item's options", f"Write one of {', '.join(item.options)}"
     elif item.scale in {*MEASURED, Scale.NUMBER}:
         try:
             within = item.least <= float(answer) <= item.greatest
         except ValueError:
             within = False
         if not within:
-            return f"{answer!r} is not one of its answers", f"Write a number from {item.least:g} to {item.greatest:g}"
+            return f"{answer!r} is not a possible answer", f"Write a number from {item.least:g} to {item.greatest:g}"
     return None
 
 
 def _of_answer_key(design: ExperimentDesign, entry: StepEntry, item: Item) -> Iterator[tuple[str, str]]:
-    """Yield problem and remedy of right answers by condition if none of them, or several, apply to a participant."""
+    """Yield the problem and the remedy if not exactly one right answer by condition applies to each participant."""
     factors = _levels_of(design)
     named = dict.fromkeys(key.partition("=")[0] for key in item.correct_by_condition)
     unknown = [factor for factor in named if factor not in factors]
     if unknown:
-        known = f"FACTOR=LEVEL with one of {', '.join(factors)}" if factors else "one `correct`: there are no factors"
-        yield f"{unknown[0]} is not a factor", f"Write {known}"
+        known = f"Write FACTOR=LEVEL with one of {', '.join(factors)}" if factors else "Write `correct` instead"
+        yield f"{unknown[0]} is not a factor of the study", known
         return
     if len(named) > 1:
-        yield f"the answers depend on several factors ({', '.join(named)})", "Use only one factor"
+        yield f"the right answers depend on several factors ({', '.join(named)})", "Use only one factor"
         return
     (factor,) = named
     levels = factors[factor]
@@ -226,16 +231,16 @@ def _of_answer_key(design: ExperimentDesign, entry: StepEntry, item: Item) -> It
     if missing and item.correct is None:
         yield (
             f"the right answer at {factor}={missing[0]} is missing",
-            "Write one for each level, or also `correct`",
+            "Write a right answer for each level, or add `correct` for all other levels",
         )
     if factor in design.conditions[0].levels and not entry.each_condition:
-        problem = f"each participant meets all levels of {factor}, but is asked once, outside of all conditions"
-        yield problem, "Write each_condition: true at the check and place it before its trial, or one `correct` for all"
+        problem = f"each participant plays at all levels of {factor}, but this item is asked only once"
+        yield problem, "Write each_condition: true for the step and move it next to the trial, or write only `correct`"
 
 
 def _of_repetitions(design: ExperimentDesign) -> Iterator[BadFile]:
-    """Yield faults of checks that, if repeated, make a participant repeat steps that count as data."""
-    # The kinds of steps are the same at each place.
+    """Yield faults of checks whose repetition would include steps that count as data."""
+    # The order of the kinds of steps is the same at each place.
     plan, found = plan_of(design, Place(0, 0, 0)), dict[int, BadFile]()
     for check in plan:
         if check.entry.step is not StepKind.CHECK or check.entry.attempts == 1:
@@ -244,19 +249,23 @@ def _of_repetitions(design: ExperimentDesign) -> Iterator[BadFile]:
         data = next((step for step in again if step.entry.step in {StepKind.TRIAL, StepKind.FORM}), None)
         if data is not None:
             problem = f"a participant who fails the check would repeat {data.name}, which counts as data"
-            remedy = "Name a later step (inside each condition if the check is there), or delete `repeat`"
+            remedy = "Name a later step (for a check with each_condition, in the same condition), or delete `repeat`"
             found.setdefault(check.index, design.fault(f"steps[{check.index}].repeat", problem, remedy))
     yield from found.values()
 
 
 def _of_answers(form: Loaded[Form]) -> Iterator[BadFile]:
-    """Yield faults of items with answers that look the same, or that cannot be given."""
+    """Yield faults of items with two equal answers, or with labels that their scale does not support."""
     for number, item in enumerate(form.value.items):
         key = f"items[{number}]"
         for name, words in (("options", item.options), ("labels", item.labels if item.options else ())):
             if twice := next((word for word in words if words.count(word) > 1), None):
                 yield form.fault(f"{key}.{name}", f"{twice!r} is listed twice", "Keep one of the two")
         if item.not_applicable and NOT_APPLICABLE in item.options:
-            yield form.fault(f"{key}.options", f"{NOT_APPLICABLE!r} is already an answer", "Delete it from the options")
+            yield form.fault(
+                f"{key}.options", f"`not_applicable` already adds the answer {NOT_APPLICABLE!r}", "Delete this option"
+            )
         if item.labels and item.scale not in {Scale.LIKERT, Scale.CHOICE}:
-            yield form.fault(f"{key}.labels", f"a {item.scale} only has words at its ends", "Write low and high")
+            yield form.fault(
+                f"{key}.labels", f"an item with the scale {item.scale} has words only at its ends", "Write low and high"
+            )

@@ -1,4 +1,4 @@
-"""Steps of an experiment, as its file lists them."""
+"""Steps in the file of an experiment."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -9,63 +9,63 @@ from sim.parameters import param
 
 LONGEST_TRIAL = 4 * 3600.0
 LARGEST_COUNT = 1000
-"""Largest number that a practice game may require of one kind, except for seconds."""
+"""Largest number in a requirement of a practice game, except for seconds."""
 
 
 class StepKind(StrEnum):
-    """Kind of a step: what a person does in it."""
+    """Kind of a step: activity of the person."""
 
     INSTRUCTIONS = "instructions"
-    """Reads a text."""
+    """The person reads a text."""
     CONSENT = "consent"
-    """Agrees to take part, or leaves."""
+    """The person agrees to take part, or leaves."""
     PRACTICE = "practice"
-    """Plays a game that never counts as data."""
+    """The person plays a game that never counts as data."""
     CHECK = "check"
-    """Answers questions with right answers, about comprehension or attention."""
+    """The person answers questions about comprehension or attention. These questions have right answers."""
     TRIAL = "trial"
-    """Plays a game in a condition."""
+    """The person plays a game in a condition."""
     FORM = "form"
-    """Fills in a questionnaire."""
+    """The person fills in a questionnaire."""
     PAUSE = "pause"
-    """Rests until they continue."""
+    """The person rests, and continues by pressing a button."""
     DEBRIEF = "debrief"
-    """Reads what the study was about, and gets a completion code."""
+    """The person reads the purpose of the study, and receives a completion code."""
 
 
 class PracticeTerm(StrEnum):
-    """Kind of requirement in a practice game that a person must meet before the next step."""
+    """Kind of requirement that a person must meet in a practice game before the next step."""
 
     SECONDS = "seconds"
     """Simulated time from the start of the game."""
     MOVES = "moves"
-    """Robots sent to rooms."""
+    """Number of moves of robots to rooms."""
     PICTURES = "pictures"
-    """Pictures taken of treasures, each treasure once."""
+    """Number of different treasures with a picture."""
     IDENTIFIED = "identified"
-    """Treasures named, rightly or wrongly."""
+    """Number of treasures that the person named, rightly or wrongly."""
     DIALOGUES = "dialogues"
-    """Dialogues in which the person has replied to a robot. If robots never talk, none are required."""
+    """Number of dialogues in which the person replied to a robot. If robots never talk, dialogues are not required."""
 
 
 class Failed(StrEnum):
-    """Consequence for a person who fails a check for the last time."""
+    """Consequence of a failed last attempt at a check."""
 
     EXCLUDE = "exclude"
-    """The run ends and does not count; its place is free again."""
+    """The run ends and does not count. Its place becomes free."""
     GO_ON = "go on"
-    """The run continues and is marked."""
+    """The run continues, and the data mark this run."""
 
 
 class ResumeRule(StrEnum):
-    """Rule by which a step resumes after a crash."""
+    """Rule for resuming a step after a crash."""
 
     EXACT = "exact"
-    """Where it stopped: a form keeps its answers, and a game resumes from its journal."""
+    """Resume at the point of the crash: a form keeps its answers, and a game resumes from its journal."""
     BEGINNING = "beginning"
-    """From its beginning; what was recorded before is kept and marked."""
+    """Restart the step. The earlier recorded data are kept and marked."""
     NEVER = "never"
-    """Not at all: the run ends there and does not count."""
+    """Do not resume: the run ends and does not count."""
 
 
 _TERMS = f"the terms are {', '.join(PracticeTerm)}"
@@ -75,41 +75,50 @@ _TERMS = f"the terms are {', '.join(PracticeTerm)}"
 class StepEntry:
     """Contents of a step in the file of an experiment."""
 
-    step: StepKind = field(metadata={"help": "what is done in it"})
+    step: StepKind = field(metadata={"help": "kind of the step"})
     name: str = param(
-        "", "name in tables and branches: small letters, digits and _; if empty, the name of its form, or its kind"
+        "",
+        "name of the step in tables and branches: small letters, digits and _; if empty, the name of the step's form, "
+        "or "
+        "the step's kind and number",
     )
     text: Path | None = param(
-        None, "file to read, for instructions, consent and debrief, relative to this file's folder"
+        None, "for instructions, consent and debrief: path of the text, relative to the folder of this file"
     )
-    form: str = param("", "form to fill in: a built-in form, or a path relative to this file's folder")
+    form: str = param("", "for check and form: name of a built-in form, or path relative to the folder of this file")
     each_condition: bool = param(
         default=False,
-        help="repeat the step for each condition; adjacent steps marked so are repeated together",
+        help="repeat the step for each condition; adjacent steps with this key are repeated together",
     )
-    right: int | None = param(None, "number of right answers that pass a check; if null, all", "", 0)
-    attempts: int = param(1, "number of times that a check may be tried", "", 1, 20)
-    repeat: str = param("", "name of the step from which a failed check is repeated; if empty, only the check")
-    failed: Failed = param(Failed.EXCLUDE, "what happens when the last attempt at a check fails")
-    max_seconds: float = param(3600.0, "simulated time after which a game ends", "s", 1, LONGEST_TRIAL)
+    right: int | None = param(
+        None, "for a check: number of right answers needed to pass; if null, all answers must be right", "", 0
+    )
+    attempts: int = param(1, "for a check: allowed number of attempts", "", 1, 20)
+    repeat: str = param(
+        "", "for a check: name of the step to which a failed check returns; if empty, only the check is repeated"
+    )
+    failed: Failed = param(Failed.EXCLUDE, "for a check: consequence of a failed last attempt")
+    max_seconds: float = param(
+        3600.0, "for trial and practice: simulated time after which the game ends", "s", 1, LONGEST_TRIAL
+    )
     base: Mapping[str, str] = field(
         default_factory=dict,
-        metadata={"help": "for practice: keys of the study, which override those of the person's first condition"},
+        metadata={"help": "for practice: keys of the study that override the keys of the person's first condition"},
     )
     at_least: Mapping[str, str] = field(
         default_factory=lambda: {PracticeTerm.MOVES: "1"},
-        metadata={"help": f"for practice: what to do before people can continue, {{TERM: NUMBER}}; {_TERMS}"},
+        metadata={"help": f"for practice: requirements for continuing, {{TERM: NUMBER}}; {_TERMS}"},
     )
-    when_leaving: bool = param(default=True, help="for a debrief: people who leave or are excluded also read it")
-    resume: ResumeRule = param(ResumeRule.EXACT, "how the step resumes after a crash")
+    when_leaving: bool = param(default=True, help="for a debrief: show it also to people who leave or are excluded")
+    resume: ResumeRule = param(ResumeRule.EXACT, "rule for resuming the step after a crash")
     results: bool = param(
-        default=False, help="for a debrief: list the person's score of each game, and the best possible one"
+        default=False, help="for a debrief: list the person's score and the best possible score of each game"
     )
     only_at: Mapping[str, str] = field(
         default_factory=dict,
-        metadata={"help": "levels of factors at which the step comes; at others it is skipped: {FACTOR: LEVEL}"},
+        metadata={"help": "levels of factors that the step needs; at other levels it is skipped: {FACTOR: LEVEL}"},
     )
     when: Mapping[str, str] = field(
         default_factory=dict,
-        metadata={"help": "answers that the step needs; without them it is skipped: {STEP.ITEM: ANSWER}"},
+        metadata={"help": "answers that the step needs; after other answers it is skipped: {STEP.ITEM: ANSWER}"},
     )

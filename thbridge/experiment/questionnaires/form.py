@@ -267,7 +267,7 @@ def _problems(form: Form) -> Iterator[tuple[str, str, str]]:
             problem = f"the answers of a {item.scale} item have a fixed order"
             yield f"{key}.shuffle", problem, "Remove the line; the form's own key `shuffle` orders its items"
         if lost := next((answer for answer in item.pinned if answer not in item.options), None):
-            yield f"{key}.pinned", f"{lost!r} is not one of its answers", f"Write some of {', '.join(item.options)}"
+            yield f"{key}.pinned", f"{lost!r} is not one of the item's options", f"Write some of {', '.join(item.options)}"
         if item.attention and not item.is_checked:
             yield f"{key}.attention", "an attention check needs its right answer", "Write correct: ANSWER"
         if not item.minimum < item.maximum:

@@ -112,7 +112,7 @@ def test_another_kind_of_step_has_other_keys(window: StudyWindow, qtbot: QtBot) 
     settled(window, qtbot)
     qtbot.waitUntil(window.fields.rows["steps[8].step"].editor.hasFocus)
     fault = window.fields.rows["steps[8].step"]
-    assert "check without a form" in fault._fault.text()
+    assert "the step check has no form" in fault._fault.text()
 
 
 def test_a_factor_is_chosen_among_the_keys_of_studies(window: StudyWindow, qtbot: QtBot) -> None:
