@@ -299,8 +299,8 @@ def test_a_person_plays_in_the_games_language():
     seat.type("1 3")
     seat.type("c")
     assert seat.type("c", 20)[0] == "Roboter 1 fährt zu Raum 3; er hat noch 83 Energie."
-    assert "n 3 NAME benennt ihn." in seat.shown[-1]
-    assert seat.type("ende")[-1] == "Das Spiel ist zu Ende. Punktestand 0."
+    assert "Mit „n 3 NAME“ benennen Sie den Schatz." in seat.shown[-1]
+    assert seat.type("ende")[-1] == "Das Spiel ist zu Ende. Punktestand: 0."
 
 
 @pytest.mark.parametrize(("typed", "agrees"), [("ja", True), ("Yes.", True), ("Nein", False), ("vielleicht", None)])

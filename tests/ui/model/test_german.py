@@ -272,4 +272,4 @@ def test_a_refusal_is_told_with_what_is_known_of_its_request():
     poor = with_robot(view(), 0, energy=2.5)
     poor = structs.replace(poor, refusal=RefusalView(1, "select-room", RuleReason.NOT_ENOUGH_ENERGY, "It is too far."))
     model.receive(poor, 1.0)
-    assert model.screen(1.0).banner.text == "Das kostet 7; Roboter 1 hat 2,5 Energie."
+    assert model.screen(1.0).banner.text == "Das kostet 7 Energie; Roboter 1 hat nur 2,5."
