@@ -57,7 +57,7 @@ class _Commands(CommandGroup):
             },
         ),
         "maps": group(
-            "Maps: list, check, measure, create and edit the arenas that robots drive in.",
+            "Maps: list, check, measure, create and edit the maps on which robots drive.",
             {
                 "ui.commands.maps.maps:maps_": "check list",
                 "ui.commands.maps.measure:maps_": "measure",
@@ -80,7 +80,7 @@ class _Commands(CommandGroup):
             SharingGroup,
         ),
         "mavlink": group(
-            "MAVLink: watch and command robots that speak it, such as those of `thbridge play --mavlink`.",
+            "MAVLink: watch and command robots that use this protocol, such as those of `thbridge play --mavlink`.",
             {"ui.commands.mavlink.mavlink:mavlink_": "status goto replay"},
         ),
         "ros": group(
@@ -88,12 +88,12 @@ class _Commands(CommandGroup):
             {"ui.commands.ros:ros_": "messages master rviz foxglove"},
         ),
         "keys": group(
-            "Keys: create, list and revoke keys of programs and windows on other machines.",
+            "Keys: create, list and revoke the keys with which programs and windows on other machines connect.",
             {"ui.commands.keys:keys_": "new list revoke"},
         ),
         "talk": "ui.commands.talk.talk:talk_app",
         "plugins": group(
-            "Plug-ins: list and check programs of your lab that replace a part of thbridge (found by entry points).",
+            "Plug-ins: list and check programs of your lab that replace a part of thbridge (Python entry points).",
             {"ui.commands.plugins.plugins:plugins_": "list check"},
         ),
         "desktop": group(
@@ -101,7 +101,7 @@ class _Commands(CommandGroup):
             {"ui.commands.desktop.desktop:desktop_": "install remove"},
         ),
         "sweep": group(
-            "Sweeps: many games over the factors of a design. `sweep DESIGN.yaml` means `sweep run DESIGN.yaml`.",
+            "Sweeps: play many games in the conditions of a design. `sweep DESIGN.yaml` means `sweep run DESIGN.yaml`.",
             {
                 "ui.commands.sweep.sweep:sweep_": "status collect",
                 "ui.commands.sweep.run:sweep_": "run",

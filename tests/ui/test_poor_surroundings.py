@@ -82,7 +82,7 @@ def test_a_result_that_goes_nowhere_is_a_failure_that_says_so(tmp_path: Path) ->
     done = run(CLOSED, program)
     assert done.returncode == 0, done.stderr.decode()
     *_, last = done.stderr.decode().splitlines()
-    assert last == "Standard output is closed, and what the command printed is lost. Redirect it to a file."
+    assert last == "Standard output is closed, so the output of this command is lost. Redirect it to a file."
 
 
 def test_files_are_written_whole_with_all_streams_closed(tmp_path: Path) -> None:

@@ -1,4 +1,4 @@
-"""Conversion of command line arguments to values; faults are reported in the same words as those of files."""
+"""Conversion of command line arguments to values. Error messages have the same words as those about files."""
 
 import inspect
 import re
@@ -26,7 +26,7 @@ _IS_NOT: Mapping[type, str] = {int: "not a whole number", float: "not a number"}
 
 
 def convert_if_given(command: TyperCommand | TyperGroup, context: typer.Context) -> None:
-    """Let a command convert the arguments that are given, and leave defaults as they are.
+    """Make a command convert the arguments that the user gave, and keep defaults unchanged.
 
     This replaces Typer's own conversion by pydantic. Importing pydantic takes longer than starting a command.
     """
@@ -49,7 +49,7 @@ def _described(annotation: object) -> tuple[object, ParameterInfo]:
 
 @dataclass(frozen=True, slots=True)
 class _Conversion:
-    """Conversion of an argument. It does nothing while a shell completes words."""
+    """Conversion of an argument; it returns the argument unchanged while a shell completes words."""
 
     parameter: TyperOption | TyperArgument
     kind: object
@@ -108,7 +108,7 @@ class _Conversion:
         raise ValueError(f"{word!r} is {problem}. {wanted(kind, limits)}.")
 
     def _in_radians(self, word: str) -> str:
-        """Return an angle with a unit in radians; print a warning about a doubtful number without a unit."""
+        """Convert an angle with a unit to radians; print a warning if a number without a unit is doubtful."""
         radians = radians_of(word)
         if radians is not None:
             return repr(radians)

@@ -10,17 +10,20 @@ from ui.command_line.terminal import BAD_INPUT, FAILED, bad_input, fail
 
 T = TypeVar("T")
 
-_NO_KEYBOARD = "--participant person: standard input is a file or closed. Type in a terminal, or use a pipe."
+_NO_KEYBOARD = "--participant person: standard input is a file, or is closed. Type in a terminal, or use a pipe."
 
 
 def run(program: Coroutine[object, object, T], typed: Callable[[str], None] | None = None) -> T:
-    """Run a program to its end; `typed`, if given, receives each typed line. A bad file ends the command as failed."""
+    """Run a program to its end. If `typed` is given, it receives each typed line.
+
+    If a file is bad, print its message and end the command with the exit code `FAILED`.
+    """
     with bad_input(FAILED):
         return asyncio.run(_with_keyboard(program, typed))
 
 
 async def _with_keyboard(program: Coroutine[object, object, T], typed: Callable[[str], None] | None) -> T:
-    """Run a program; typed lines are read between two ticks."""
+    """Run a program, and read typed lines between two ticks."""
     if typed is None:
         return await program
     loop = asyncio.get_running_loop()
@@ -41,7 +44,7 @@ async def _with_keyboard(program: Coroutine[object, object, T], typed: Callable[
 
 
 def read_line() -> str:
-    """Wait for one typed line before the event loop runs, and read nothing after it.
+    """Wait for one typed line, and read nothing after this line; for use before the event loop runs.
 
     Return "" at the end of the input.
     """

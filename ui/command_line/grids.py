@@ -1,4 +1,4 @@
-"""Maps that commands accept: a map.yaml, a folder with one, or the name of a shipped map."""
+"""Maps that commands accept: a map.yaml, a folder with a map.yaml, or the name of a map that thbridge includes."""
 
 from pathlib import Path
 

@@ -14,7 +14,7 @@ from ui.command_line.terminal import faults_of_files
 
 
 class CommandGroup(TyperGroup):
-    """Group of commands, each imported when it is first needed.
+    """Group of commands. Each command is imported when it is first needed.
 
     Attributes:
         paths: for each command, the path of its function, Typer application or group: the module, a colon, and the
@@ -33,7 +33,7 @@ class CommandGroup(TyperGroup):
         return [*self.paths]
 
     def get_command(self, ctx: typer.Context, cmd_name: str) -> TyperCommand | None:  # type: ignore[override]
-        """Import a command. For an unknown name import all commands, because similar names are suggested."""
+        """Import a command. If its name is unknown, import all commands, so that similar names can be suggested."""
         for name in [cmd_name] if cmd_name in self.paths else self.paths:
             if name not in self.commands:
                 path = self.paths[name]
@@ -46,13 +46,13 @@ class CommandGroup(TyperGroup):
         return found
 
     def invoke(self, ctx: typer.Context) -> object:  # type: ignore[override]
-        """Run a command; faults of files that it does not report itself also end in a message."""
+        """Run a command; print a message about faults of files that the command does not report itself."""
         with faults_of_files():
             return super().invoke(ctx)
 
 
 class SharingGroup(CommandGroup):
-    """Commands that write files for others on this machine, with the permissions of the account's umask."""
+    """Group of commands whose files other accounts may read, with the permissions of the user's umask."""
 
     def invoke(self, ctx: typer.Context) -> object:  # type: ignore[override]
         """Run a command."""
@@ -68,7 +68,7 @@ def group(
     """Return a group that shows its help if no command is given.
 
     Args:
-        help: its help text.
+        help: help text of the group.
         commands: see `paths_of`.
         kind: class of the group.
     """
@@ -81,8 +81,8 @@ def paths_of(commands: Mapping[str, str]) -> dict[str, str]:
     """Return the path of each command.
 
     Args:
-        commands: names of commands, separated by blanks, for each beginning of a path. Together, beginning and name are
-            the path of the command's function.
+        commands: for each beginning of a path, the names of commands, separated by blanks. The beginning followed by
+            the name is the path of the command's function.
     """
     return {name: start + name.replace("-", "_") for start, names in commands.items() for name in names.split()}
 

@@ -1,4 +1,4 @@
-"""The C library's heap, in programs that create and free arrays of many megabytes."""
+"""Settings of the C library's heap, for programs that create and free arrays of many megabytes."""
 
 import ctypes
 
@@ -10,7 +10,7 @@ _LARGE = 1 << 20
 def give_large_blocks_back() -> None:
     """Return large blocks of memory to the system when they are freed, if the C library is GNU's.
 
-    By default, glibc keeps freed blocks of up to 32 MB for later use, and gaps between them.
+    By default, glibc keeps freed blocks of up to 32 MB, and the gaps between them, for later use.
     """
     mallopt = getattr(ctypes.CDLL(None), "mallopt", None)
     if mallopt is not None:

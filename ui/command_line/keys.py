@@ -1,4 +1,4 @@
-"""Keys of programs and windows: those that a session accepts, and the one that a client shows."""
+"""Keys of programs and windows: the keys that a session accepts, and the key that a client presents."""
 
 from pathlib import Path
 
@@ -19,15 +19,15 @@ def key_of(path: Path) -> ClientKey:
 
 
 def keys_of(study: Study, file: Path | None, folder: Path | None) -> RingKeys | None:
-    """Return the keys of programs and windows on other machines; if None, there are none.
+    """Return the keys of programs and windows on other machines; if None, the session accepts no keys.
 
-    `folder` takes precedence over the folder in the study.
+    If `folder` is given, it replaces the folder that the study names.
     """
     beside = Path() if file is None else file.parent
     path = folder or (None if study.keys is None else beside / study.keys)
     if path is not None and not path.is_dir():
         make = command("keys", "new", "NAME", "--keys", path)
-        fail(BAD_INPUT, f"keys: there is no folder {path}. Create a key, and the folder with it: {make}")
+        fail(BAD_INPUT, f"keys: there is no folder {path}. Create the folder and a key: {make}")
     return None if path is None else _ring_keys("keys", path)
 
 
@@ -36,7 +36,7 @@ def _ring_keys(option: str, folder: Path) -> RingKeys:
         ring = KeyRing(folder, utc_now)
         if not ring.entries:
             make = command("keys", "new", "NAME", "--keys", folder)
-            fail(BAD_INPUT, f"{option}: there are no keys in {folder}. Create one: {make}")
+            fail(BAD_INPUT, f"{option}: there are no keys in {folder}. Create a key: {make}")
         return RingKeys(ring, server_context(certificate_of(folder, utc_now())))
 
 
@@ -47,5 +47,6 @@ def watch_keys(path: Path) -> KeyVerifier:
     key = key_of(path).secret
     if len(key) < SHORTEST_KEY:
         problem = f"{path}: this key is easy to guess, because it has only {len(key)} characters"
-        fail(BAD_INPUT, f"{problem}. Use at least {SHORTEST_KEY} random ones, or create keys: {command('keys', 'new')}")
+        remedy = f"Use at least {SHORTEST_KEY} random characters, or create a key: {command('keys', 'new', 'NAME')}"
+        fail(BAD_INPUT, f"{problem}. {remedy}")
     return SingleKey(key)

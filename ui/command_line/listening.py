@@ -1,4 +1,4 @@
-"""Addresses of a session in addition to its text server: ROS graph, researchers' windows, ground stations."""
+"""Further addresses of a session, next to its text server: ROS graph, researchers' windows, ground stations."""
 
 from collections.abc import Sequence
 from importlib.util import find_spec
@@ -25,7 +25,8 @@ def graph_of(options: RosOptions, open_to: Sequence[str] = ()) -> GraphAddress |
         return None
     uri = options.ros_master or ROS_MASTER_URI
     if not is_master_uri(uri):
-        fail(BAD_INPUT, f"--ros-master: {uri!r} is not the address of a ROS master. Write {ROS_MASTER_URI}, say.")
+        remedy = f"Write, for example, {ROS_MASTER_URI}"
+        fail(BAD_INPUT, f"--ros-master: {uri!r} is not the address of a ROS master. {remedy}.")
     return GraphAddress(uri, options.ros_host or LOCALHOST, Admission.to(open_to))
 
 
@@ -34,7 +35,7 @@ def watch_of(
 ) -> WatchAddress | None:
     """Return the address for researchers' windows; if None, no window can connect.
 
-    Options take precedence over the study.
+    Options override the study.
 
     Args:
         study: the study, as changed by options.
@@ -60,17 +61,17 @@ def watch_of(
 
 
 def check_foxglove(port: int | None) -> None:
-    """End the program if a port for Foxglove is given, but the package that it needs is missing."""
+    """End the program if a port for Foxglove is given, but the package foxglove-sdk is missing."""
     if port is not None and find_spec("foxglove") is None:
         fail(BAD_INPUT, "--foxglove: foxglove-sdk is not installed. Run: pip install 'thbridge[foxglove]'")
 
 
 def ports_of(study: Study, file: Path | None, key: Path | None) -> MavlinkPorts | None:
-    """Return the links for ground stations; if None, there are none. `key` takes precedence over the study."""
+    """Return the links for ground stations; if None, MAVLink is off. If `key` is given, it replaces the study's key."""
     section = study.mavlink
     if not section.on:
         if key is not None:
-            fail(BAD_INPUT, "--signing-key: the robots do not speak MAVLink. Add --mavlink, or omit --signing-key.")
+            fail(BAD_INPUT, "--signing-key: MAVLink is off in this session. Add --mavlink, or omit --signing-key.")
         return None
     beside = Path() if file is None else file.parent
     path = key or (None if section.signing_key is None else beside / section.signing_key)
@@ -83,7 +84,10 @@ def ports_of(study: Study, file: Path | None, key: Path | None) -> MavlinkPorts 
 
 
 def hosts_of(graph: GraphAddress | None, quiet: bool = False) -> StartupCallbacks:
-    """Return callbacks that report how graph, watch and MAVLink have started; each ends the program on failure."""
+    """Return callbacks that report the start of the ROS graph and of the ports for watching, MAVLink and Foxglove.
+
+    If a start fails, its callback ends the program.
+    """
 
     def joined(master: MasterPresence | CannotListen) -> None:
         if isinstance(master, CannotListen):

@@ -18,10 +18,11 @@ if TYPE_CHECKING:
 
 
 def with_open_to(study: Study, networks: Sequence[str] | None) -> Study:
-    """Return the study with the networks that options name; if there are none, it is unchanged."""
+    """Return the study with the networks that options name; without networks, return it unchanged."""
     for text in networks or ():
         if parse_network(text) is None:
-            fail(BAD_INPUT, f"--open-to: {text!r} is not a network. Write 10.0.0.0/24, say; 0.0.0.0/0 is all machines.")
+            remedy = "Write, for example, 10.0.0.0/24; 0.0.0.0/0 means all machines"
+            fail(BAD_INPUT, f"--open-to: {text!r} is not a network. {remedy}.")
     return dataclasses.replace(study, open_to=tuple(networks)) if networks else study
 
 
@@ -33,13 +34,13 @@ def check_doors(
     *,
     serves_text: bool = True,
 ) -> None:
-    """End the program if other machines could connect without permission; otherwise print which of them may connect.
+    """End the program if other machines could connect without permission; otherwise print which machines may connect.
 
     Args:
         study: the study, as changed by options.
         keys: keys of programs and windows on other machines.
         watch: address for researchers' windows.
-        graph: the ROS graph to take part in.
+        graph: ROS graph that the session joins.
         serves_text: False for a program whose text server is elsewhere.
     """
     networks = ", ".join(study.open_to)
@@ -52,19 +53,20 @@ def check_doors(
     if plain and not networks:
         what, host = next(iter(plain.items()))
         problem = f"{what}: other machines could reach {host}, but no network is allowed to connect"
-        with_keys = ", or --keys FOLDER for programs that have a key" if what == "the text server" else ""
-        remedy = f"Add --open-to NETWORK (open_to in the study), such as 10.0.0.0/24{with_keys}; or listen on 127.0.0.1"
-        fail(BAD_INPUT, f"{problem}. {remedy}.")
+        with_keys = " For programs that have a key, add --keys FOLDER instead." if what == "the text server" else ""
+        remedy = "Add --open-to NETWORK (open_to in the study), such as 10.0.0.0/24, or listen on 127.0.0.1"
+        fail(BAD_INPUT, f"{problem}. {remedy}.{with_keys}")
     if watch is not None and not is_own(watch.host):
         if watch.keys is None or watch.keys.tls is None:
-            problem = f"researchers' windows: any client at {watch.host} could see the truth and command robots"
-            remedy = f"Create a key, {command('keys', 'new', 'NAME')}, and add --watch-key keys; or listen on 127.0.0.1"
+            problem = f"researchers' windows: any client at {watch.host} could see all its data and command robots"
+            make = command("keys", "new", "NAME")
+            remedy = f"Create a key with `{make}` and add --watch-key keys, or listen on 127.0.0.1"
             fail(BAD_INPUT, f"{problem}. {remedy}.")
         keyed["researchers' windows"] = watch.host
     if keyed:
-        note(f"Accepting remote clients that present a key (TLS): {', '.join(keyed)}.")
+        note(f"These servers accept remote clients that present a key (TLS): {', '.join(keyed)}.")
     if plain:
-        note(f"Accepting clients from {networks} without key or encryption: {', '.join(plain)}.")
+        note(f"These servers accept clients from {networks} without a key and without encryption: {', '.join(plain)}.")
 
 
 def _plain_doors(study: Study, graph: GraphAddress | None) -> dict[str, str]:

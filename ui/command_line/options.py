@@ -17,23 +17,23 @@ StudyFile = Annotated[
     Path | None,
     typer.Argument(
         help="Study file (YAML; see `thbridge study init`), or a built-in study: `standard` or `original-2016`. "
-        "Options of the command override it."
+        "Options of this command override its keys."
     ),
 ]
 StudyOption = Annotated[Path | None, typer.Option("--study", help="Same as the argument `study_file`.", hidden=True)]
 # The bounds are those of the study file, so that the study stored in a bag can be read again.
 Robots = Annotated[int | None, typer.Option(help="Number of robots.", min=1, max=64)]
-MapName = Annotated[str | None, typer.Option("--map", help="Name of a map, or path of its folder (with a slash).")]
+MapName = Annotated[str | None, typer.Option("--map", help="Name of a map, or path of its folder with a slash.")]
 Seed = Annotated[
     int | None,
     typer.Option(help="Random seed. The same seed, study and inputs give the same run.", min=0, max=2**31 - 1),
 ]
 LanguageOption = Annotated[
     str | None,
-    typer.Option("--language", metavar="NAME", help="Language of the participant: en, de, or one you installed."),
+    typer.Option("--language", metavar="NAME", help="Language of the participant: en, de, or your own language."),
 ]
 Port = Annotated[int | None, typer.Option(help="TCP port for other programs; 0 means any free port.", min=0, max=65535)]
-BagFile = Annotated[Path | None, typer.Option(help="Bag to record. An existing file is kept under a new name.")]
+BagFile = Annotated[Path | None, typer.Option(help="Bag file to record. An existing file of this name is renamed.")]
 
 
 class ProgressKind(StrEnum):
@@ -47,8 +47,8 @@ ProgressOption = Annotated[
     ProgressKind,
     typer.Option(
         "--progress",
-        help="Progress on standard error. `auto`: a bar on a terminal, otherwise a line per minute. `json`: one object "
-        "per line.",
+        help="Format of the progress on standard error. `auto`: a bar on a terminal, otherwise a line per minute. "
+        "`json`: one JSON object per line.",
     ),
 ]
 AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object on standard output, and nothing else.")]
@@ -59,7 +59,7 @@ OpenTo = Annotated[
     typer.Option(
         "--open-to",
         metavar="NETWORK",
-        help="Network whose machines may connect, such as 10.0.0.0/24, if a server listens for other machines; "
+        help="Network, such as 10.0.0.0/24, from which machines may connect to servers that accept other machines; "
         "see `thbridge docs security`. Can be repeated.",
     ),
 ]
@@ -68,8 +68,8 @@ Keys = Annotated[
     Path | None,
     typer.Option(
         "--keys",
-        help="Folder of keys (`thbridge keys new`) for programs and windows on other machines, which connect "
-        "encrypted; see `thbridge docs security`.",
+        help="Folder of keys (see `thbridge keys new`) for programs and windows on other machines. Their connections "
+        "are encrypted; see `thbridge docs security`.",
     ),
 ]
 KeyFile = Annotated[
@@ -88,12 +88,12 @@ class ColourScheme(StrEnum):
 
 LookOption = Annotated[
     ColourScheme,
-    typer.Option("--look", help="Light or dark windows. `system`: as chosen in the window, or else like the desktop."),
+    typer.Option("--look", help="Colors of windows. `system`: as chosen in the window, otherwise as in the desktop."),
 ]
 
 
 PERSON = "person"
-"""Participant who types in the terminal."""
+"""Name of the participant who types in the terminal."""
 _SIMULATED = tuple(each.value for each in BotStrategy)
 
 
@@ -120,7 +120,7 @@ ParticipantName = Annotated[
         callback=one_of((PERSON, *_SIMULATED), "thbridge.participants"),
         autocompletion=lambda: [PERSON, *_SIMULATED],
         help="Play without a window. The player is `person` (you, in the terminal), a built-in simulated "
-        "participant, or the NAME of an installed one.",
+        "participant, or an installed simulated participant with this NAME.",
     ),
 ]
 SimulatedParticipant = Annotated[
@@ -144,7 +144,8 @@ class ClientOptions:
     server: Annotated[
         str | None,
         typer.Option(
-            help=f"Address of the text server; default: the study's, otherwise {ADDRESS}.", metavar="HOST:PORT"
+            help=f"Address of the text server; default: the address in the study, otherwise {ADDRESS}.",
+            metavar="HOST:PORT",
         ),
     ] = None
     key: Annotated[
@@ -154,7 +155,7 @@ class ClientOptions:
 
 
 def the_study(by_position: Path | None, by_option: Path | None) -> Path | None:
-    """Return the study file, which is an argument or, in the form of older versions, the option --study."""
+    """Return the study file, which is an argument or, as in older versions, the option --study."""
     if by_position is not None and by_option is not None:
         fail(BAD_INPUT, f"--study: {by_position} is already given as an argument. Omit one of the two.")
     return by_position or by_option
@@ -178,16 +179,16 @@ class RosOptions:
         typer.Option(
             envvar="ROS_MASTER_URI",
             metavar="URI",
-            help=f"Address of the ROS master (default {ROS_MASTER_URI}). If it is an address of this machine "
-            "where no master runs, this program starts one.",
+            help=f"Address of the ROS master (default {ROS_MASTER_URI}). If the address is on this machine and no "
+            "master runs there, this program starts a master.",
         ),
     ] = None
     ros_host: Annotated[
         str | None,
         typer.Option(
             envvar=["ROS_HOSTNAME", "ROS_IP"],
-            help="Address at which ROS nodes reach this program (default 127.0.0.1). Any node that reaches it can "
-            "drive robots.",
+            help="Address at which ROS nodes connect to this program (default 127.0.0.1). Any node that can connect "
+            "can drive robots.",
         ),
     ] = None
 
@@ -206,14 +207,13 @@ class WatchOptions:
     watch_key: Annotated[
         Path | None,
         typer.Option(
-            help="Folder of keys (`thbridge keys new`), or file with one key. Windows that watch need a key; they show "
-            "the truth.",
+            help="Folder of keys (see `thbridge keys new`), or file with one key. Researchers' windows then need a key."
         ),
     ] = None
     foxglove: Annotated[
         int | None,
         typer.Option(
-            help="Serve the session to Foxglove at this port of this machine; see `thbridge docs watching`.",
+            help="Let Foxglove show the session: port on this machine; see `thbridge docs watching`.",
             min=0,
             max=65535,
         ),
@@ -230,23 +230,29 @@ class MavlinkOptions:
     ] = None
     identity: Annotated[
         AutopilotIdentity | None,
-        typer.Option(help="Autopilot that robots report; QGroundControl commands only `ardupilot`."),
+        typer.Option(help="Autopilot type that robots report. QGroundControl can only command `ardupilot`."),
     ] = None
     udp: Annotated[
         list[str] | None,
         typer.Option(
             metavar="HOST:PORT",
-            help="Address of a ground station; HOST:PORT/ROBOT sends it only this robot's frames. Can be repeated.",
+            help="Address of a ground station. With HOST:PORT/ROBOT, it receives only the frames of this robot. "
+            "Can be repeated.",
         ),
     ] = None
     udp_listen: Annotated[
         str | None,
-        typer.Option(metavar="HOST:PORT", help="UDP address for ground stations that send the first message."),
+        typer.Option(
+            metavar="HOST:PORT", help="UDP address at which robots wait for the first message of ground stations."
+        ),
     ] = None
-    tcp: Annotated[str | None, typer.Option(metavar="HOST:PORT", help="TCP address for ground stations.")] = None
+    tcp: Annotated[
+        str | None, typer.Option(metavar="HOST:PORT", help="TCP address at which ground stations connect.")
+    ] = None
     signing_key: KeyFile = None
     tlog: Annotated[
-        bool | None, typer.Option("--tlog/--no-tlog", help="Also write all MAVLink frames to a .tlog next to the bag.")
+        bool | None,
+        typer.Option("--tlog/--no-tlog", help="Also write all MAVLink frames to a .tlog file next to the bag."),
     ] = None
 
 
@@ -256,7 +262,7 @@ class EngineOptions:
 
     engine: Annotated[
         EngineKind,
-        typer.Option(help="Where games run: in processes on this machine, on a Dask cluster, or in Slurm jobs."),
+        typer.Option(help="Run games in processes on this machine, on a Dask cluster, or in Slurm jobs."),
     ] = EngineKind.PROCESSES
     processes: Annotated[
         int | None, typer.Option(help="Number of processes on this machine; default: one per core.", min=1, max=1024)
@@ -273,6 +279,6 @@ class EngineOptions:
         typer.Option(
             "--slurm",
             metavar="KEY=VALUE",
-            help="Option of Slurm jobs, as for `sbatch`: `--slurm partition=short`. Can be repeated.",
+            help="Option of `sbatch` for Slurm jobs, for example `--slurm partition=short`. Can be repeated.",
         ),
     ] = None

@@ -26,14 +26,14 @@ def _robot_rows(robot: RobotStatistics) -> Iterator[tuple[str, str]]:
     if robot.position_rmse is not None and robot.position_max is not None:
         usual = f"{100 * robot.position_rmse:.1f} cm, {robot.heading_rmse:.1f}°"
         yield "position error", f"{usual} rms; at most {100 * robot.position_max:.1f} cm, {robot.heading_max:.1f}°"
-    waited = f", waited {robot.seconds_waiting:.1f} s for others" if robot.seconds_waiting else ""
+    waited = f", waited {robot.seconds_waiting:.1f} s for other robots" if robot.seconds_waiting else ""
     yield "distance driven", f"{robot.distance:.1f} m{waited}"
     if robot.times_lost:
         yield "times lost", f"{robot.times_lost}, for {robot.seconds_lost:.1f} s in total"
 
 
 def show_outcome(outcome: HuntOutcome) -> None:
-    """Print how a hunt ended, with a column for each game if there were several."""
+    """Print the result of a hunt, with one column per game if there were several games."""
     several = len(outcome.games) > 1
     table = Table(title="The hunt", show_header=several)
     for heading in ("", *(f"game {game.game}" for game in outcome.games)) if several else ("", ""):

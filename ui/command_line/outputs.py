@@ -1,4 +1,4 @@
-"""Files that commands write: their places and permissions."""
+"""Paths and permissions of the files that commands write."""
 
 import os
 import sys
@@ -19,19 +19,19 @@ _umask_of_account: list[int] = []
 
 
 def keep_to_owner() -> None:
-    """Make new files readable only by their owner: they contain data about people, and treasures not yet found."""
+    """Make new files readable only by their owner, because they contain data about people and hidden treasures."""
     _umask_of_account.append(os.umask(Readers.OWNER.umask))
 
 
 def share_outputs() -> None:
-    """Create new files with the account's umask: they contain no data about people, or the user named them by --to."""
+    """Use the account's umask for new files: they contain no data about people, or the user named them with --to."""
     if _umask_of_account:
         os.umask(_umask_of_account[-1])
 
 
 @contextmanager
 def destination(path: Path, suffix: str = "") -> Iterator[Path]:
-    """Yield the path of the file to write; for `-` a temporary file, copied to standard output once it is complete."""
+    """Yield the path of the file to write. For `-`, yield a temporary file; copy it to standard output at the end."""
     if path != STANDARD_OUTPUT:
         yield path
         return
@@ -46,11 +46,11 @@ def destination(path: Path, suffix: str = "") -> Iterator[Path]:
 def share_no_output(path: Path | None, as_json: bool) -> None:
     """Check that --json and a file do not both use standard output."""
     if path == STANDARD_OUTPUT and as_json:
-        fail(BAD_INPUT, "--json: standard output is already used for the file. Omit --json, or name a file.")
+        fail(BAD_INPUT, "--json: standard output is already used for the file. Omit --json, or choose another file.")
 
 
 def make_ready(bag: Path, option: str = "--bag") -> None:
-    """Check that a bag can be recorded at a path, and rename an older bag there."""
+    """Check that a bag can be recorded at a path; if an older bag is there, rename it."""
     if bag.suffix != ".bag" or bag.is_dir():
         fail(BAD_INPUT, f"{option}: {bag} is not the name of a bag. Write a file name that ends in .bag.")
     try:
@@ -60,13 +60,13 @@ def make_ready(bag: Path, option: str = "--bag") -> None:
         fail(BAD_INPUT, f"{option}: {taken}")
     except OSError as error:
         release(bag)
-        fail(BAD_INPUT, f"{bag}: cannot record there ({error.strerror}). Choose another file with {option}.")
+        fail(BAD_INPUT, f"{bag}: the bag cannot be written ({error.strerror}). Choose another file with {option}.")
     if moved is not None:
         note(f"The older recording was renamed to {moved}.")
 
 
 def make_copy_ready(copy: Path, recording: Path) -> None:
-    """Check that --to names a place for the bag of a replay that is not the replayed recording."""
+    """Check that a replay can write its bag to the path of --to, and that this is not the replayed recording."""
     if copy.resolve() == recording.resolve():
-        fail(BAD_INPUT, f"--to: {copy} is the recording itself. Write another name.")
+        fail(BAD_INPUT, f"--to: {copy} is the recording itself. Choose another file name.")
     make_ready(copy, "--to")

@@ -1,4 +1,4 @@
-"""Picture files; the same picture gives the same bytes."""
+"""Picture files without dates, so that the same picture always gives the same bytes."""
 
 import io
 from collections.abc import Callable
@@ -18,9 +18,9 @@ def write_picture(draw: Callable[[], "Figure"], to: Path, option: str) -> None:
     """Draw a picture into a file, in the format of its suffix (one of `PICTURES`).
 
     Args:
-        draw: function that draws it.
+        draw: function that draws the picture.
         to: file to write.
-        option: option that named the file, for the error message.
+        option: option that names the file, for the error message.
 
     Raises:
         BadFile: the file cannot be written.
@@ -32,4 +32,4 @@ def write_picture(draw: Callable[[], "Figure"], to: Path, option: str) -> None:
     drawn = io.BytesIO()
     with rc_context({"svg.hashsalt": "thbridge"}):
         draw().savefig(drawn, format=to.suffix.lower().removeprefix("."), metadata=undated)
-    write_whole(to, drawn.getvalue(), f"choose another place with  {option}")
+    write_whole(to, drawn.getvalue(), f"choose another file with {option}")

@@ -30,7 +30,7 @@ _A_MINUTE, _AN_HOUR = 60.0, 3600.0
 
 @dataclass(slots=True)
 class _CountedTask:
-    """Task with the number of things done; `first` were done at time `began` (seconds). A total of 0 means unknown."""
+    """Task with a count: `first` at time `began` (seconds), `done` now. A total of 0 means unknown."""
 
     began: float
     first: int
@@ -38,7 +38,7 @@ class _CountedTask:
     total: int
 
     def seconds_left(self, now: float) -> float | None:
-        """Return the time left at the mean rate so far; None if nothing was done yet."""
+        """Return the seconds left at the mean rate so far; None if nothing has been done yet."""
         here = self.done - self.first
         return (now - self.began) * (self.total - self.done) / here if here > 0 and self.total else None
 
@@ -47,7 +47,7 @@ class ProgressLines:
     """Lines about the latest task of a command.
 
     Args:
-        doing: name of the work until something is counted.
+        doing: name of the work, which is shown until the first count arrives.
         now: monotonic start time, seconds.
     """
 
@@ -58,7 +58,7 @@ class ProgressLines:
         self._lock = Lock()
 
     def take(self, what: str, done: int, total: int, now: float) -> None:
-        """Record how many things of a task are done; a total of 0 means unknown."""
+        """Record the count of a task; a total of 0 means unknown."""
         with self._lock:
             self._latest = what
             task = self._tasks.setdefault(what, _CountedTask(now, done, done, total))
@@ -97,8 +97,8 @@ def shown_progress(
     """Show the progress of a command.
 
     Args:
-        kind: bar or lines, as --progress says.
-        doing: name of the work until something is counted.
+        kind: format, as given by --progress.
+        doing: name of the work, which is shown until the first count arrives.
         every: seconds from one line to the next.
         beside_text: True for a command that also prints events. A terminal then shows no bar.
     """
@@ -149,7 +149,7 @@ def _bar() -> Iterator[Tell]:
 
 
 class _RateColumn(ProgressColumn):
-    """Rate, in things per second."""
+    """Rate, in items per second."""
 
     def render(self, task: Task) -> Text:
         speed = task.finished_speed or task.speed
@@ -157,7 +157,7 @@ class _RateColumn(ProgressColumn):
 
 
 def _span(seconds: float) -> str:
-    """Return a duration as people say it."""
+    """Return a duration as text, in seconds, minutes or hours."""
     if seconds < _A_MINUTE:
         return f"{seconds:.0f} s"
     if seconds < _AN_HOUR:

@@ -19,7 +19,7 @@ def _converted(path: Path) -> Path:
     if is_other_recording(path):
         with bad_input():
             found = converted(path)
-        note(f"{path} is {found.kind}; reading it as a converted ROS 1 bag.")
+        note(f"{path} is {found.kind}. It is read as a converted ROS 1 bag.")
         for topic, reason in found.left_out.items():
             note(visible(f"{topic} is omitted: {reason}."))
     return path
@@ -28,7 +28,8 @@ def _converted(path: Path) -> Path:
 Recording = Annotated[
     Path,
     typer.Argument(
-        help="A ROS 1 bag (of a split one, the common name, such as `hunt.bag`), a rosbag2 folder, or an MCAP file.",
+        help="A ROS 1 bag, a rosbag2 folder, or an MCAP file. For a split bag, write the common name, such as "
+        "`hunt.bag`.",
         callback=_converted,
     ),
 ]
@@ -38,10 +39,14 @@ Truth = Annotated[
     typer.Option(
         "--truth",
         metavar="TOPIC",
-        help="Topic of a robot's true poses (PoseStamped and others); by default found by name.",
+        help="Topic of a robot's true poses (PoseStamped and other types); by default, it is found by its name.",
     ),
 ]
 Estimated = Annotated[
     str | None,
-    typer.Option("--estimate", metavar="TOPIC", help="Topic of its estimated poses; by default found by name."),
+    typer.Option(
+        "--estimate",
+        metavar="TOPIC",
+        help="Topic of the same robot's estimated poses; by default, it is found by its name.",
+    ),
 ]

@@ -21,14 +21,14 @@ def write_report(
     Args:
         bag: recording.
         page: file to write.
-        map_yaml: map to draw, instead of the bag's own.
-        `tell`: receives the progress.
+        map_yaml: map to draw, instead of the map in the bag.
+        `tell`: function that receives the progress.
         named: topics of a robot's trajectories, if the user named them.
 
     Raises:
         BadFile: the bag or the map cannot be read, or the page cannot be written.
     """
-    # Half a second of imports, needed only for reports.
+    # These imports take half a second, and only reports need them.
     from thbridge.analysis.report.tracks import FOUND_BY_NAME  # noqa: PLC0415
     from thbridge.analysis.report_page.page import build_report  # noqa: PLC0415
 

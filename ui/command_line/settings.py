@@ -1,4 +1,4 @@
-"""Settings of a session: the study, the options that change it, and everything that it names."""
+"""Settings of a session: the study, the options that change the study, and all files that the study names."""
 
 import dataclasses
 import os
@@ -19,7 +19,7 @@ from ui.command_line.terminal import BAD_INPUT, bad_input, fail, note
 
 
 def study_of(file: Path | None, changes: Mapping[str, object]) -> Study:
-    """Return the study of a file, or a built-in study, as changed by options; None changes nothing.
+    """Return the study of a file, or a built-in study, as changed by options. An option that is None changes nothing.
 
     Without a file, each key has its default. The defaults are the values of the 2016 game, because other programs
     expect them.
@@ -32,17 +32,20 @@ def study_of(file: Path | None, changes: Mapping[str, object]) -> Study:
 
 
 def with_options(study: Study, changes: Mapping[str, object]) -> Study:
-    """Return a study as changed by options; None changes nothing."""
+    """Return a study as changed by options. An option that is None changes nothing."""
     given = {key: value for key, value in changes.items() if value is not None}
     changed = dataclasses.replace(study, **given)  # type: ignore[arg-type]  # the options have their types from typer
     if any(number > changed.robots for number in changed.each):
         problem = f"--robots {changed.robots}: the study configures robot {max(changed.each)} under `each`"
-        fail(BAD_INPUT, f"{problem}. Use more robots, or delete that entry from the study.")
+        fail(BAD_INPUT, f"{problem}. Use more robots, or delete this entry from the study.")
     return changed
 
 
 def with_language(study: Study, language: str | None, file: Path | None) -> Study:
-    """Return the study in another language, shipped or from the study's folder; None changes nothing."""
+    """Return the study in another language: a built-in language, or one from the study's folder of words.
+
+    If `language` is None, return the study unchanged.
+    """
     if language is None:
         return study
     folders = [SHIPPED_LANGUAGES]
@@ -55,14 +58,14 @@ def with_language(study: Study, language: str | None, file: Path | None) -> Stud
 
 
 def with_strategy(study: Study, strategy: str | None) -> Study:
-    """Return the study with this strategy of the simulated participant; None changes nothing."""
+    """Return the study with this strategy of the simulated participant; if None, return it unchanged."""
     if strategy is None:
         return study
     return dataclasses.replace(study, participant=dataclasses.replace(study.participant, strategy=strategy))
 
 
 def changes_of(given: list[str]) -> tuple[list[Path], list[StudyChange]]:
-    """Return the study files and single changes given by --with."""
+    """Return the study files and the single changes that the values of --with name."""
     files, changes = [], []
     for text in given:
         key, equals, value = text.partition("=")
@@ -77,7 +80,7 @@ def changes_of(given: list[str]) -> tuple[list[Path], list[StudyChange]]:
 
 
 def with_server(study: Study, host: str | None, port: int | None) -> Study:
-    """Return the study with another address to listen on; None changes nothing."""
+    """Return the study with another host or port to listen on. An argument that is None changes nothing."""
     given = study.server
     changed = dataclasses.replace(
         given, host=given.host if host is None else host, port=given.port if port is None else port
@@ -86,8 +89,8 @@ def with_server(study: Study, host: str | None, port: int | None) -> Study:
 
 
 def setting_of(study: Study, file: Path | None) -> StudySetting:
-    """Return everything that the study names; relative paths start from the folder of its file."""
-    # From now on, the readers that the study names may read new files.
+    """Read everything that the study names; relative paths start from the folder of the study's file."""
+    # From now on, new files can be read by the accounts that the study allows (`recording: readers:`).
     os.umask(study.recording.readers.umask)
     with bad_input():
         return read_setting(study, Path() if file is None else file.parent, written=_written(file))
@@ -110,19 +113,19 @@ def map_of(study: Study, file: Path | None) -> Map:
 
 
 def _written(file: Path | None) -> Loaded[Study] | None:
-    """Return the study as the file contains it, so that error messages name lines of the file; None without a file."""
+    """Return the study as it is in the file, so that error messages can name lines; None without a file."""
     return study_at(file)[1]
 
 
 def map_folder(name: str) -> Path:
-    """Return the folder of a map, given its name, or a path with or without a slash."""
+    """Return the folder of a map, given the map's name or the folder's path, with or without a slash."""
     wanted = f"./{name}" if "/" not in name and Path(name).is_dir() else name
     with bad_input():
         return shipped().find("maps", wanted, Path())
 
 
 def with_mavlink(study: Study, options: MavlinkOptions) -> Study:
-    """Return the study as changed by the MAVLink options; None changes nothing."""
+    """Return the study as changed by the MAVLink options. An option that is None changes nothing."""
     for option, text in (("--udp-listen", options.udp_listen), ("--tcp", options.tcp)):
         if text is not None and parse_address(text) is None:
             fail(BAD_INPUT, f"{option}: {text!r} is not an address. Write HOST:PORT, such as 127.0.0.1:14550.")
@@ -136,7 +139,7 @@ def with_mavlink(study: Study, options: MavlinkOptions) -> Study:
                 f"--udp: {text!r} is not an address. Write HOST:PORT, such as 127.0.0.1:14550, or HOST:PORT/ROBOT.",
             )
         if target.number is not None and target.number > study.robots:
-            fail(BAD_INPUT, f"--udp: {text!r}: there is no robot {target.number}. The study has {study.robots}.")
+            fail(BAD_INPUT, f"--udp: {text!r}: there is no robot {target.number}. The last robot is {study.robots}.")
         if target.address in taken:
             fail(BAD_INPUT, f"--udp: {target.address} is already used for other robots. Use another port for {text!r}.")
         taken.add(target.address)
@@ -147,5 +150,5 @@ def with_mavlink(study: Study, options: MavlinkOptions) -> Study:
     unused = next((key for key in changes if key != "on"), None)
     if unused is not None and not section.on:
         option = unused.replace("_", "-")
-        fail(BAD_INPUT, f"--{option}: the robots do not speak MAVLink. Add --mavlink, or omit this option.")
+        fail(BAD_INPUT, f"--{option}: MAVLink is off in this session. Add --mavlink, or omit this option.")
     return dataclasses.replace(study, mavlink=section)

@@ -46,7 +46,7 @@ def print_story(tick: TickRecord, rooms: RoomNames) -> None:
 
 
 def tell(tick: TickRecord, rooms: RoomNames) -> Iterator[str]:
-    """Yield the sentences for one tick, each with its time."""
+    """Yield the sentences about one tick. Each begins with its simulated time."""
     for utterance in tick.utterances:
         yield _timed(tick, _sentence(utterance))
     for event in tick.events:
@@ -75,7 +75,7 @@ def _sentence(utterance: DialogueUtterance) -> str:
 
 
 def _happened(event: Event, rooms: RoomNames) -> str:
-    """Return a sentence about an event; empty for advice, because the robot's own sentence already gives it."""
+    """Return a sentence about an event. For advice it is empty, because the robot itself says the advice."""
 
     def titled(room: Room) -> str:
         return rooms.titled(room.people)
@@ -90,7 +90,7 @@ def _happened(event: Event, rooms: RoomNames) -> str:
         case RoomAdvised():
             return ""
         case RobotDeparted(robot, room, cost):
-            return f"{robot_name(robot).capitalize()} leaves for {titled(room)}, for {energy_text(cost)} energy."
+            return f"{robot_name(robot).capitalize()} leaves for {titled(room)}; this costs {energy_text(cost)} energy."
         case RobotArrived(robot, room):
             return f"{robot_name(robot).capitalize()} has reached {titled(room)}."
         case MoveFailed(robot, room, reason, refund):
@@ -104,7 +104,7 @@ def _happened(event: Event, rooms: RoomNames) -> str:
             who = name if by is Commander.RESEARCHER and name else commander_name(by, name)
             return f"{robot_name(robot).capitalize()} is now commanded by {who}."
         case HandbackRequested(robot):
-            return f"The participant asks to get {robot_name(robot)} back."
+            return f"The participant asks to command {robot_name(robot)} again."
         case TreasureSensed(room, properties):
             what = f"Something {', '.join(map(value_in_words, properties.values()))}".strip()
             return f"{what} is in {titled(room)}."
@@ -119,9 +119,9 @@ def _happened(event: Event, rooms: RoomNames) -> str:
             named = "named" if name is None else f"named {name_in_words(name)}"
             return f"The treasure{place} is {named}: {points:+d} points."
         case TreasureLeft(room):
-            return f"The treasure in {titled(room)} is left alone."
+            return f"The treasure in {titled(room)} is left undecided."
         case TreasureTakenUp(room):
-            return f"The treasure in {titled(room)} is under consideration again."
+            return f"The participant considers the treasure in {titled(room)} again."
         case GameEnded(reason, score):
             return f"The game is over: {ENDS[reason]}. Score {score}."
 

@@ -30,17 +30,17 @@ DECLINED = 3
 """Exit codes; 0 means success."""
 
 NOT_TAKING_PART = "The participant did not agree to take part. Nothing was recorded."
-"""Error message that goes with the exit code `DECLINED`."""
+"""Error message for the exit code `DECLINED`."""
 
 
 class VisibleConsole(Console):
-    """Console that prints untrusted text unchanged: no markup, and control characters as escapes."""
+    """Console for untrusted text: it ignores markup, and prints control characters as escapes."""
 
     def __init__(self, stderr: bool = False) -> None:
         super().__init__(stderr=stderr, markup=False, emoji=False)
 
     def render(self, renderable: RenderableType, options: ConsoleOptions | None = None) -> Iterable[Segment]:
-        """Render an object. Colors and cursor movements are segments of their own, so only text is escaped."""
+        """Render an object. Colors and cursor movements are separate segments, so only text is escaped."""
         for text, style, control in super().render(renderable, options):
             yield Segment(text if control else visible(text, _KEPT), style, control)
 
@@ -61,12 +61,12 @@ def command(*words: object) -> str:
 
 
 def say(text: str) -> None:
-    """Print a line unchanged, for people and for grep."""
+    """Print a line without wrapping, so that people can read it and grep can search it."""
     out.print(visible(text, _KEPT), highlight=False, markup=False, soft_wrap=True)
 
 
 def show(text: str) -> None:
-    """Print a sentence: wrapped between words on a terminal, on one line for files and other programs."""
+    """Print a sentence. A terminal wraps it between words; files and other programs receive one line."""
     out.print(visible(text, _KEPT), highlight=False, markup=False, soft_wrap=not out.is_terminal)
 
 
@@ -83,7 +83,7 @@ def fail(code: int, message: str) -> NoReturn:
 
 @contextmanager
 def bad_input(code: int = BAD_INPUT) -> Iterator[None]:
-    """Report a bad file with its own message, and end the command."""
+    """Print the message about a bad file, and end the command."""
     try:
         yield
     except BadFile as fault:
@@ -94,7 +94,7 @@ def bad_input(code: int = BAD_INPUT) -> Iterator[None]:
 def faults_of_files() -> Iterator[None]:
     """Report errors of files and disks that no other code has reported, and end the command.
 
-    Errors of sockets name no file, and are raised again.
+    Errors of sockets name no file. They are raised again.
     """
     try:
         yield
@@ -109,7 +109,7 @@ def faults_of_files() -> Iterator[None]:
 
 
 class _ForgivingFile(io.FileIO):
-    """File that may be on a full disk, or a pipe without a reader. It drops what cannot be written."""
+    """File that may be on a full disk, or a pipe without a reader. It drops bytes that cannot be written."""
 
     def write(self, data: "Buffer", /) -> int:
         """Write bytes; drop them if they cannot be written."""
@@ -120,7 +120,7 @@ class _ForgivingFile(io.FileIO):
 
 
 def forgive_standard_error() -> None:
-    """Ignore failed writes of messages, so that a full disk does not end a hunt or change an exit code."""
+    """Ignore errors of writing messages, so that a full disk does not end a hunt or change an exit code."""
     usual = sys.stderr
     if usual is not sys.__stderr__ or usual is None:
         return
@@ -130,7 +130,7 @@ def forgive_standard_error() -> None:
 
 
 class _ClosedOutput(io.RawIOBase):
-    """Substitute for a closed standard output. It drops what is written to it.
+    """Substitute for a closed standard output. It drops all bytes.
 
     Attributes:
         lost: True after something was written.
@@ -149,7 +149,7 @@ class _ClosedOutput(io.RawIOBase):
 
 
 def replace_closed_streams() -> None:
-    """Open the closed standard streams, so that no file of ours takes their place and lost output is noticed."""
+    """Open closed standard streams, so that later files do not get their numbers and lost output is noticed."""
     while (free := os.open(os.devnull, os.O_RDWR)) <= _STANDARD_ERROR:
         os.set_inheritable(free, True)
     os.close(free)
@@ -158,14 +158,16 @@ def replace_closed_streams() -> None:
 
 
 def escape_for_standard_output() -> None:
-    """Write characters that the locale's encoding lacks as escapes, such as \\xb0, instead of raising an exception."""
+    """Write escapes, such as \\xb0, for characters that the locale's encoding does not contain."""
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="backslashreplace")
 
 
 @contextmanager
 def whole_standard_output() -> Iterator[None]:
-    """Ensure that the complete result is written before the program ends, or report why not; a pipe may close earlier.
+    """Write the complete result before the program ends, or report why this failed.
+
+    If the reader of a pipe ends earlier, print no message, and exit with the code `FAILED`.
 
     Raises:
         SystemExit: the result cannot be written.
@@ -203,7 +205,7 @@ def _flush() -> None:
     sys.stdout.flush()
     raw = getattr(getattr(sys.stdout, "buffer", None), "raw", None)
     if isinstance(raw, _ClosedOutput) and raw.lost:
-        fail(FAILED, "Standard output is closed, and what the command printed is lost. Redirect it to a file.")
+        fail(FAILED, "Standard output is closed, so the output of this command is lost. Redirect it to a file.")
 
 
 def print_json(value: Mapping[str, object]) -> None:

@@ -58,7 +58,7 @@ def test_an_address_for_one_robot_and_for_others(other: str) -> None:
     ],
 )
 def test_an_option_without_mavlink(option: str, value: str) -> None:
-    assert f"{option}: the robots do not speak MAVLink. Add --mavlink" in refusal(option, value)
+    assert f"{option}: MAVLink is off in this session. Add --mavlink" in refusal(option, value)
 
 
 def test_a_key_file_that_is_not_there() -> None:

@@ -50,7 +50,7 @@ def test_the_name_of_a_room_stands_beside_its_number() -> None:
     assert [sentence.split("s  ", 1)[1] for sentence in tell(tick, RoomNames({3: "Kitchen"}))] == [
         "Robot 1 has reached room 3 (Kitchen).",
         "Robot 2 has reached room 4.",
-        "The treasure in room 3 (Kitchen) is left alone.",
+        "The treasure in room 3 (Kitchen) is left undecided.",
     ]
 
 

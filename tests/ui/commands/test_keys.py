@@ -35,7 +35,7 @@ def test_a_door_wants_keys_that_are_there_and_cannot_be_guessed() -> None:
     Path("keys").mkdir()
     none = invoke("play", "--headless", "--watch", "0", "--watch-key", "keys")
     assert none.exit_code == 2
-    assert "there are no keys in keys. Create one: " in none.stderr
+    assert "there are no keys in keys. Create a key: " in none.stderr
     Path("a.key").write_text("a\n")
     Path("a.key").chmod(0o600)
     short = invoke("play", "--headless", "--watch", "0", "--watch-key", "a.key")
