@@ -30,7 +30,7 @@ def test_a_person_sees_what_waits_and_what_was_said_instead(tmp_path: Path) -> N
 
     record(tmp_path / "spoken.bag", STUDY, 50, done)
     entries = [entry for entry in scanned(tmp_path / "spoken.bag").log.entries("said") if entry.text == "As you like"]
-    assert [(entry.who, entry.robot) for entry in entries] == [("robot 1 (spoken for)", 0)]
+    assert [(entry.who, entry.robot) for entry in entries] == [("robot 1 (wizard)", 0)]
 
 
 def _granted(request: Request | RequestRefused) -> Request:

@@ -1,1 +1,1 @@
-"""Researcher's desk during a study with people: the state of all runs, and requests to the host."""
+"""View model of the desk, the researcher's window during a study with people."""

@@ -1,7 +1,7 @@
 """Messages between the program that runs a study with people (host) and the researcher's window (desk).
 
-Each `DeskState` contains everything that the desk shows; the latest one replaces all earlier ones. The docstring of
-each message begins with its sender.
+Each `DeskState` contains everything that the desk shows, and replaces all earlier states. The docstring of each
+message begins with the sender of the message.
 """
 
 from typing import TypeAlias
@@ -12,13 +12,13 @@ from ui.model.shared.window_protocol import WindowProtocol
 
 
 class DeskCell(msgspec.Struct, frozen=True):
-    """Combination of levels of the factors between people.
+    """Cell: a combination of levels of the factors between people.
 
     Attributes:
-        name: its levels in words.
+        name: the levels in words.
         planned: number of planned runs that count.
         counted: number of runs that count so far.
-        under_way: number of runs under way that can still count.
+        under_way: number of runs in progress that can still count.
     """
 
     name: str
@@ -35,14 +35,14 @@ class DeskRun(msgspec.Struct, frozen=True):
         cell: name of the person's cell.
         order: the person's conditions in words, in their order.
         state: state of the run, as in `RunState`.
-        reason: reason for the exclusion or for leaving.
+        reason: reason why the run was excluded or the person left.
         step: number of the next or current step, from 1; after the end, the number of the last step.
-        steps: number of the person's steps, without those that their condition skips.
-        step_name: name of the step; empty after the last.
-        step_kind: kind of the step; empty after the last.
+        steps: number of the person's steps; steps that their condition skips do not count.
+        step_name: name of the step; empty after the last step.
+        step_kind: kind of the step; empty after the last step.
         under_way: True during the step.
         since: date and time at which the step began or the run ended; ISO 8601 in UTC.
-        minutes: minutes from the beginning of the run until now, or until its end.
+        minutes: minutes from the beginning of the run until its end or, during the run, until now.
         missing: ids of required items of the current form that have no answer.
         lag: largest lag of the person's games behind real time in seconds; None if unknown.
     """
@@ -64,10 +64,10 @@ class DeskRun(msgspec.Struct, frozen=True):
 
 
 class DeskEvent(msgspec.Struct, frozen=True):
-    """Event of the log in words, without answers.
+    """Event of the log in words; answers of people are omitted.
 
     Attributes:
-        sequence: its number in the log.
+        sequence: number of the event in the log.
         wall: date and time of day, ISO 8601 in UTC.
         actor: person or program that caused the event.
         words: the event in words for people.
@@ -101,16 +101,16 @@ class DeskState(msgspec.Struct, frozen=True, tag=True):
         planned: number of planned runs that count.
         counted: number of runs that count so far.
         cells: combinations of levels, with their numbers of runs.
-        changed: sentences about changes since the study was frozen. If None, it is not frozen.
-        runs: in the order in which they began.
-        kiosk: in words, what people see at the kiosk now; empty if unknown.
-        troubles: sentences about troubles that need attention.
+        changed: sentences about changes since the study was frozen. If None, the study is not frozen.
+        runs: runs in the order in which they began.
+        kiosk: description of the page that the kiosk shows now; empty if unknown.
+        troubles: sentences about problems that need attention.
         notes: notes of the experimenter, in their order.
         shown: id of the person whose events are listed; empty for none.
         events: events of that person, in their order.
-        no_next: reason why the next person cannot begin now; empty if they can.
+        no_next: reason why the next person cannot begin now; empty if the next person can begin.
         rehearsal: True if the people are simulated.
-        read_only: reason why the desk cannot send requests; empty if it can.
+        read_only: reason why the desk cannot send requests; empty if requests are possible.
         pace: sentence on the lag of games behind real time; empty if no game runs in real time.
     """
 
@@ -142,28 +142,28 @@ class ShowRun(msgspec.Struct, frozen=True, tag=True):
 
 
 class WriteNote(msgspec.Struct, frozen=True, tag=True):
-    """Desk: write a note, about a person unless `participant` is empty."""
+    """Desk: write a note about a person or, if `participant` is empty, about the study."""
 
     text: str
     participant: str = ""
 
 
 class ExcludeRun(msgspec.Struct, frozen=True, tag=True):
-    """Desk: exclude this run, for this reason."""
+    """Desk: exclude a run, with the given reason."""
 
     participant: str
     reason: str
 
 
 class EndRun(msgspec.Struct, frozen=True, tag=True):
-    """Desk: end this run at its present step, for this reason."""
+    """Desk: end a run at its present step, with the given reason."""
 
     participant: str
     reason: str
 
 
 class WithdrawRun(msgspec.Struct, frozen=True, tag=True):
-    """Desk: delete everything about this participant, who withdraws."""
+    """Desk: delete all data of a participant who withdraws."""
 
     participant: str
 
@@ -177,4 +177,4 @@ FromDesk: TypeAlias = NextParticipant | ShowRun | WriteNote | ExcludeRun | EndRu
 DESK: WindowProtocol[DeskState, FromDesk] = WindowProtocol(
     msgspec.json.Decoder(DeskState), msgspec.json.Decoder(FromDesk), DeskClosed(), lambda _, state: (state,)
 )
-"""Messages of the desk."""
+"""Messages between host and desk."""

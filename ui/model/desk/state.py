@@ -1,4 +1,4 @@
-"""Desk's view of a study with people, made of its design, its log and the reports of its host."""
+"""State of the desk, computed from the design and the log of a study with people, and the reports of the host."""
 
 from collections import Counter, defaultdict
 from collections.abc import Collection, Iterable, Sequence

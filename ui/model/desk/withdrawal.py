@@ -7,7 +7,7 @@ from thbridge.experiment.withdrawal import WithdrawalPlan
 
 
 def plan_lines(place: ExperimentFolder, plan: WithdrawalPlan) -> Iterator[str]:
-    """Yield a line for each place where data will be deleted."""
+    """Yield a line for each file and folder from which data will be deleted."""
     who = plan.withdrawal.participant
     yield f"The withdrawal of {who} is permanent:"
     yield f"  {place.log}: {_counted(plan.log_entries, 'entry', 'entries')} will be deleted."

@@ -1,4 +1,4 @@
-"""Line ends of an edited text: unchanged lines keep theirs, even if a file mixes those of several systems."""
+"""Line ends of edited texts: unchanged lines keep their line ends, even if these differ within a file."""
 
 import re
 from collections import Counter
@@ -9,7 +9,7 @@ _END = re.compile("\r\n|[\r\n\u2029]")
 
 
 def plain_lines(text: str) -> str:
-    """Return the text with the same end after each line, for an editor."""
+    """Return the text with equal line ends, for an editor."""
     return _END.sub("\n", text)
 
 
@@ -17,8 +17,8 @@ def with_line_ends_of(read: str, shown: str) -> str:
     """Return a text from an editor with the line ends of the text that the editor opened.
 
     Args:
-        read: the text with its own line ends.
-        shown: the text from `plain_lines`, possibly edited. New lines get the most frequent end.
+        read: the text with the original line ends.
+        shown: the text from `plain_lines`, possibly edited. New lines get the most frequent line end.
     """
     ends = _END.findall(read)
     usual = Counter(ends).most_common(1)[0][0] if ends else "\n"
@@ -31,10 +31,10 @@ def with_line_ends_of(read: str, shown: str) -> str:
                 for row, line_end in zip(range(start_after, end_after), ends[start:end], strict=False):
                     kept[row] = line_end
     text = _joined(after, kept)
-    # An old end \r directly before \n would form one end with it.
+    # A line end \r directly before \n would become the single line end \r\n.
     return text if plain_lines(text) == shown else _joined(after, [usual] * len(after))
 
 
 def _joined(lines: Sequence[str], ends: Sequence[str]) -> str:
-    """Return lines with their ends between them."""
+    """Return lines joined by their line ends."""
     return "".join(line + end for line, end in zip(lines, (*ends[:-1], ""), strict=True))

@@ -1,4 +1,4 @@
-"""Points as text, with a typographic minus sign."""
+"""Numbers of points as text, with a typographic minus sign."""
 
 
 def scored(score: int) -> str:

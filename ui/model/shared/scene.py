@@ -1,4 +1,4 @@
-"""Marks that a map view draws, as values; the view has no other data."""
+"""Values that describe all marks that a map view draws."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -8,33 +8,33 @@ from sim.numerics.float_array import FloatArray
 from thbridge.roles.shared.notices import Ellipse
 
 RoomState = Literal["unvisited", "reserved", "visited", "won", "lost"]
-"""State of a room on the map; a visited room is won or lost after its treasure brought or cost points."""
+"""State of a room on the map. A room is won if its treasure brought points, and lost if the treasure cost points."""
 
 VISITED: tuple[RoomState, ...] = ("visited", "won", "lost")
 """States of rooms that a robot has visited."""
 
 
 def decided(points: int) -> RoomState:
-    """Return the state of a room whose treasure was named for these points."""
+    """Return the state of a room after its treasure was named and brought or cost these points."""
     return "won" if points > 0 else "lost" if points < 0 else "visited"
 
 
 @dataclass(frozen=True, slots=True)
 class RoomMark:
-    """Room at the moment of drawing.
+    """Mark of a room at the moment of drawing.
 
     Attributes:
-        room: its number as people count, from 1.
+        room: number of the room, from 1.
         name: name for people.
-        region: (n, 2) corners of its floor, map frame, meters.
-        state: shown by a sign and a pattern, not by color alone.
-        choosable: True if a click on it would choose it at the moment.
-        considered: True if the participant looks at it, by mouse or keyboard.
-        found: the known properties of its treasure, in one or two words; empty if nothing is known.
+        region: (n, 2) corners of the room's floor, map frame, meters.
+        state: state of the room, shown by a sign and a pattern in addition to the color.
+        choosable: True if a click would choose the room at the moment.
+        considered: True if the participant looks at the room, by mouse or keyboard.
+        found: known properties of the treasure, in one or two words; empty if no property is known.
         found_shorter: shorter versions of `found`, in the order of decreasing length.
-        robot: index of the robot that visited it or drives to it.
-        answer: the name that the participant gave its treasure, and the points, unless `found` already contains them.
-        answer_shorter: `answer` in fewer words.
+        robot: index of the robot that visited the room or drives to it.
+        answer: name that the participant gave the treasure, and the points; empty if `found` contains them.
+        answer_shorter: shorter versions of `answer`.
     """
 
     room: int
@@ -52,20 +52,20 @@ class RoomMark:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RobotMark:
-    """Robot at the moment of drawing, in the map frame, meters and radians.
+    """Mark of a robot at the moment of drawing, in the map frame, in meters and radians.
 
     Attributes:
-        robot: index in the team, which determines its color.
-        label: its short name on the map.
-        pose: its estimated pose.
-        footprint: (n, 2) corners of its body in its own frame.
+        robot: index in the team, which determines the color.
+        label: short name on the map.
+        pose: estimated pose.
+        footprint: (n, 2) corners of the robot's body in the robot's frame.
         selected: True for the robot that the participant commands.
-        trouble: True if it is lost, does not answer or has no energy left; this is also visible without color.
+        trouble: True if the robot is lost, does not answer or has no energy; a sign also shows this without color.
         trail: (k, 2) past places, oldest first.
-        path: (m, 2) planned path, its own place first.
-        ellipse: uncertainty of its place, if shown.
-        truth: its true pose, if shown.
-        commander: the other party that commands it, in words; empty if the participant commands it.
+        path: (m, 2) planned path from the robot's place.
+        ellipse: uncertainty of the robot's place, if shown.
+        truth: true pose, if shown.
+        commander: the robot's commander, in words; empty if the participant commands the robot.
     """
 
     robot: int

@@ -1,4 +1,4 @@
-"""Colors of all windows, light and dark, and measures of their contrast and difference."""
+"""Light and dark colors of all windows, and measures of contrast and difference between colors."""
 
 from dataclasses import dataclass
 from math import dist
@@ -10,29 +10,28 @@ from ui.model.shared.scene import RoomState
 
 @dataclass(frozen=True, slots=True)
 class Palette:
-    """Colors as "#rrggbb".
+    """Colors of a window, each as "#rrggbb".
 
     Attributes:
         window: background of windows.
         panel: background of cards and pop-ups.
-        track: panels while pressed or under the pointer, and the empty part of bars.
-        line: edges of panels and buttons that people need to see.
+        track: pressed panels, panels under the pointer, and the empty part of bars.
+        line: edges of panels and buttons that must be visible.
         text: main text, on window and panel.
         muted: less important text, on window and panel.
-        accent: things that can be selected, and the focus.
-        on_accent: text on the accent.
-        good: for points won.
-        bad: for points lost, trouble, a broken connection.
+        accent: things that can be selected, and the keyboard focus.
+        on_accent: text on the color `accent`.
+        good: points won.
+        bad: points lost, problems, and a broken connection.
         wall: walls on the map.
         floor: free floor on the map.
         unknown: cells of the map that are neither wall nor floor.
-        unvisited: floor of a room not visited yet.
+        unvisited: floor of a room that no robot has visited yet.
         reserved: floor of a room that a robot drives to.
         visited: floor of a visited room.
         won: floor of a room whose treasure brought points.
         lost: floor of a room whose treasure cost points.
-        robots: colors of robot 1, 2, ...; from the eleventh robot on, colors repeat, and only the number distinguishes
-            the robots.
+        robots: colors of robots 1 to 10. For further robots the colors repeat, and only the numbers differ.
     """
 
     window: str
@@ -56,7 +55,7 @@ class Palette:
     robots: tuple[str, ...]
 
     def robot(self, number: int) -> str:
-        """Return the color of the robot of this index."""
+        """Return the color of the robot with this index."""
         return self.robots[number % len(self.robots)]
 
     def room(self, state: RoomState) -> str:
@@ -129,23 +128,23 @@ DARK = Palette(
 
 
 Rgb = tuple[float, float, float]
-"""Linear red, green and blue, 0 to 1."""
+"""Linear intensities of red, green and blue, each 0 to 1."""
 
 
 def luminance(colour: str) -> float:
-    """Return the relative luminance of "#rrggbb", 0 black to 1 white (WCAG 2.2)."""
+    """Return the relative luminance of a color "#rrggbb", from 0 (black) to 1 (white), as in WCAG 2.2."""
     red, green, blue = _linear(colour)
     return 0.2126 * red + 0.7152 * green + 0.0722 * blue
 
 
 def contrast(one: str, other: str) -> float:
-    """Return the contrast ratio of two colors, 1 to 21 (WCAG 2.2); text needs 4.5, edges and signs need 3."""
+    """Return the contrast ratio of two colors, 1 to 21, as in WCAG 2.2: text needs 4.5, edges and signs need 3."""
     low, high = sorted((luminance(one), luminance(other)))
     return (high + 0.05) / (low + 0.05)
 
 
 Vision = Literal["normal", "protan", "deutan", "tritan"]
-"""Color vision: with all three kinds of cones, or without those for red, green, or blue."""
+"""Color vision: with all three kinds of cones, or without the cones for red, green, or blue."""
 
 SIMULATED: dict[Vision, tuple[Rgb, Rgb, Rgb]] = {
     "normal": ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)),
@@ -153,7 +152,7 @@ SIMULATED: dict[Vision, tuple[Rgb, Rgb, Rgb]] = {
     "deutan": ((0.367322, 0.860646, -0.227968), (0.280085, 0.672501, 0.047413), (-0.011820, 0.042940, 0.968881)),
     "tritan": ((1.255528, -0.076749, -0.178779), (-0.078411, 0.930809, 0.147602), (0.004733, 0.691367, 0.303900)),
 }
-"""Rows of the matrices that turn linear colors into those that a dichromat sees.
+"""Rows of the matrices that convert linear colors into the colors that a dichromat sees.
 
 Source: Machado, Oliveira, Fernandes, A Physiologically-based Model for Simulation of Color Vision Deficiency (2009),
 severity 1.0.
@@ -161,19 +160,21 @@ severity 1.0.
 
 
 def difference(one: str, other: str, vision: Vision = "normal") -> float:
-    """Return the perceived distance of two colors in CIE L*a*b* (CIE76, white D65); people just notice a distance of
-    2.3."""
+    """Return the perceived distance of two colors in CIE L*a*b* (CIE76, white D65).
+
+    The smallest distance that people notice is about 2.3.
+    """
     return dist(_lab(_seen(one, vision)), _lab(_seen(other, vision)))
 
 
 def _linear(colour: str) -> Rgb:
-    """Return the linear channels of an sRGB color "#rrggbb"."""
+    """Return the linear intensities of an sRGB color "#rrggbb"."""
     red, green, blue = (int(colour[at : at + 2], 16) / 255.0 for at in (1, 3, 5))
     return _undone(red), _undone(green), _undone(blue)
 
 
 def _undone(channel: float) -> float:
-    """Remove the gamma of sRGB from one channel."""
+    """Return the linear intensity of one channel by removing the gamma correction of sRGB."""
     return channel / 12.92 if channel <= 0.04045 else float(((channel + 0.055) / 1.055) ** 2.4)
 
 
@@ -197,5 +198,5 @@ def _lab(colour: Rgb) -> tuple[float, float, float]:
 
 
 def _lightness(share: float) -> float:
-    """Return the lightness curve of L*a*b*: a cube root, and linear near black."""
+    """Return the lightness function of L*a*b*, which is a cube root, and linear near black."""
     return float(share ** (1.0 / 3.0)) if share > (6.0 / 29.0) ** 3 else share / (3.0 * (6.0 / 29.0) ** 2) + 4.0 / 29.0

@@ -1,1 +1,1 @@
-"""Study file as a form: fields made from its schema, changes of its text, and faults at their fields."""
+"""Study file as a form: fields from the schema, changes of the file's text, and the faults of each field."""

@@ -1,4 +1,4 @@
-"""Study file in an editor: its text, its form, and its faults."""
+"""Editor's view of a study file: text, form and faults."""
 
 import dataclasses
 from collections.abc import Iterable, Mapping
@@ -19,7 +19,7 @@ from ui.model.shared.differences import differences
 from ui.model.study_form.form import FormField, FormGroup, RepeatKind, editable_text, form_of, typed_as_yaml
 
 HEADER = f"""\
-# A study. Every key is optional; a missing key has its default.
+# A study. Every key is optional. If a key is missing, its default applies.
 templates: {STANDARD.templates}
 """
 """Beginning of a new file."""
@@ -34,16 +34,16 @@ _NEW_ITEMS: Mapping[str, str] = {
 
 @dataclass(frozen=True, slots=True)
 class StudyDraft:
-    """Text of a study file, with the form, the study and the faults that it gives.
+    """Text of a study file, with the form, the study and the faults that result from it.
 
     Attributes:
-        path: the file; relative paths in it start from its folder.
-        text: its present text.
-        tree: the text as a tree; None if it is not YAML.
-        form: its fields; those of an empty file if it is not YAML.
+        path: path of the file. Relative paths in the text start from the folder of the file.
+        text: the present text.
+        tree: the text as a tree; None if the text is not YAML.
+        form: fields of the text; if the text is not YAML, fields of an empty file.
         study: study that the text describes; None if there is a fault.
-        faults: its faults, from the same reader that programs use.
-        notices: valid entries that have no effect.
+        faults: faults, found by the same reader that all programs use.
+        notices: valid entries of the text that have no effect.
     """
 
     path: Path
@@ -59,7 +59,7 @@ class StudyDraft:
         return tuple(fault for fault in self.faults if self._is_of(fault, field))
 
     def field_of(self, fault: BadFile) -> FormField | None:
-        """Return the field that a fault belongs to; None if it belongs to no field."""
+        """Return the field that has a fault; None if no field has it."""
         return next((field for field in self.form.all_fields() if self._is_of(fault, field)), None)
 
     def _is_of(self, fault: BadFile, field: FormField) -> bool:
@@ -80,9 +80,9 @@ class StudyDraft:
         return {group.key: group for group in self.form.all_groups()}
 
     def set(self, field: FormField, typed: str) -> str | RequestRefused:
-        """Return the text with a new value in a field; an empty value resets all fields except those for text."""
+        """Return the text with a new value in a field. An empty value resets the field, except in fields for text."""
         if not typed.strip() and (field.optional or not field.is_text):
-            # A key with a free name remains while a person types its value again.
+            # A key that a person chose remains while the person types its value again.
             return self._put(field.place, "null") if field.own_key else self.reset(field)
         # A written default would only make the file longer.
         value = typed_as_yaml(field, typed)
@@ -103,9 +103,9 @@ class StudyDraft:
         return text
 
     def add(self, group: FormGroup, robot: int | None = None) -> str | RequestRefused:
-        """Return the text with another item in a repeated section.
+        """Return the text with one more item in a section of items.
 
-        A new item for a robot has the given number, or otherwise the next number.
+        If the item is for a robot, `robot` is its number. If `robot` is None, the item gets the next number.
         """
         if group.repeats is RepeatKind.ROBOTS:
             taken = {item.key.rpartition(".")[2] for item in group.groups}
@@ -121,23 +121,23 @@ class StudyDraft:
         return self._put(f"{group.key}[{number}]", value)
 
     def keys_for(self, group: FormGroup) -> Mapping[str, FormField]:
-        """Return the keys that can be added to a section with free keys, each with its field."""
+        """Return the fields that can be added to a section whose keys a person can choose, by key."""
         return {}
 
     def allows_own_names(self, group: FormGroup) -> bool:
-        """Return True if a key added to a section may have a name that is not in `keys_for`."""
+        """Return True if a person may also add keys that are not in `keys_for`."""
         return False
 
     def add_key(self, group: FormGroup, name: str) -> str | RequestRefused:
-        """Return the text with another key in a section with free keys."""
+        """Return the text with one more key in a section whose keys a person can choose."""
         return self._put(path_of((group.key, name)), "null")
 
     def move(self, item: FormGroup, by: int) -> str | RequestRefused:
-        """Return the text with an item one place later (1) or earlier (-1)."""
+        """Return the text after an item is moved one place down (`by` 1) or up (-1)."""
         return moved(self.text, item.key, by, self.tree)
 
     def remove(self, item: FormGroup) -> str | RequestRefused:
-        """Return the text without an item of a repeated section."""
+        """Return the text without an item of a section of items."""
         return without(self.text, item.key, self.tree)
 
     def _put(self, place: str, value: str) -> str | RequestRefused:
@@ -177,9 +177,9 @@ def draft_of(path: Path, text: str) -> StudyDraft:
 
 
 def search_fields(fields: Iterable[FormField], words: str) -> tuple[FormField, ...]:
-    """Return the fields that contain each of these words in their key, name, old names or help.
+    """Return the fields for a search: each word occurs in the key, the name, an old name or the help of the field.
 
-    Fields with exactly this name come first.
+    Fields whose name equals the search come first.
     """
     wanted = [word.replace(" ", "_") for word in words.lower().split()]
     if not wanted:
@@ -196,10 +196,10 @@ def search_fields(fields: Iterable[FormField], words: str) -> tuple[FormField, .
 
 
 def keys_like(words: str, keys: Mapping[str, FormField]) -> tuple[FormField, ...]:
-    """Return the keys for a search, the most likely ones first; without words, return all keys.
+    """Return the keys for a search, the most likely keys first; without words, return all keys.
 
-    A key fits if each word occurs in its name, its meaning or its choices. If none fits, those with the most similar
-    names are returned, so that a typing error still finds its key.
+    A key fits if each word occurs in its name, its meaning or its choices. If no key fits, the keys with the most
+    similar names are returned, so that the search tolerates typing errors.
     """
     if not words.strip():
         return tuple(keys.values())
@@ -219,9 +219,9 @@ class UndoHistory:
 
     Attributes:
         text: the present text.
-        past: earlier texts, the latest last.
-        future: undone texts, the next first.
-        key: field of the last change, so that dragging or typing a value is one step.
+        past: earlier texts; the latest text is the last.
+        future: undone texts; the text of the next redo is the first.
+        key: key of the last changed field; further changes of this field belong to the same step of undo.
     """
 
     text: str
@@ -230,26 +230,26 @@ class UndoHistory:
     key: str = ""
 
     def changed(self, text: str, key: str = "") -> "UndoHistory":
-        """Return the history after a change of text; several changes of the same field in a row are one step."""
+        """Return the history after a change of the text; successive changes of one field are a single step."""
         if text == self.text:
             return self
         past = self.past if key and key == self.key and self.past else (*self.past, self.text)[-MAX_UNDO_STEPS:]
         return UndoHistory(text, past, (), key)
 
     def undone(self) -> "UndoHistory":
-        """Return the history one step back; unchanged if there is no step."""
+        """Return the history after an undo; unchanged if there is nothing to undo."""
         if not self.past:
             return self
         return UndoHistory(self.past[-1], self.past[:-1], (self.text, *self.future))
 
     def redone(self) -> "UndoHistory":
-        """Return the history one step forward again."""
+        """Return the history after a redo; unchanged if there is nothing to redo."""
         if not self.future:
             return self
         return UndoHistory(self.future[0], (*self.past, self.text), self.future[1:])
 
     def settled(self) -> "UndoHistory":
-        """Return the history in which the next change begins a new step."""
+        """Return the history with the last step closed, so that the next change begins a new step."""
         return dataclasses.replace(self, key="")
 
 

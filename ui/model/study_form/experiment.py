@@ -1,4 +1,4 @@
-"""File of a study with people in an editor, in the same form as a study file."""
+"""Editor's view of the file of a study with people, in the same form as a study file."""
 
 import dataclasses
 from collections.abc import Iterator, Mapping
@@ -24,7 +24,7 @@ from ui.model.study_form.form import FieldKind, FormField, FormGroup, RepeatKind
 
 HEADER = "# A study with people: the conditions, the number of people, and the steps of each person.\n"
 _LABEL = "Study with people"
-_LEVELS = "Levels: [ONE, OTHER], {from: A, to: B, steps: N}, or {NAME: {KEY: VALUE, ...}, ...}"
+_LEVELS = "Write levels as [ONE, OTHER], {from: A, to: B, steps: N}, or {NAME: {KEY: VALUE, ...}, ...}"
 _START = ExperimentFile(title="")
 
 _OF_KINDS: Mapping[str, frozenset[StepKind]] = {
@@ -48,18 +48,18 @@ class ExperimentDraft(StudyDraft):
     """Text of the file of a study with people, with its form and its faults."""
 
     def keys_for(self, group: FormGroup) -> Mapping[str, FormField]:
-        """Return the keys of studies that a section does not have yet."""
+        """Return the keys of study files that are not in a section yet."""
         taken = {field.label for field in group.fields}
         return {key: field for key, field in study_fields().items() if key not in taken}
 
     def allows_own_names(self, group: FormGroup) -> bool:
-        """Return True for the section of factors: a factor with a free name sets several keys in each of its levels."""
+        """Return True for a section of factors. A factor whose name is not a key sets several keys in each level."""
         return group.key != "base"
 
     def add_key(self, group: FormGroup, name: str) -> str | RequestRefused:
-        """Return the text with another key of a study.
+        """Return the text with one more key of a study file.
 
-        If the key is a factor, its levels are all choices of the key or, without choices, only its default.
+        If the key is a factor, the levels are all choices of the key. If it has no choices, its default is the level.
         """
         field = study_fields().get(name)
         value = "null" if field is None else field.default
@@ -72,22 +72,22 @@ class ExperimentDraft(StudyDraft):
         if fault.path != self.path or fault.key is None:
             return False
         if field.own_key and field.line is not None and field.written is not None and fault.line is not None:
-            # The value belongs to a study. The reader of this file therefore does not report its keys.
+            # The value belongs to a study, so a fault in it has no key of this file. The line of the fault decides.
             return field.line <= fault.line <= field.line + field.written.count("\n")
-        # A fault of a whole step is shown at the field with the step's kind.
+        # A fault of a whole step is shown at the field with the kind of the step.
         item, _, name = field.key.rpartition(".")
         return StudyDraft._is_of(self, fault, field) or (name == "step" and fault.key == item)
 
 
 @cache
 def study_fields() -> Mapping[str, FormField]:
-    """Return the keys of studies that can be factors, each with its field."""
+    """Return the fields of study files that can be factors, by key."""
     form = form_of("", Section(1, []), StudyFile.of(Study()))
     return {field.key: field for field in form.all_fields()}
 
 
 def is_experiment(path: Path) -> bool:
-    """Return True for the file of a study with people, recognized by its name."""
+    """Return True for the file of a study with people; the name of the file decides."""
     return path.name == EXPERIMENT
 
 
@@ -104,7 +104,7 @@ def experiment_draft(path: Path, text: str) -> ExperimentDraft:
         faults = FaultCollection()
         faults.found += faults_of(design)
         with faults.kept():
-            # After a change of factors or forms, the file for rehearsals may no longer match.
+            # After a change of factors or forms, the file for rehearsals may have faults.
             read_people(ExperimentFolder(path.parent).people, design)
         return dataclasses.replace(draft, faults=tuple(faults.found), notices=(*_on_maps(design), *advice_on(design)))
     except BadFiles as faults:
@@ -114,9 +114,9 @@ def experiment_draft(path: Path, text: str) -> ExperimentDraft:
 
 
 def _on_maps(design: ExperimentDesign) -> Iterator[str]:
-    """Yield likely mistakes in a map.
+    """Yield likely mistakes in maps.
 
-    The costs of moves are not checked, because this takes half a second, which is too long while people type.
+    The costs of moves are not checked. That check takes half a second, which is too long while people type.
     """
     studies = {study.map: study for study in (design.study, *chain(*(cell.studies for cell in design.cells)))}
     for study in studies.values():
@@ -124,14 +124,14 @@ def _on_maps(design: ExperimentDesign) -> Iterator[str]:
 
 
 def language_of(draft: StudyDraft) -> str:
-    """Return the language of a study with people; English while its file has faults."""
+    """Return the language of a study with people, or English if the file has faults."""
     with suppress(BadFile):
         return experiment_of(draft.path, parse(draft.path, draft.text)).study.dialogue.language
     return ENGLISH
 
 
 def _heeded(form: FormGroup) -> FormGroup:
-    """Return the form without the keys that the kinds of its steps ignore, and with the help of studies' keys."""
+    """Return the form without keys that the kind of a step ignores, and with the help texts of study keys."""
 
     def heeded(group: FormGroup) -> FormGroup:
         if group.repeats is RepeatKind.STEPS:
@@ -144,7 +144,7 @@ def _heeded(form: FormGroup) -> FormGroup:
 def _explained(group: FormGroup) -> FormGroup:
     def explained(field: FormField) -> FormField:
         known = study_fields().get(field.label)
-        meaning = "levels of several keys each" if known is None else known.help
+        meaning = "factor whose levels set several keys" if known is None else known.help
         choices = "" if known is None or not known.choices else f" ({', '.join(known.choices)})"
         how = "" if group.key == "base" else f". {_LEVELS}"
         return dataclasses.replace(field, help=f"{meaning}{choices}{how}")

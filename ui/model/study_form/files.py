@@ -1,4 +1,4 @@
-"""Kinds of files that one form can edit: studies, studies with people, and their questionnaires."""
+"""Kinds of files that the form can edit: study files, files of studies with people, and questionnaires."""
 
 from pathlib import Path
 
@@ -10,7 +10,7 @@ from ui.model.study_form.questionnaire import is_questionnaire
 
 
 def draft_of_file(path: Path, text: str) -> StudyDraft:
-    """Read and check a text by the kind of its file, as `thbridge study check` does."""
+    """Read and check the text of a file as `thbridge study check` does; the kind of the file selects the reader."""
     if is_experiment(path):
         return experiment.experiment_draft(path, text)
     if is_questionnaire(path, text):
@@ -26,9 +26,9 @@ def header_of(path: Path) -> str:
 
 
 def all_well(path: Path, text: str) -> str:
-    """Return the sentence that reports a file without faults."""
+    """Return the sentence for a file without faults."""
     if is_experiment(path):
-        return "No faults: this study is ready for people."
+        return "No faults found: this study is ready for people."
     if is_questionnaire(path, text):
-        return "No faults: this questionnaire can be filled in."
-    return "No faults: this study can be played."
+        return "No faults found: this questionnaire can be used."
+    return "No faults found: games of this study can be played."

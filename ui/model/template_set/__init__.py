@@ -1,1 +1,1 @@
-"""Template set in an editor."""
+"""Editor's view of a template set."""

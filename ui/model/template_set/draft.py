@@ -1,4 +1,4 @@
-"""Template set in an editor: its typed texts, and all their faults, as `templates check` finds them."""
+"""Editor's view of a template set: texts of the files, and all faults that `templates check` would find."""
 
 import tempfile
 from collections.abc import Mapping
@@ -17,9 +17,9 @@ class TemplateDraft:
 
     Attributes:
         folder: folder of the set.
-        texts: text of each edited file, by its path within the folder.
+        texts: text of each edited file, by the path of the file within the folder.
         templates: the set; None while there are faults.
-        faults: all faults; those of edited files have the paths of the files.
+        faults: all faults; faults in edited texts name the paths of the files.
     """
 
     folder: Path
@@ -29,9 +29,9 @@ class TemplateDraft:
 
 
 def edited_names(folder: Path) -> tuple[str, ...]:
-    """Return the paths, within a set's folder, of the files that people write.
+    """Return the paths, within a set's folder, of the files that people can edit.
 
-    These are the sentences, the list of treasures, and the words in the set's further languages.
+    These files contain the sentences, the treasures, and the words in further languages.
     """
     names = (DIALOGUE_TEXT, WORDS)
     beside = [f"{language}/{name}" for language in languages_beside(folder, names) for name in names]
@@ -43,14 +43,14 @@ def edited_names(folder: Path) -> tuple[str, ...]:
 
 
 def template_draft(folder: Path, texts: Mapping[str, str], pictures: Mapping[str, bytes]) -> TemplateDraft:
-    """Check a set in which these texts and pictures replace its files; nothing is written into its folder.
+    """Check a set with these texts and pictures in place of its files; nothing is written into its folder.
 
     The check uses a temporary folder of links, because the reader of sets only reads folders.
 
     Args:
         folder: folder of the set.
-        texts: text of each edited file, by its path within the folder. If a file of a language's folder is edited, all
-            files of that folder are given.
+        texts: text of each edited file, by the path of the file within the folder. If `texts` has a file of a
+            language's folder, it must have all files of that folder.
         pictures: new or replaced image files, by name.
     """
     with tempfile.TemporaryDirectory(prefix="thbridge-") as scratch:

@@ -1,4 +1,4 @@
-"""Sheet for a list of treasures of 2016: one line per treasure, with commas between the fields."""
+"""Table for a list of treasures in the format of 2016: one line per treasure, with commas between the fields."""
 
 from collections.abc import Callable, Sequence
 
@@ -10,14 +10,14 @@ from ui.model.template_set.sheet import Changed, Sheet, SheetColumn, Texts, free
 
 
 class ListSheet(Sheet):
-    """Lines of a list of 2016. The copy of the list for the participant's machine gets the same changes."""
+    """Table for a list in the format of 2016. The list's copy for the participant's machine gets the same changes."""
 
     def __init__(self, texts: Texts, pictures: Sequence[str]) -> None:
         self._texts = texts
         self.columns = (
-            *(SheetColumn(each.label, each.name, "name for people") for each in OF_2016),
+            *(SheetColumn(each.label, each.name, "value, as people read it") for each in OF_2016),
             SheetColumn("Points", "points", "points for the right name", is_number=True),
-            SheetColumn("Name", "name", "name of the treasure for people"),
+            SheetColumn("Name", "name", "name of the treasure, as people read it"),
             SheetColumn("Picture", "image", "a file in the folder pictures", tuple(pictures), is_picture=True),
         )
 
@@ -75,14 +75,15 @@ class ListSheet(Sheet):
             if name in self._texts:
                 at = self._lines(name)
                 if len(at) != len(self._lines()):
-                    return RequestRefused("not-alike", f"{name} has other lines than {TREASURES}; correct their texts.")
+                    problem = f"{name} and {TREASURES} have different numbers of treasures. Correct one of the files."
+                    return RequestRefused("not-alike", problem)
                 text = "\n".join(change(self._texts[name].split("\n"), at))
                 if text != self._texts[name]:
                     done[name] = text
         return done
 
     def _lines(self, name: str = TREASURES) -> list[int]:
-        """Return the indices of the lines with treasures; the first nonempty line has the number of rooms."""
+        """Return the indices of the lines with treasures; the first nonempty line is the number of rooms."""
         return [index for index, line in enumerate(self._texts[name].split("\n")) if line.strip()][1:]
 
 

@@ -1,4 +1,4 @@
-"""Contents of a template set for people: properties, treasures, and each sentence as a robot would say it."""
+"""Contents of a template set in words for people: properties, treasures, and the sentences as robots say them."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -19,13 +19,13 @@ from thbridge.hunt.treasures import TreasureKind, name_in_words
 from thbridge.study.study_file import Study
 
 _HEADINGS = {
-    Scenario.DONT_KNOW: "When the robot suggests a room",
-    Scenario.SPECIFIC_ROOM: "When the participant has chosen the room",
-    Scenario.TAKE_PICTURE: "Before a picture",
-    Scenario.TAKE_TREASURE: "Before a treasure is named",
+    Scenario.DONT_KNOW: "The robot suggests a room",
+    Scenario.SPECIFIC_ROOM: "The participant has chosen a room",
+    Scenario.TAKE_PICTURE: "The participant wants a picture",
+    Scenario.TAKE_TREASURE: "The participant wants to name a treasure",
 }
 _GAME = Study().game
-"""Game with the default numbers, for sentences that name energy and costs."""
+"""Settings of a game with default numbers, for sentences that contain energy and costs."""
 _COSTS = {Scenario.TAKE_PICTURE: _GAME.picture_cost, Scenario.TAKE_TREASURE: _GAME.identify_cost}
 
 
@@ -35,8 +35,8 @@ class PreviewPlace:
 
     Attributes:
         room: the room.
-        name: its own name; empty if it has none.
-        cost: energy of the move from the corridor.
+        name: name of the room; empty if the room has only a number.
+        cost: energy of the move from the corridor to the room.
     """
 
     room: Room
@@ -45,18 +45,18 @@ class PreviewPlace:
 
 
 NOWHERE = PreviewPlace(Room(4), "Kitchen", 13.0)
-"""Place of a preview without a map."""
+"""Room for a preview without a map."""
 
 
 def place_on(arena: Map) -> PreviewPlace:
-    """Return the last room of a map, with its name and the cost of a move there by the map's own times."""
+    """Return the last room of a map, with the cost of a move there according to the map's own times."""
     entry = arena.rooms[-1]
     cost = NOWHERE.cost if arena.costs is None else read_map_times(arena.costs).cost(CORRIDOR, entry.room)
     return PreviewPlace(entry.room, arena.room_names.name(entry.room.people), cost)
 
 
 def contents(templates: TemplateSet) -> Iterator[str]:
-    """Yield the lines on properties and treasures."""
+    """Yield a line for each property and each treasure."""
     for each in templates.properties:
         values = f": {', '.join(each.values)}" if each.values else ""
         yield f"property {each.name} ({each.label}){values}. {_teller(each)}"
@@ -71,9 +71,9 @@ def sentences(
 
     Args:
         templates: the set.
-        place: room of the sentences.
-        kind: kind of the treasure there. If None, it is the first kind of the set.
-        texts: texts of the language. If None, they are those of the set's language, or English.
+        place: room that the sentences name.
+        kind: kind of the treasure in this room. If None, it is the first kind of the set.
+        texts: texts of the language. If None, the texts are in the set's language, or in English.
     """
     kind = kind or templates.kinds[0]
     texts = texts or texts_of(templates)
@@ -100,7 +100,7 @@ def sentences(
 
 
 def texts_of(templates: TemplateSet) -> Texts:
-    """Return the texts of a set's own language, or the English ones if the set names no language or an unknown one."""
+    """Return the texts in a set's own language; if the set has no known language, return the English texts."""
     known = languages_in(SHIPPED_LANGUAGES)
     return shipped_texts(templates.language if templates.language in known else ENGLISH)
 
@@ -108,13 +108,13 @@ def texts_of(templates: TemplateSet) -> Texts:
 def translations(
     templates: TemplateSet, folder: Path, place: PreviewPlace, kind: TreasureKind | None = None
 ) -> Iterator[str]:
-    """Yield the sentences of a set in its further languages that are known, and the missing words.
+    """Yield the sentences of a set in each of its further languages, and the missing words.
 
     Args:
         templates: the set.
         folder: folder of the set.
-        place: room of the sentences, without its name, which is in another language.
-        kind: kind of the treasure there. If None, it is the first kind of the set.
+        place: room that the sentences name; its name is omitted, because it is in another language.
+        kind: kind of the treasure in this room. If None, it is the first kind of the set.
     """
     for language in templates.words:
         yield f"In {language}:"
@@ -125,7 +125,7 @@ def translations(
 
 def _teller(told_of: TreasureProperty) -> str:
     if told_of.told_by is Teller.PERSON:
-        return "The participant reports it from the picture."
-    by = f" by its {told_of.sensor}" if told_of.sensor else ""
-    price = f"{energy_text(told_of.cost)} energy" if told_of.cost else "nothing"
-    return f"The robot senses it{by}, for {price}."
+        return "The participant sees this property in the picture and reports it."
+    by = f" with its {told_of.sensor}" if told_of.sensor else ""
+    price = f"This costs {energy_text(told_of.cost)} energy." if told_of.cost else "This costs no energy."
+    return f"The robot senses this property{by}. {price}"

@@ -1,4 +1,4 @@
-"""Tables of treasures or properties in the text of their file, and the texts after changes."""
+"""Tables that show the text of a file with treasures or properties, and change it."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Collection, Mapping
@@ -18,13 +18,13 @@ class SheetColumn:
     """Column of a sheet.
 
     Attributes:
-        title: heading.
-        path: the key in an entry, such as `values.colour`.
-        meaning: meaning, for people.
+        title: heading of the column.
+        path: key in an entry of the file, such as `values.colour`.
+        meaning: meaning of the column, in words for people.
         choices: allowed values; empty if any text is allowed.
-        is_list: True for several values, with commas between them.
-        is_number: True for a number.
-        is_picture: True for the name of a picture of the set.
+        is_list: True if a cell can have several values, separated by commas.
+        is_number: True if a cell is a number.
+        is_picture: True if a cell is the name of a picture of the set.
     """
 
     title: str
@@ -40,7 +40,7 @@ class Sheet(ABC):
     """Table that shows the text of a file.
 
     Attributes:
-        columns: its columns.
+        columns: columns of the table.
     """
 
     columns: tuple[SheetColumn, ...] = ()
@@ -48,7 +48,7 @@ class Sheet(ABC):
     @property
     @abstractmethod
     def rows(self) -> tuple[tuple[str, ...], ...]:
-        """Displayed texts of the cells, row by row."""
+        """Displayed texts of the cells in each row."""
 
     @abstractmethod
     def put(self, row: int, column: int, typed: str) -> Changed:
@@ -56,7 +56,7 @@ class Sheet(ABC):
 
     @abstractmethod
     def add(self, like: int | None = None) -> Changed:
-        """Add a row at the end: a copy of row `like` with another name. If None, add a new row."""
+        """Add a row at the end: a copy of row `like` with another name. If `like` is None, add a default row."""
 
     @abstractmethod
     def remove(self, row: int) -> Changed:
@@ -64,11 +64,11 @@ class Sheet(ABC):
 
     @abstractmethod
     def cell_of(self, fault: BadFile) -> tuple[int, int] | None:
-        """Return the row and column of a fault; None if the fault concerns no cell."""
+        """Return the row and column of the cell that has a fault; None if no cell has it."""
 
 
 def free_name(name: str, taken: Collection[str]) -> str:
-    """Return a name that is not taken; an underscore replaces the space if `name` has no spaces."""
+    """Return `name`, or, if it is taken, `name` with a number; an underscore or a space separates the two."""
     if name not in taken:
         return name
     joint = "_" if (name.islower() and "_" in name) or name == "property" else " "

@@ -1,4 +1,4 @@
-"""Sheets of a template set."""
+"""All tables of a template set."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -12,10 +12,10 @@ from ui.model.template_set.yaml_sheets import PropertySheet, TreasureSheet
 
 
 def sheets_of(texts: Texts, pictures: Sequence[str] = ()) -> dict[str, Sheet]:
-    """Return the sheets of a set's readable files, by their titles.
+    """Return the tables for the readable files of a set, by title.
 
     Args:
-        texts: the texts of the set's files, by name.
+        texts: texts of the set's files, by the names of the files.
         pictures: names of the set's pictures.
     """
     if TREASURES in texts:

@@ -1,6 +1,6 @@
-"""Sheets of a `treasures.yaml`: its treasures, and the properties that it declares.
+"""Tables of a file `treasures.yaml`: treasures, and declared properties.
 
-A change of a cell changes only its value in the text; comments and layout remain.
+A change of a cell changes only one value in the text of the file; comments and layout remain.
 """
 
 import re
@@ -25,7 +25,7 @@ _TREASURES, _PROPERTIES = "treasures", "properties"
 
 
 class _YamlSheet(Sheet):
-    """Sheet for a list of mappings in a YAML file."""
+    """Table for a list of mappings in a YAML file."""
 
     key: str
 
@@ -44,7 +44,7 @@ class _YamlSheet(Sheet):
         )
 
     def put(self, row: int, column: int, typed: str) -> Changed:
-        """Change a cell; an empty text removes its key from the file."""
+        """Change a cell; an empty text removes the cell's key from the file."""
         path, typed = f"{self.key}[{row}].{self.columns[column].path}", typed.strip()
         if typed == self.rows[row][column]:
             return {}
@@ -58,7 +58,7 @@ class _YamlSheet(Sheet):
         taken = {row[self._paths().index(_NAME)] for row in self.rows}
         entry[_NAME] = free_name(entry[_NAME], taken)
         item = _entry_as_yaml(entry, self.columns)
-        # The key of a list without items can be missing, or have the value `[]`.
+        # If a list has no items, its key can be missing or have the value `[]`.
         if self._count == 0:
             return _in_yaml(self._written(self._text, self.key, f"[{item}]"))
         return _in_yaml(self._written(self._text, f"{self.key}[{self._count}]", item))
@@ -93,7 +93,7 @@ class _YamlSheet(Sheet):
 
 
 class TreasureSheet(_YamlSheet):
-    """Treasures of a `treasures.yaml`, with a column for each declared property."""
+    """Table of the treasures in a file `treasures.yaml`, with a column for each declared property."""
 
     key = _TREASURES
 
@@ -101,11 +101,11 @@ class TreasureSheet(_YamlSheet):
         super().__init__(texts, tree)
         declared = PropertySheet(texts, tree).declared
         self.columns = (
-            SheetColumn("Name", _NAME, "name of the treasure for people"),
+            SheetColumn("Name", _NAME, "name of the treasure, as people read it"),
             SheetColumn("Points", "points", "points for the right name", is_number=True),
             SheetColumn("Picture", "image", "a file in the folder pictures", tuple(pictures), is_picture=True),
             *(
-                SheetColumn(label, f"values.{name}", " or ".join(values) or "anything", values)
+                SheetColumn(label, f"values.{name}", " or ".join(values) or "any text", values)
                 for name, label, values in declared
             ),
         )
@@ -116,18 +116,18 @@ class TreasureSheet(_YamlSheet):
 
 
 class PropertySheet(_YamlSheet):
-    """Properties that a `treasures.yaml` declares."""
+    """Table of the properties that a file `treasures.yaml` declares."""
 
     key = _PROPERTIES
     columns = (
         SheetColumn("Name", _NAME, "name in files and sentences: lower-case letters and underscores"),
-        SheetColumn("Label", "label", "heading above the value; by default the name"),
-        SheetColumn("Values", "values", "allowed values, with commas; empty: any value", is_list=True),
-        SheetColumn("Reported by", "told_by", "the one who reports it; empty: the robot", tuple(Teller)),
-        SheetColumn("Sensor", "sensor", "name of the robot's sensor, for people"),
-        SheetColumn("Cost", "cost", "energy of sensing it; empty: none, it is sensed on arrival", is_number=True),
-        SheetColumn("Drawn", "drawn", "form in windows; empty: a word", tuple(PropertyDrawing)),
-        SheetColumn("Said", "said", "form within a sentence, with £name£ for the value; empty: the value alone"),
+        SheetColumn("Label", "label", "heading above the value; if empty, the name of the property"),
+        SheetColumn("Values", "values", "allowed values, separated by commas; if empty, any value", is_list=True),
+        SheetColumn("Reported by", "told_by", "who reports the property; if empty, the robot", tuple(Teller)),
+        SheetColumn("Sensor", "sensor", "name of the robot's sensor, as people read it"),
+        SheetColumn("Cost", "cost", "energy to sense the property; if empty, 0: sensed on arrival", is_number=True),
+        SheetColumn("Drawn as", "drawn", "how windows show the value; if empty, as a word", tuple(PropertyDrawing)),
+        SheetColumn("In sentences", "said", "text for the value, which is written £name£; if empty, only the value"),
     )
 
     @property
@@ -144,8 +144,8 @@ class PropertySheet(_YamlSheet):
     def put(self, row: int, column: int, typed: str) -> Changed:
         """Change a cell.
 
-        If a property is renamed, treasures and sentences get its new name; if a value is renamed, treasures get the new
-        value.
+        If the name of a property changes, it also changes in treasures and sentences. If a value changes, it also
+        changes in treasures.
         """
         done = super().put(row, column, typed)
         if isinstance(done, RequestRefused) or not done:
@@ -158,7 +158,7 @@ class PropertySheet(_YamlSheet):
         return done
 
     def add(self, like: int | None = None) -> Changed:
-        """Add a property; every treasure gets its first value."""
+        """Add a property; every treasure gets the property's first value."""
         done = super().add(like)
         if isinstance(done, RequestRefused):
             return done
@@ -168,7 +168,7 @@ class PropertySheet(_YamlSheet):
         return _in_yaml(self._in_all_treasures(text, put))
 
     def remove(self, row: int) -> Changed:
-        """Remove a property, and its value from every treasure."""
+        """Remove a property, and the value of this property from every treasure."""
         done = super().remove(row)
         if isinstance(done, RequestRefused):
             return done
@@ -202,7 +202,7 @@ class PropertySheet(_YamlSheet):
         return changed if isinstance(changed, RequestRefused) else {**changed, **self._said_as(name, new)}
 
     def _said_as(self, name: str, new: str) -> Texts:
-        """Return sentences and words of all languages with the new name of a property."""
+        """Return the sentences and words in all languages, with the new name of a property."""
         word = f"£{name}£"
         done = {path: text.replace(word, f"£{new}£") for path, text in self._texts.items() if word in text}
         for path in self._texts:
@@ -268,7 +268,7 @@ _TEXT = SheetColumn("", "")
 
 
 def _as_yaml(typed: str, column: SheetColumn = _TEXT) -> str:
-    """Return a value in the form of the file, on one line."""
+    """Return a value as YAML on one line."""
     if column.is_list:
         return f"[{', '.join(_as_yaml(part.strip()) for part in typed.split(',') if part.strip())}]"
     bare = is_plain_word(typed) or (column.is_number and _NUMBER.fullmatch(typed) is not None)
@@ -276,7 +276,7 @@ def _as_yaml(typed: str, column: SheetColumn = _TEXT) -> str:
 
 
 def _entry_as_yaml(entry: Mapping[str, str], columns: Sequence[SheetColumn]) -> str:
-    """Return an entry in braces; keys with a dot belong to an inner mapping."""
+    """Return an entry as YAML in braces; keys with a dot belong to an inner mapping."""
     own, values = [], []
     for column in columns:
         typed = entry.get(column.path, "")

@@ -17,12 +17,12 @@ class SessionAddress:
     port: int
 
     def __str__(self) -> str:
-        """Return the address in the form in which people type it."""
+        """Return the address as people type it."""
         return f"{self.host}:{self.port}"
 
 
 def address_in(text: str) -> SessionAddress | None:
-    """Return the address in a text; None if the text is the path of a recording.
+    """Return the address in a text. If the text is the path of a recording, return None.
 
     Raises:
         BadFile: the port is out of range.
@@ -32,5 +32,5 @@ def address_in(text: str) -> SessionAddress | None:
         return None
     port = int(found["port"])
     if not 0 < port < 65536:
-        raise BadFile(Path(text), f"{port} is not a port", "enter the number that the session printed, 1 to 65535")
+        raise BadFile(Path(text), f"{port} is not a port", "enter the port that the session printed, 1 to 65535")
     return SessionAddress(found["host"], port)

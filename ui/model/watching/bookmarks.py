@@ -1,35 +1,38 @@
-"""Bookmarks in the time of a recording, and loops between two of them."""
+"""Bookmarked times in a recording, and loops between two bookmarks."""
 
 from bisect import bisect_right
 from collections.abc import Iterable
 from itertools import pairwise
 
 NEAR = 0.05
-"""Distance in seconds up to which a time counts as the time of a bookmark."""
+"""Greatest difference in seconds between a time and a bookmark that count as equal."""
 
 
 class Bookmarks:
     """Bookmarks of a recording.
 
     Args:
-        times: the bookmarks, seconds since the beginning.
+        times: times of the bookmarks, seconds since the beginning of the recording.
 
     Attributes:
-        times: the bookmarks in ascending order, in seconds.
+        times: times of the bookmarks in ascending order, seconds.
     """
 
     def __init__(self, times: Iterable[float] = ()) -> None:
         self.times = tuple(sorted(times))
 
     def toggle(self, time: float) -> bool:
-        """Set a bookmark, or remove the one at this time; return True if it is now set."""
+        """Set a bookmark, or remove the bookmark at this time; return True if there is now a bookmark."""
         others = [each for each in self.times if abs(each - time) > NEAR]
         is_new = len(others) == len(self.times)
         self.times = tuple(sorted([*others, time])) if is_new else tuple(others)
         return is_new
 
     def around(self, time: float) -> tuple[float, float] | None:
-        """Return the two bookmarks around a time, or the two nearest to it; None if there are fewer than two."""
+        """Return the bookmarks before and after a time, or else the two nearest bookmarks.
+
+        Return None if there are fewer than two bookmarks.
+        """
         spans = list(pairwise(self.times))
         return spans[min(max(bisect_right(self.times, time) - 1, 0), len(spans) - 1)] if spans else None
 

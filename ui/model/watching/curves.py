@@ -1,4 +1,4 @@
-"""Numbers over time in bounded memory."""
+"""Values over time that use a limited amount of memory."""
 
 import math
 from collections.abc import Sequence
@@ -19,13 +19,13 @@ MAX_LINE_POINTS = 1000
 
 
 class Curve:
-    """Samples in order of time; samples out of order are dropped.
+    """Curve of samples in order of time; samples out of order are dropped.
 
     When the curve is full, each pair of neighbors in the older half becomes one sample.
 
     Args:
-        columns: number of values in a sample, in addition to its time.
-        peaks: True to keep the neighbor with the greater first value; False to keep the later neighbor.
+        columns: number of values in a sample, without the time.
+        peaks: True to keep the sample of a pair with the greater first value; False to keep the later sample.
         most: largest number of samples; at least 4.
 
     Attributes:
@@ -54,16 +54,15 @@ class Curve:
         self.time = time
 
     def rows(self, until: float = np.inf) -> FloatArray:
-        """Return (n, 1 + columns) times and values of the samples up to a time, inclusive."""
+        """Return (n, 1 + columns) times and values of all samples up to and including a time."""
         times = self._rows[: self._count, 0]
         return self._rows[: int(np.searchsorted(times, until, side="right"))].copy()
 
     def path(self, until: float, since: float = -math.inf, cuts: Sequence[float] = ()) -> FloatArray:
-        """Return (k, 2) the first two values of the samples after one time and up to another, as a line.
+        """Return (k, 2) the first two values of all samples between two times, as a line.
 
-        If there are many samples, the line has only every second, fourth, ... of them.
-
-        The array is the same object as long as the line does not change.
+        If there are many samples, the line has only every second, fourth, eighth, ... sample. As long as the line does
+        not change, the same array object is returned.
 
         Args:
             until: latest time of the last sample.
@@ -100,7 +99,7 @@ def joined(pieces: Sequence[FloatArray]) -> FloatArray:
 
 
 def broken(rows: FloatArray, gaps: Sequence[float]) -> FloatArray:
-    """Return (m, 1 + columns) samples of a curve, with a row of NaN at each gap between two samples."""
+    """Return (m, 1 + columns) samples of a curve, with a row of NaN at each gap between samples."""
     after = np.searchsorted(rows[:, 0], gaps)
     inside = (after > 0) & (after < len(rows))
     empty = np.full((int(inside.sum()), rows.shape[1]), np.nan)
@@ -109,12 +108,13 @@ def broken(rows: FloatArray, gaps: Sequence[float]) -> FloatArray:
 
 
 def as_steps(rows: FloatArray, end: float) -> FloatArray:
-    """Return (2 n, 1 + columns) samples as a line of steps: each value lasts until the next sample, the last one until
-    the end.
+    """Return (2 n, 1 + columns) samples as a line of steps.
+
+    Each value lasts until the next sample; the last value lasts until the end.
 
     Args:
         rows: (n, 1 + columns) samples of a curve that gets a sample only when its value changes.
-        end: time of the end; no effect if it is before the last sample.
+        end: time of the end. If it is before the last sample, it has no effect.
     """
     steps = np.repeat(rows, 2, axis=0)
     steps[1:-1:2, 0] = rows[1:, 0]

@@ -9,7 +9,7 @@ T = TypeVar("T")
 
 
 class DecodeCache(Generic[T]):
-    """Values of the last message of each topic, each decoded only once.
+    """Decoded values of the last message of each topic; each message is decoded only once.
 
     Args:
         unpack: function that decodes the bytes of a message; it raises ValueError if they are malformed.
@@ -20,7 +20,7 @@ class DecodeCache(Generic[T]):
         self._known: dict[str, tuple[bytes, T | None]] = {}
 
     def of(self, message: WatchedMessage | None) -> T | None:
-        """Return the value of a message; None if there is no message, or it cannot be read."""
+        """Return the decoded value of a message; None if there is no message or the message is unreadable."""
         if message is None:
             return None
         known = self._known.get(message.topic)

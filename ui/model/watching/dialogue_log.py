@@ -1,4 +1,4 @@
-"""Log of dialogues in which robots argue: the state of each robot's latest dialogue at any time."""
+"""Log of dialogues in which robots argue; it has the state of each robot's latest dialogue at any time."""
 
 from bisect import bisect_right
 from collections import defaultdict
@@ -9,7 +9,7 @@ from thbridge.dialogue.portrait import DialoguePortrait, read_portrait
 from thbridge.ros.messages.session_records import DialogueMoveRecord, DialogueStateRecord
 
 MAX_KEPT = 20_000
-"""Greatest number of moves kept for a robot, and of states; beyond it, the oldest are dropped."""
+"""Greatest number of moves and of states per robot; when there are more, the oldest are dropped."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -17,7 +17,7 @@ class DialogueCourse:
     """Latest dialogue of a robot at a certain time.
 
     Attributes:
-        moves: moves of its dialogue games so far, each with its stamp, oldest first.
+        moves: moves of the dialogue so far, each with its stamp, oldest first.
         portrait: the robot's view of the dialogue; empty if unknown.
     """
 
@@ -26,7 +26,7 @@ class DialogueCourse:
 
 
 class DialogueLog:
-    """Log of recorded dialogues; it grows in order of time."""
+    """Log of dialogues; moves and states must be added in order of time."""
 
     def __init__(self) -> None:
         self._moves: defaultdict[int, list[tuple[int, DialogueMoveRecord]]] = defaultdict(list)
@@ -41,15 +41,14 @@ class DialogueLog:
             del moves[: MAX_KEPT // 10]
 
     def take_state(self, stamp_ns: int, state: DialogueStateRecord) -> None:
-        """Add the state of a dialogue as its robot sees it."""
+        """Add the state of a dialogue as the robot sees it."""
         states = self._states[state.robot]
         states.append((stamp_ns, state))
         if len(states) > MAX_KEPT:
             del states[: MAX_KEPT // 10]
 
     def course(self, robot: int, since_ns: int, until_ns: int) -> DialogueCourse:
-        """Return the latest dialogue of a robot at a time; empty if the robot has not argued since another dialogue
-        began."""
+        """Return the latest dialogue of a robot between two times; empty if the robot has not argued between them."""
         moves, states = self._moves.get(robot, []), self._states.get(robot, [])
         end = begin = _until(moves, until_ns)
         while begin and moves[begin - 1][0] >= since_ns and moves[begin - 1][1].talk == moves[end - 1][1].talk:
@@ -61,7 +60,7 @@ class DialogueLog:
         return DialogueCourse(tuple(moves[begin:end]), portrait)
 
     def _portrait(self, robot: int, state: DialogueStateRecord) -> DialoguePortrait:
-        """Parse a state. The last result is kept, because the same state is often requested repeatedly."""
+        """Parse a state. The last result is cached, because the same state is often requested several times."""
         known, portrait = self._read.get(robot, (None, DialoguePortrait()))
         if known is not state:
             try:

@@ -1,4 +1,4 @@
-"""Poses of frames on the map at one moment, from the tf messages that are valid then."""
+"""Poses of frames on the map at one moment, from the tf messages that are valid at that moment."""
 
 from collections.abc import Iterable
 from struct import Struct
@@ -20,7 +20,7 @@ HORIZON_NS = 10_000_000_000
 _UINT32 = Struct("<I")
 _STAMP_AND_NUMBER = 12
 _POSE = 56
-"""Bytes of a header up to its frame, and of a transform."""
+"""Number of bytes of a transform's header before the frame, and of the transform's pose."""
 
 
 def namespace_of_tf(topic: str) -> str:
@@ -29,7 +29,7 @@ def namespace_of_tf(topic: str) -> str:
 
 
 def children_of(data: bytes) -> bytes:
-    """Return the child frames of a tf message as a key; a message replaces the previous one with the same key.
+    """Return the child frames of a tf message as a key; a message replaces the previous message with the same key.
 
     Raises:
         ValueError: the bytes are not a tf message.
@@ -45,19 +45,19 @@ def children_of(data: bytes) -> bytes:
             names.append(data[at:end])
             at = end + _POSE
     except Exception as error:
-        raise ValueError("the message ends too early") from error
+        raise ValueError("the tf message is incomplete") from error
     return b"".join(names)
 
 
 class Frames:
     """Frames at one moment.
 
-    The name of a frame is unique within the namespace of its topic; only the map frame is common to all namespaces.
+    Frames of different namespaces are different even if their names are equal. Only the map frame is common to all.
 
     Args:
-        messages: tf messages, oldest first; unreadable ones are ignored.
-        mapped: True if there is a map. If there is none, poses are relative to the root of each tree of frames, which
-            is usually the odometry frame.
+        messages: tf messages, oldest first; unreadable messages are ignored.
+        mapped: True if there is a map. Without a map, poses are relative to the root of each tree of frames, usually
+            the odometry frame.
     """
 
     def __init__(self, messages: Iterable[WatchedMessage], mapped: bool = True) -> None:
@@ -79,13 +79,13 @@ class Frames:
 
         Args:
             frame: name of the frame.
-            owner: namespace of the topic that names it.
+            owner: namespace of the topic in whose messages the frame occurs.
         """
         name = self._own(owner, frame)
         return self._pose(name if name in self._above else frame_name(frame))
 
     def planar(self, frame: str, owner: str = "") -> Pose2 | None:
-        """Return the same as `pose`, in the plane."""
+        """Return the result of `pose` as a pose in the plane."""
         found = self.pose(frame, owner)
         return None if found is None else PlanarMount.of(found).laser_in_base
 
@@ -99,7 +99,7 @@ class Frames:
         if is_map_frame(frame):
             return np.eye(4)
         if frame not in self._poses:
-            self._poses[frame] = None  # ends the recursion where frames form a circle
+            self._poses[frame] = None  # This ends the recursion if frames form a circle.
             above = self._above.get(frame)
             if above is not None:
                 parent = self._pose(above[0])

@@ -20,18 +20,18 @@ from ui.model.watching.series import Series
 from ui.model.watching.session_log import SessionLog, is_logged
 
 REMEMBERED_NS = 2_000_000_000
-"""Nanoseconds for which frames of a running session are kept: longer than the delay before a scan is drawn."""
+"""Nanoseconds for which frames of a running session are kept. A scan is drawn within this time."""
 BACK_NS = 1_000_000_000
-"""Nanoseconds by which a robot's time must go back to prove that its messages are from another session.
+"""Nanoseconds by which a robot's time must go back to show that another session has begun.
 
-Two sessions with the same study and random seed describe themselves by equal records. Latched messages may be older by
-more than this time.
+Two sessions with the same study and random seed have equal descriptions, so their times must distinguish them. The
+times of latched messages cannot be used, because these can go back further.
 """
 
 
 @dataclass(slots=True)
 class _Snapshot:
-    """Last message of each topic, and the recent frames by their children."""
+    """Last message of each topic, and recent frames by child frame."""
 
     at_ns: int = 0
     last: dict[str, WatchedMessage] = field(default_factory=dict)
@@ -45,7 +45,7 @@ class _Snapshot:
         held = []
         for (topic, _), messages in self.recent_frames.items():
             before = bisect_right(messages, at_ns, key=lambda each: each.stamp_ns) - 1
-            # The first message after that time is better than no message.
+            # If there is no earlier message, the first later message is used.
             chosen = messages[max(before, 0)]
             if topic.endswith("tf_static") or at_ns - chosen.stamp_ns <= HORIZON_NS:
                 held.append(chosen)
@@ -63,16 +63,16 @@ class _Snapshot:
 
 
 class LiveSource:
-    """Running session, as far as its messages have arrived; not thread-safe.
+    """State of a running session according to the messages received so far; not thread-safe.
 
     Attributes:
         log: events, dialogue, lines and inputs.
         series: values over time.
-        rooms: rooms of the map; another module (`ui.sources.rooms`) sets them after `session` is known.
-        sessions: number of sessions so far; when another session replaces the previous one, all data are dropped.
+        rooms: rooms of the map; the module `ui.sources.rooms` sets this value after `session` is known.
+        sessions: number of sessions so far; when a new session begins, all data of the previous session are dropped.
         start_ns: ROS time of the first message.
-        joined_ns: ROS time of the first complete tick; None before it. Of earlier messages, only those are known that
-            the session repeats for a new connection.
+        joined_ns: ROS time of the first complete tick; None before that tick. The session repeats only a part of its
+            earlier messages for a new connection.
         messages: number of received messages.
     """
 
@@ -82,8 +82,8 @@ class LiveSource:
         self._scenes = SceneBuilder()
         self._sessions = DecodeCache[SessionRecord](unpack.session)
         self._received = -math.inf
-        # Messages since a session introduced itself. The stamp of the robots' first tf message shows if the session is
-        # a new one. In this case, these messages are processed again after all earlier data are dropped.
+        # Messages since a session sent its description. The stamp of the robots' first tf message shows if the session
+        # is new. If so, all earlier data are dropped, and these messages are processed again.
         self._opening: list[WatchedMessage] | None = None
         self._begin()
 
@@ -103,7 +103,7 @@ class LiveSource:
 
     @property
     def session(self) -> SessionRecord | None:
-        """Description that the session has sent of itself; None until it has arrived."""
+        """Description of the session; None until it has arrived."""
         return self._sessions.of(self._snapshot.newest(names.SESSION))
 
     @property
@@ -112,17 +112,17 @@ class LiveSource:
         return self._snapshot.at_ns
 
     def take(self, messages: Sequence[WatchedMessage], now: float) -> None:
-        """Process messages, in their order, at a time (monotonic seconds)."""
+        """Process messages in order; `now` is monotonic time in seconds."""
         for message in messages:
             self._take(message)
         if messages:
             self._received = now
-        # Frames distinguish the robots. Messages before the first tf message could be assigned to a wrong robot.
+        # Frames identify the robots. Before the first tf message, messages could be assigned to a wrong robot.
         if self._tf_ns:
             self._assign()
 
     def stale_for(self, now: float) -> float:
-        """Return the seconds since the last message arrived; infinite before the first."""
+        """Return the seconds since the last message arrived; infinite before the first message."""
         return now - self._received
 
     def scene(self, shown: ShownLayers) -> Scene:
@@ -138,7 +138,7 @@ class LiveSource:
             elif before is not None:
                 self.series.interrupt(self._snapshot.at_ns)
             self._opening = []
-            # After a reconnection, a session repeats entries that the log already has.
+            # After a reconnection, the session repeats entries that the log already contains.
             self._logged_ns = self._snapshot.at_ns if self.messages else -1
         if message.msgtype in TF_TYPES and not message.topic.endswith("tf_static"):
             opening, self._opening = self._opening, None
@@ -175,7 +175,7 @@ class LiveSource:
         self._unassigned.append(message)
 
     def _assign(self) -> None:
-        """Assign messages to robots. The search for robots runs only once for all new topics, because it is slow."""
+        """Assign messages to robots. The slow search for robots runs only once for all new topics."""
         if self._new_topics:
             self._new_topics = False
             self._robots = self._discovery.robots()

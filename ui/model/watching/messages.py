@@ -6,7 +6,7 @@ from typing import Protocol
 from thbridge.ros.messages import types
 
 TF_TYPES = frozenset({types.TFMESSAGE, "tf/tfMessage"})
-"""Types of messages with frames; the second is the name in tf, before tf2."""
+"""Types of messages with frames, as named in tf2 and in the older tf."""
 
 
 class WatchedMessage(Protocol):
@@ -14,19 +14,19 @@ class WatchedMessage(Protocol):
 
     @property
     def topic(self) -> str:
-        """Its topic, with a leading slash."""
+        """Topic of the message, with a leading slash."""
 
     @property
     def msgtype(self) -> str:
-        """Its type, for example "nav_msgs/Odometry"."""
+        """Type of the message, for example "nav_msgs/Odometry"."""
 
     @property
     def stamp_ns(self) -> int:
-        """Its time, nanoseconds of ROS time."""
+        """Time of the message, nanoseconds of ROS time."""
 
     @property
     def data(self) -> bytes:
-        """Its bytes."""
+        """Serialized content of the message."""
 
 
 class TopicSnapshot(Protocol):
@@ -34,14 +34,14 @@ class TopicSnapshot(Protocol):
 
     @property
     def at_ns(self) -> int:
-        """Moment, nanoseconds of ROS time."""
+        """Time of the snapshot, nanoseconds of ROS time."""
 
     @property
     def topics(self) -> Mapping[str, str]:
-        """Type of each topic, by its name; topics without a message can be included."""
+        """Types of topics by topic name; topics without a message can be included."""
 
     def newest(self, topic: str) -> WatchedMessage | None:
         """Return the last message of a topic."""
 
     def frames(self, at_ns: int) -> Sequence[WatchedMessage]:
-        """Return tf messages with the frames at a time that is not later than this moment, oldest first."""
+        """Return the tf messages that are valid at a time up to the time of the snapshot, oldest first."""

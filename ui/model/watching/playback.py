@@ -2,16 +2,18 @@
 
 
 class Playback:
-    """Position that moves with time; its methods have an argument for the present time, in seconds that never decrease.
+    """Position in a recording, which moves with time.
+
+    The argument `now` of all methods is the present time in seconds; it never decreases.
 
     Args:
-        start_ns: the first position.
-        end_ns: the last position; playing stops there.
+        start_ns: the first position, nanoseconds of ROS time.
+        end_ns: the last position, nanoseconds of ROS time; playback stops there.
 
     Attributes:
         at_ns: the position, nanoseconds of ROS time.
-        speed: recorded seconds per second while it plays.
-        playing: True while it moves.
+        speed: recorded seconds per second during playback.
+        playing: True while the position moves.
         loop: first and last position of a loop. If None, the recording is played to the end.
     """
 
@@ -24,7 +26,7 @@ class Playback:
         self.playing = False
 
     def advance(self, now: float) -> int:
-        """Move to the position for this time, and return it."""
+        """Move the position to this time, and return it."""
         if self.playing and self._since is not None:
             at_ns = self.at_ns + round((now - self._since) * self.speed * 1e9)
             if self.loop is not None and at_ns >= self.loop[1]:
@@ -36,7 +38,7 @@ class Playback:
         return self.at_ns
 
     def play(self, now: float, on: bool = True) -> None:
-        """Play from here, or from the beginning if the end is reached; or pause."""
+        """Play from the present position, or, at the end, from the beginning. If `on` is False, pause."""
         self.advance(now)
         if on and self.at_ns >= self._end_ns:
             self.at_ns = self._start_ns
@@ -48,7 +50,7 @@ class Playback:
         self.speed = speed
 
     def seek(self, at_ns: int) -> None:
-        """Go to a moment; if the recording is playing, it continues from there."""
+        """Move the position to a moment; a running playback continues from there."""
         self.at_ns = self._within(at_ns)
 
     def _within(self, at_ns: int) -> int:

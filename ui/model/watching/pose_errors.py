@@ -1,4 +1,4 @@
-"""Errors of a robot's estimates against its true poses, computed as messages of both arrive."""
+"""Errors of a robot's estimated poses, computed while messages with estimates and true poses arrive."""
 
 from bisect import bisect_left
 from collections import deque
@@ -12,22 +12,22 @@ from ui.model.watching.curves import Curve
 from ui.model.watching.messages import WatchedMessage
 
 _TRUTHS = 1024
-"""Number of true poses kept for estimates that arrive later: those of ten seconds at 100 per second."""
+"""Number of true poses kept for estimates that arrive later: ten seconds at 100 poses per second."""
 _WAITING = 64
-"""Greatest number of estimates that wait for the true pose at their time; beyond it, the oldest is dropped."""
+"""Greatest number of estimates that wait for a true pose; when there are more, the oldest is dropped."""
 _STALE = 1.0
-"""Greatest number of seconds between two true poses for which the poses between them are interpolated."""
+"""Longest time between two true poses, in seconds, in which poses are interpolated."""
 _REPEATS = 3
 """Number of successive true poses with the same stamp after which stamps are ignored."""
 
 
 class PoseErrors:
-    """Comparison of estimates with the true poses that have the same stamp.
+    """Comparison of each estimate with the true pose that has the same stamp.
 
-    If stamps are useless, times of recording are compared.
+    If stamps are useless, the times of recording replace them.
 
     Args:
-        errors: curve that receives time, meters, and radians (not negative).
+        errors: curve that receives the time and the errors in meters and radians (not negative).
     """
 
     def __init__(self, errors: Curve) -> None:
@@ -39,10 +39,7 @@ class PoseErrors:
         self._waiting: list[tuple[float, Pose2]] = []
 
     def truth(self, message: WatchedMessage, time: float) -> None:
-        """Add a true pose that was recorded at a time.
-
-        Compare it with the estimates that waited for it, by interpolation.
-        """
+        """Add a true pose with its time of recording, and compare it with the estimates that waited for it."""
         stamp = self._time_of(message, time)
         if self._times and stamp <= self._times[-1]:
             self._repeats += 1
@@ -51,14 +48,14 @@ class PoseErrors:
             return
         self._repeats = 0
         self._times.append(stamp)
-        self._truths.append(message)  # decoded when needed
+        self._truths.append(message)  # The message is decoded when its pose is needed.
         while self._waiting and self._waiting[0][0] <= stamp:
             self._compare(*self._waiting.pop(0))
 
     def estimate(self, message: WatchedMessage | None, time: float, pose: Pose2) -> None:
         """Add an estimate with its message.
 
-        If `message` is None, the estimate comes from tf frames, which have no separate stamp.
+        If `message` is None, the estimate comes from tf frames, so it has no stamp.
         """
         if message is None and self._by_stamp:
             self._forget_stamps()
@@ -71,8 +68,7 @@ class PoseErrors:
             self._waiting.pop(0)
 
     def _time_of(self, message: WatchedMessage, time: float) -> float:
-        """Return the time in the message's header if it can be compared with others; otherwise the time of
-        recording."""
+        """Return the time in the message's header; if stamps are useless, return the time of recording."""
         if self._by_stamp:
             stamp_ns, _ = Cursor(message.data).header()
             late_ns = message.stamp_ns - stamp_ns

@@ -34,11 +34,11 @@ from ui.model.watching.series import Series, energy_of
 THINNED = 60
 """Number of particles shown for a robot that is not selected."""
 STALE_NS = 500_000_000
-"""Nanoseconds by which the true pose may be newer than odometry before the robot's software counts as stopped."""
+"""If the true pose is newer than odometry by more than these nanoseconds, the robot's software counts as stopped."""
 CHI_SQUARE_95 = 5.991
 """95 % quantile of the chi-square distribution with two degrees of freedom.
 
-An ellipse with a squared radius of this many variances contains 95 of 100 places.
+An ellipse whose squared radius is this number times the variance contains 95 of 100 places.
 """
 
 
@@ -46,12 +46,12 @@ T = TypeVar("T")
 
 
 def framed(decoded: Callable[[bytes], T]) -> Callable[[bytes], tuple[str, T]]:
-    """Return a decoder for messages that begin with a header; it returns their frame and the value."""
+    """Return a decoder for messages with a header, which returns the frame and the value of a message."""
     return lambda data: (unpack.frame_of(data), decoded(data))
 
 
 class DecodedTopics:
-    """Decoded values of the robots' last messages, with one cache per type."""
+    """Decoded values of the robots' last messages, with one cache per type of message."""
 
     def __init__(self) -> None:
         self.odometry = DecodeCache[OdometryMessage](unpack.odometry)
@@ -74,12 +74,12 @@ class SceneContext:
 
     Attributes:
         snapshot: the present messages.
-        frames_at: returns the frames at a time up to this moment.
+        frames_at: function that returns the frames at a time up to this moment.
         frames: the present frames.
-        diagnoses: diagnoses by name of the part.
+        diagnoses: diagnoses by name of the robot's part.
         series: values over time.
-        time: seconds since the beginning.
-        begun: beginning of the game, when robots return to their starts; in the same seconds as `time`.
+        time: seconds since the beginning of the session or recording.
+        begun: time at which the game began and robots returned to their start poses, in the same seconds as `time`.
         shown: the layers to show.
         decoded: decoded values of messages.
     """
@@ -108,7 +108,7 @@ class RobotSceneBuilder:
         """Return the scene of the robot.
 
         Args:
-            commander: commander in words; empty if the participant commands the robot.
+            commander: commander of the robot in words; empty if the participant commands the robot.
             `carried`: times at which a person moved the robot by hand, in order.
         """
         robot, shown, dead = self._robot, self._context.shown, self._dead()
@@ -179,14 +179,14 @@ class RobotSceneBuilder:
         return self._on_map(belief.frame, belief.pose)
 
     def _on_map(self, frame: str, pose: Pose2) -> Pose2 | None:
-        """Transform a pose in a frame to the map."""
+        """Transform a pose from a frame to the map."""
         if is_map_frame(frame):
             return pose
         frame_in_map = self._context.frames.planar(frame, self._robot.key)
         return None if frame_in_map is None else frame_in_map.compose(pose)
 
     def _tracks(self, carried: Sequence[float]) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return the robot's paths in this game: true, estimated, and by odometry."""
+        """Return the robot's paths in this game: true, estimated, and according to odometry."""
         series, time, begun = self._context.series.of(self._robot.robot), self._context.time, self._context.begun
         gaps = self._context.series.gaps
         driven = series.odometry.path(time, begun, gaps)
@@ -207,8 +207,10 @@ class RobotSceneBuilder:
         return np.column_stack((frame_in_map.transform(cloud[:, :2]), turned))
 
     def _scan(self) -> FloatArray:
-        """Return the end points of beams, as seen from the estimated pose at the time of the scan; they do not move
-        until the next scan."""
+        """Return the end points of beams as seen from the estimated pose at the time of the scan.
+
+        They do not move until the next scan.
+        """
         message, known = self._newest(self._robot.scan), self._context.decoded.scans
         if message is None:
             return NO_POINTS
@@ -255,7 +257,7 @@ class RobotSceneBuilder:
         return self._on_map(goal.frame, goal.pose)
 
     def _state(self, dead: bool) -> tuple[str, bool]:
-        """Return the robot's activity in words, and True if it needs attention."""
+        """Return the robot's activity in words, and True if the activity needs attention."""
         if dead:
             return "software stopped", True
         parts = {part: self._context.diagnoses.get(f"{self._robot.key}: {part}") for part in _PARTS}
@@ -269,17 +271,19 @@ class RobotSceneBuilder:
 
 
 _PARTS = ("localisation", "navigation")
-"""Parts of a robot whose diagnoses make up its state."""
+"""Parts of a robot whose diagnoses describe the robot's activity."""
 
 
 def thinned(cloud: FloatArray, most: int = THINNED) -> FloatArray:
-    """Return at most `most` rows, evenly chosen; the same cloud always gives the same rows."""
+    """Return at most `most` evenly spaced rows; the result for a cloud is always the same."""
     return cloud if len(cloud) <= most else cloud[np.linspace(0, len(cloud) - 1, most).astype(np.int64)]
 
 
 def ellipse_of(covariance: FloatArray) -> Ellipse | None:
-    """Return the ellipse that contains 95 of 100 places, from a (3, 3) covariance of x, y, theta; None if the matrix is
-    not a covariance."""
+    """Return the ellipse that contains 95 of 100 places, from a (3, 3) covariance of x, y, theta.
+
+    Return None if the matrix is not a covariance.
+    """
     planar = covariance[:2, :2]
     if not np.isfinite(planar).all():
         return None
@@ -293,11 +297,11 @@ def ellipse_of(covariance: FloatArray) -> Ellipse | None:
 
 
 def end_points(scan: LaserScan, laser_in_map: FloatArray) -> FloatArray:
-    """Return (m, 2) points on the map where beams hit something; beams without a hit are left out.
+    """Return (m, 2) points on the map where beams hit something; beams without a hit are omitted.
 
     Args:
         scan: scan of a laser.
-        laser_in_map: (4, 4) pose of the laser; it may hang upside down.
+        laser_in_map: (4, 4) pose of the laser; the laser may be upside down.
     """
     ranges = scan.ranges.astype(np.float64)
     met = np.isfinite(ranges) & (ranges >= scan.range_min) & (ranges <= scan.range_max)

@@ -29,27 +29,27 @@ _OURS = re.compile(r"robot([1-9][0-9]*)")
 
 @dataclass(frozen=True, slots=True)
 class WatchedRobot:
-    """Robot and its topics; a topic is None if the robot does not have it.
+    """Robot with the names of its topics; None if the robot has no such topic.
 
     Attributes:
-        robot: its index; if robots are called robot1, robot2, ..., the index in the team.
-        key: its namespace, or the prefix of its frames; "" if it has none.
+        robot: index of the robot; if robots are called robot1, robot2, ..., the index in the team.
+        key: namespace of the robot, or prefix of the robot's frames; "" if there is none.
         name: name for people.
-        base: frame of its base.
+        base: frame of the robot's base.
         truth: poses from a simulator or from motion capture.
-        odom: its wheel odometry.
-        estimate: poses from its localizer, with covariance.
+        odom: wheel odometry.
+        estimate: poses from the localizer, with covariance.
         cloud: particles.
-        scan: scans of its laser.
-        battery: its energy.
-        goal: goals of the action move_base; the topics of the action have the same namespace.
-        status: states of its goals.
-        result: results of its goals.
+        scan: laser scans.
+        battery: energy.
+        goal: goals of the action move_base; the other topics of the action have the same namespace.
+        status: states of goals.
+        result: results of goals.
         plan: plans of the global planner.
         local_plan: plans of the local planner.
         global_costmap: global costmap, as an occupancy grid.
         local_costmap: local costmap, as an occupancy grid.
-        footprint: outline of its body.
+        footprint: outline of the robot's body.
     """
 
     robot: int
@@ -77,10 +77,10 @@ class RobotDiscovery:
     """Recognition of robots by topics and frames; a few messages of each topic are enough.
 
     Attributes:
-        topics: the type of each topic.
-        children: by odometry topic, the child frame of its messages.
-        edges: edges of tf (namespace, parent, child) that start from odometry frames.
-        mapped: True after a message with a map.
+        topics: types of topics, by topic name.
+        children: child frames of odometry messages, by topic name.
+        edges: transforms in tf whose parent is an odometry frame, as (namespace, parent, child).
+        mapped: True if a message with a map has arrived.
     """
 
     topics: dict[str, str] = field(default_factory=dict)
@@ -89,7 +89,7 @@ class RobotDiscovery:
     mapped: bool = False
 
     def take(self, message: WatchedMessage) -> None:
-        """Add a message. If its content cannot be read, only its topic is used."""
+        """Add a message. If the content is unreadable, only the topic is used."""
         self.topics[message.topic] = message.msgtype
         self.mapped |= message.msgtype == types.OCCUPANCY_GRID and "costmap" not in message.topic
         try:
@@ -127,7 +127,7 @@ class RobotDiscovery:
         base = self.children.get(odom or "", "") or next(
             (child for _, _, child in sorted(self.edges) if prefix_of(child) == key or len(keys) == 1), ""
         )
-        # Actions other than move_base also have goals and states.
+        # Other actions than move_base also have topics for goals and states.
         moves = {topic: msgtype for topic, msgtype in own.items() if "move_base" in topic}
         return WatchedRobot(
             robot=robot,
@@ -152,8 +152,10 @@ class RobotDiscovery:
         )
 
     def _owner(self, topic: str, keys: Collection[str]) -> str:
-        """Return the robot of a topic: the prefix of its messages' frame if that is a robot's prefix, otherwise the
-        namespace."""
+        """Return the key of a topic's robot.
+
+        It is the prefix of the frame in the topic's messages if a robot has this prefix; otherwise the namespace.
+        """
         prefix = prefix_of(self.children.get(topic, ""))
         return prefix if prefix and prefix in keys else owner_of(topic, keys)
 
@@ -161,7 +163,7 @@ class RobotDiscovery:
 def _first(
     topics: Mapping[str, str], msgtype: str, wanted: Callable[[str], bool], usual: tuple[str, ...]
 ) -> str | None:
-    """Return the wanted topic with this type that has the usual name, or otherwise the first one."""
+    """Return the wanted topic of this type that has the usual name; if there is none, return the first topic."""
     found = usual_first(
         (topic for topic, found_type in topics.items() if found_type == msgtype and wanted(topic)), usual
     )

@@ -1,7 +1,6 @@
-"""Session at one moment, as a researcher sees it: the true state, the robots' beliefs, and everything that moves
-robots.
+"""Session at one moment, as a researcher sees it: the true state, and the beliefs, plans and goals of robots.
 
-Everything is in the map frame, meters and radians, unless stated otherwise.
+Unless stated otherwise, values are in the map frame, in meters and radians.
 """
 
 from dataclasses import dataclass, field
@@ -24,13 +23,13 @@ class ShownLayers:
     """Layers to show on the map. Messages of other layers are not decoded, and the scene does not contain them.
 
     Attributes:
-        selected: robot that is shown with all its particles and its costmaps.
+        selected: index of the robot that is shown with all particles and with costmaps.
         clouds: particles.
         scans: end points of laser beams.
         global_costmap: global costmap of the selected robot.
         local_costmap: local costmap of the selected robot.
         plans: global and local plans.
-        paths: paths so far: true, estimated, and by odometry.
+        paths: driven paths: true, estimated, and according to odometry.
     """
 
     selected: int | None = 0
@@ -47,30 +46,30 @@ class RobotScene:
     """Robot at one moment.
 
     Attributes:
-        robot: its index; in sessions of thbridge, the index in the team.
-        name: name for people: "robot 1", or the robot's namespace in a foreign bag.
-        truth: its true pose; None if it is not published.
-        estimate: its estimated pose: odometry with the localizer's last correction applied.
-        error: distance between `truth` and `estimate` in meters; None if one of them is missing.
-        ellipse: ellipse with 95 % of its belief, from the last message of its localizer.
+        robot: index of the robot; in sessions of thbridge, the index in the team.
+        name: name for people: "robot 1", or, in bags of other programs, the robot's namespace.
+        truth: true pose; None if it is not published.
+        estimate: estimated pose: odometry with the localizer's last correction.
+        error: distance between `truth` and `estimate` in meters; None if either is missing.
+        ellipse: ellipse that contains the robot with 95 % probability, from the last message of the localizer.
         deviation: standard deviation of the position, meters.
-        odometry_path: (k, 2) its path by wheel odometry, placed so that it ends at the estimate.
-        truth_path: (k, 2) its true path; a row of NaN where a person moved the robot by hand.
-        estimate_path: (k, 2) its estimated path; a row of NaN where its localizer found the robot elsewhere.
-        cloud: (n, 3) particles, x, y, theta; a subset unless the robot is selected.
+        odometry_path: (k, 2) path according to wheel odometry, shifted so that the path ends at the estimate.
+        truth_path: (k, 2) true path; a row of NaN where a person moved the robot by hand.
+        estimate_path: (k, 2) estimated path; a row of NaN where the localizer corrected the pose by a jump.
+        cloud: (n, 3) particles, x, y, theta; only some of them unless the robot is selected.
         scan: (m, 2) end points of the beams that hit something, seen from the estimate at the time of the scan.
         global_costmap: 0 free, 99 inscribed, 100 lethal, -1 unknown, others between.
         local_costmap: same values as `global_costmap`.
         plan: (p, 2) the whole path to the goal.
         local_plan: (q, 2) the next part of the path, from the local planner.
-        footprint: (v, 2) corners of its body at its estimated pose.
-        goal: pose of its goal; None at rest.
-        energy: energy left, in units of the game, or in percent if a bag has nothing else.
-        speed: by its odometry, m/s.
-        state: its activity, in words; empty if it is not published.
+        footprint: (v, 2) corners of the robot's body at the estimated pose.
+        goal: pose of the goal; None if the robot is at rest.
+        energy: remaining energy in units of the game; in percent if a bag has no other value.
+        speed: speed according to odometry, m/s.
+        state: the robot's activity, in words; empty if it is not published.
         trouble: True if the state needs attention.
-        dead: True if its software sends nothing more, but its true pose is still published.
-        commander: the other party that commands it, in words; empty if the participant commands it.
+        dead: True if the robot's software has stopped sending, but the true pose is published.
+        commander: the robot's commander, in words; empty if the participant commands the robot.
     """
 
     robot: int
@@ -101,7 +100,7 @@ class RobotScene:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ThingScene:
-    """Obstacle that is not on the map: its name, and the (v, 2) corners of its closed outline."""
+    """Obstacle that is not on the map: the name, and the (v, 2) corners of the closed outline."""
 
     name: str
     outline: FloatArray
@@ -109,15 +108,15 @@ class ThingScene:
 
 @dataclass(frozen=True, slots=True)
 class PendingTurn:
-    """Robot's turn in a dialogue in which a person must choose the move.
+    """Turn of a robot in a dialogue, for which a person must choose the move.
 
     Attributes:
         dialogue: number of the dialogue.
-        turn: place of the move in it, from 0.
+        turn: number of the move in the dialogue, from 0.
         robot: index of the robot, from 0.
-        scenario: for example "select-room".
+        scenario: subject of the dialogue, for example "select-room".
         room: the room that the dialogue is about, or None.
-        sentences: the legal moves, in their order.
+        sentences: sentences of the legal moves, in the order of the moves.
     """
 
     dialogue: int
@@ -130,12 +129,12 @@ class PendingTurn:
 
 @dataclass(frozen=True, slots=True)
 class PendingAdvice:
-    """Request for advice ("don't know") of a participant that a person must answer.
+    """Participant's request for advice ("don't know"), which a person must answer for the robot.
 
     Attributes:
         robot: index of the robot that was asked, from 0.
-        costs: energy by the number of the room, from 1.
-        suggestion: number of the room that the robot would suggest. If None, it has no suggestion.
+        costs: energy of a move to each room, by number of the room, from 1.
+        suggestion: number of the room that the robot would suggest. If None, the robot has no suggestion.
     """
 
     robot: int
@@ -145,7 +144,7 @@ class PendingAdvice:
 
 @dataclass(frozen=True, slots=True)
 class Wizard:
-    """Robots for which a person speaks (Wizard of Oz), and the turns that wait for that person."""
+    """Robots for which a person speaks (Wizard of Oz), and turns that this person must decide."""
 
     puppets: tuple[int, ...] = ()
     turns: tuple[PendingTurn, ...] = ()
@@ -161,7 +160,7 @@ class Scene:
         grid: the map; None if it is not published.
         robots: robots in the order of their numbers.
         things: obstacles that are not on the map.
-        rooms: rooms of the map if it is known, otherwise empty.
+        rooms: rooms of the map; empty if the map is unknown.
         wizard: robots for which a person speaks.
     """
 
@@ -174,24 +173,23 @@ class Scene:
 
 
 EntryKind = Literal["event", "said", "line", "input", "log"]
-"""Lists next to the map: the game's events, the dialogue, the protocol's lines, inputs from outside, and the ROS
-log."""
+"""Lists next to the map: events of the game, sentences of dialogues, lines of the text protocol, inputs, ROS log."""
 
 
 @dataclass(frozen=True, slots=True)
 class Entry:
-    """Line of a list.
+    """Entry of a list.
 
     Attributes:
-        stamp_ns: its time, nanoseconds of ROS time.
-        kind: the list.
-        what: kind of an event or scenario of a dialogue in words, topic of a line, kind of an input, or level of a log
-            line.
-        who: the author, for people; empty if there is none.
-        robot: index of the robot concerned, or None.
+        stamp_ns: time of the entry, nanoseconds of ROS time.
+        kind: the list that has the entry.
+        what: kind of the entry in words: kind of the event or input, scenario of the dialogue, topic of the line, or
+            level of the log message.
+        who: author in words for people; empty if there is none.
+        robot: index of the robot that the entry is about, or None.
         room: number of the room, from 1, or None.
-        text: text for people.
-        important: True for an entry with a mark on the timeline.
+        text: content in words for people.
+        important: True if the entry has a mark on the timeline.
     """
 
     stamp_ns: int

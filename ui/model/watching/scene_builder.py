@@ -1,4 +1,4 @@
-"""Builder of the scene at a moment, from the messages that are valid then."""
+"""Builder of the scene at a moment, from the messages that are valid at that moment."""
 
 import math
 from collections import deque
@@ -26,20 +26,20 @@ from ui.model.watching.series import Series
 from ui.model.watching.session_log import RoomStatus, SessionLog
 
 FRAMES_KEPT = 8
-"""Number of moments with remembered frames: the moment of the scene, and those of the scans in it."""
+"""Number of moments whose frames are cached: the moment of the scene, and the moments of the robots' scans."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SceneInputs:
-    """Inputs of a scene in addition to the messages of its moment.
+    """Inputs of a scene, in addition to the messages that are valid at its moment.
 
     Attributes:
-        robots: the robots, and their topics.
+        robots: robots with the names of their topics.
         mapped: True if there is a map.
         series: values over time.
         log: events, dialogue, lines and inputs.
-        rooms: rooms of the map, if it is known.
-        start_ns: beginning of time, nanoseconds of ROS time.
+        rooms: rooms of the map; empty if the map is unknown.
+        start_ns: ROS time of the beginning, nanoseconds.
     """
 
     robots: tuple[WatchedRobot, ...]
@@ -51,7 +51,7 @@ class SceneInputs:
 
 
 class SceneBuilder:
-    """Builder of successive scenes. Each message is decoded only once, even if it is part of several scenes."""
+    """Builder of successive scenes. Each message is decoded only once, even if several scenes contain it."""
 
     def __init__(self) -> None:
         self._decoded = DecodedTopics()
@@ -117,10 +117,10 @@ class SceneBuilder:
 
 
 def decode_wizard(data: bytes) -> Wizard:
-    """Decode a std_msgs/String of the topic `names.WIZARD`: JSON of the form of `Wizard`.
+    """Decode a std_msgs/String of the topic `names.WIZARD`, which contains a `Wizard` as JSON.
 
     Raises:
-        ValueError: the data has another form.
+        ValueError: the data are not a `Wizard` as JSON.
     """
     try:
         return msgspec.json.decode(unpack.string(data).encode(), type=Wizard)

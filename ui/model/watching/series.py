@@ -1,4 +1,4 @@
-"""Values over time, for each robot: error of its estimate, standard deviations, energy, speed."""
+"""Values over time for each robot: error of the estimate, standard deviations, energy, speed."""
 
 import math
 from collections import deque
@@ -20,25 +20,25 @@ from ui.model.watching.robots import WatchedRobot
 PERIOD = 0.1
 """Shortest time between two samples, seconds."""
 ODOMETRY_TIMEOUT = 1.0
-"""Seconds within which a robot that is known from tf should begin to publish its odometry."""
+"""Seconds that the program waits for odometry of a robot known from tf, before it uses tf alone."""
 JUMPS_KEPT = 1000
-"""Number of remembered jumps of an estimate, and of gaps; a robot that is lost for a long time can have many jumps."""
+"""Greatest number of stored jumps of an estimate, and of stored gaps. A lost robot can jump often."""
 _SLACK = 1e-6
 
 
 @dataclass(slots=True)
 class RobotSeries:
-    """Series of one robot; times are seconds since the beginning.
+    """Curves of one robot; times are seconds since the beginning of the session or recording.
 
     Attributes:
         truth: time, x, y, theta.
         estimate: time, x, y, theta.
-        odometry: time, x, y, theta, in its odometry frame.
-        errors: time, meters, radians (not negative) between estimate and truth.
-        deviations: time, standard deviations of position (m) and heading (rad) from its localizer.
-        energy: time, energy left.
-        speeds: time, m/s, rad/s from its odometry.
-        relocations: times at which its localizer found the robot elsewhere, in order.
+        odometry: time, x, y, theta, in the robot's odometry frame.
+        errors: time, distance (m) and angle (rad) between estimate and truth, not negative.
+        deviations: time, standard deviations of position (m) and heading (rad), from the localizer.
+        energy: time, remaining energy.
+        speeds: time, linear speed (m/s) and angular speed (rad/s), from the odometry.
+        relocations: times at which the localizer corrected the pose by a jump, in order.
     """
 
     truth: Curve = field(default_factory=lambda: Curve(3))
@@ -52,13 +52,13 @@ class RobotSeries:
 
 
 class Series:
-    """Series of all robots; they grow with each message, in order of time.
+    """Curves of all robots. Messages must be added in order of time.
 
     Args:
-        start_ns: beginning of time.
+        start_ns: ROS time of the beginning, nanoseconds.
 
     Attributes:
-        gaps: times after which no messages arrived for a while, in order.
+        gaps: times of the last messages before interruptions, in order.
     """
 
     def __init__(self, start_ns: int) -> None:
@@ -70,11 +70,11 @@ class Series:
 
     @property
     def topics(self) -> frozenset[str]:
-        """Topics that the series need, in addition to tf topics; messages of all other topics have no effect."""
+        """Topics, in addition to tf topics, whose messages change the curves."""
         return frozenset(self._handlers)
 
     def follow(self, robots: Sequence[WatchedRobot], mapped: bool) -> None:
-        """Follow these robots from now on; robots that were followed before keep their series.
+        """Follow these robots from now on; robots that were followed before keep their curves.
 
         Args:
             robots: the robots, and their topics.
@@ -95,7 +95,7 @@ class Series:
                     self._handlers.setdefault(topic, []).append(handler)
 
     def take(self, message: WatchedMessage) -> None:
-        """Process a message; an unreadable one has no effect."""
+        """Process a message; unreadable messages have no effect."""
         if message.msgtype in TF_TYPES:
             self._tf.take(message)
             for builder in self._builders.values():
@@ -108,13 +108,12 @@ class Series:
                 continue
 
     def interrupt(self, last_ns: int) -> None:
-        """Record that messages after this time were missed, so that no line connects the last message with the next
-        one."""
-        # A tick is much longer than this nanosecond.
+        """Record that messages after this time were missed; lines are interrupted there."""
+        # The added time is much shorter than a tick.
         self.gaps.append((last_ns - self._start_ns) / 1e9 + _SLACK)
 
     def of(self, robot: int) -> RobotSeries:
-        """Return the series of a robot; empty if the robot is unknown."""
+        """Return the curves of a robot; empty if the robot is unknown."""
         builder = self._builders.get(robot)
         return RobotSeries() if builder is None else builder.series
 
@@ -132,7 +131,7 @@ class _Tf:
             key = (namespace_of_tf(message.topic), children_of(message.data))
         except ValueError:
             return
-        self._messages.pop(key, None)  # so that the newest comes last
+        self._messages.pop(key, None)  # The newest message must be the last in the dict.
         self._messages[key] = message
         self._frames = None
 
@@ -143,7 +142,7 @@ class _Tf:
 
 
 class _SeriesBuilder:
-    """Builder of one robot's series."""
+    """Builder of one robot's curves."""
 
     def __init__(self, tf: _Tf) -> None:
         self.series = RobotSeries()
@@ -161,7 +160,7 @@ class _SeriesBuilder:
         self._errors.truth(message, time)
 
     def odometry(self, message: WatchedMessage, time: float) -> None:
-        """Add odometry, and the estimated pose that follows from it."""
+        """Add odometry, and the estimated pose that follows from the odometry."""
         if self.robot is None or not _due(self.series.odometry, time):
             return
         driven = unpack.odometry(message.data)
@@ -180,7 +179,7 @@ class _SeriesBuilder:
             self._believe(message, time, estimate)
 
     def frames(self, time: float) -> None:
-        """Add the estimated pose from tf alone, if neither odometry nor a localizer has a topic."""
+        """Add the estimated pose from tf alone, if the robot has no topic for odometry or localization."""
         robot = self.robot
         if robot is None or robot.odom is not None or robot.estimate is not None or not robot.base:
             return
@@ -196,12 +195,12 @@ class _SeriesBuilder:
         admitted = deviations(time, localised.covariance)
         if admitted is not None:
             self.series.deviations.append(*admitted)
-        # With odometry, every estimated pose is already known; this would only repeat some of them.
+        # If there is odometry, every estimated pose is already in the curve.
         if self.robot is not None and self.robot.odom is None and is_map_frame(localised.frame):
             self._believe(message, time, localised.pose)
 
     def energy(self, message: WatchedMessage, time: float) -> None:
-        """Add the energy left."""
+        """Add the remaining energy."""
         left = energy_of(unpack.battery_state(message.data))
         if left is not None:
             self.series.energy.append(time, left)
@@ -212,7 +211,7 @@ class _SeriesBuilder:
 
 
 def energy_of(charge: BatteryCharge) -> float | None:
-    """Return the energy left: the charge, or the percentage if the charge is not measured; None if both are unknown."""
+    """Return the charge; if unknown, return the percentage; if both are unknown, return None."""
     left = charge.charge if math.isfinite(charge.charge) else 100.0 * charge.percentage
     return left if math.isfinite(left) else None
 

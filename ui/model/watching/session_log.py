@@ -1,4 +1,4 @@
-"""Log of a session: the lists of events, dialogue, lines and inputs next to the map, and the marks on the timeline."""
+"""Log of a session: lists of events, sentences, lines and inputs next to the map, and marks on the timeline."""
 
 from bisect import bisect_right
 from collections import defaultdict
@@ -24,13 +24,13 @@ from ui.model.watching.messages import WatchedMessage
 from ui.model.watching.scene import Entry, EntryKind
 
 MAX_ENTRIES = 50_000
-"""Greatest number of entries in a list; beyond it, the oldest are dropped."""
+"""Greatest number of entries in a list; when there are more, the oldest are dropped."""
 TYPES = frozenset({types.GAME_EVENT, types.UTTERANCE, types.INPUT, types.LOG})
-"""Types with an entry for every message."""
+"""Types of messages that each become an entry of a list."""
 LINES = frozenset({names.SEND_ROBOTS, names.SUCCESS})
-"""Topics of raw lines of the protocol."""
+"""Topics with raw lines of the text protocol."""
 _FURTHER = frozenset({types.DIALOGUE_MOVE, types.DIALOGUE_STATE})
-"""Types of messages that the log uses, but that are not entries of a list."""
+"""Types of messages that the log uses without adding an entry to a list."""
 
 IMPORTANT = frozenset(
     {
@@ -48,7 +48,7 @@ IMPORTANT = frozenset(
         "carried",
     }
 )
-"""Events with a mark on the timeline."""
+"""Kinds of events that get a mark on the timeline."""
 
 
 def is_logged(topic: str, msgtype: str) -> bool:
@@ -62,10 +62,10 @@ class RoomStatus:
 
     Attributes:
         state: state of the room in the game.
-        robot: index of the robot that drives to it or has visited it.
-        found: the treasure hidden in it.
+        robot: index of the robot that drives to the room or has visited it.
+        found: the treasure hidden in the room.
         answer: the name that the participant gave the treasure, and the points.
-        answer_shorter: `answer` in fewer words.
+        answer_shorter: shorter versions of `answer`.
     """
 
     state: RoomState = "unvisited"
@@ -77,8 +77,11 @@ class RoomStatus:
 
 @dataclass(frozen=True, slots=True)
 class _GameStatus:
-    """Game at a certain time: the time of its beginning, its rooms by number, and by robot the other party that
-    commands it."""
+    """State of the game at a certain time.
+
+    It has the rooms by number, the commanders of robots that the participant does not command, by index of the robot,
+    and the time at which the game began.
+    """
 
     rooms: dict[int, RoomStatus]
     commanders: dict[int, str]
@@ -86,10 +89,10 @@ class _GameStatus:
 
 
 class SessionLog:
-    """Log that grows with each message, in order of time.
+    """Log of a session's messages; they must be added in order of time.
 
     Attributes:
-        room_names: names of the map's rooms, as far as the messages contain them.
+        room_names: names of the rooms, from the messages received so far.
         ways_made: periods in which robots gave way to others, seconds of ROS time.
     """
 
@@ -104,31 +107,33 @@ class SessionLog:
         self._carried: defaultdict[int, list[int]] = defaultdict(list)
 
     def entries(self, kind: EntryKind) -> Sequence[Entry]:
-        """Return a list, oldest entry first.
+        """Return the entries of a list, oldest first.
 
-        New entries are added at its end; a long list drops its oldest entries, see `dropped`.
+        New entries are added at the end. A long list loses its oldest entries; `dropped` returns their number.
         """
         return self._entries[kind]
 
     def dropped(self, kind: EntryKind) -> int:
-        """Return the number of entries that a list has dropped at its beginning."""
+        """Return the number of oldest entries that a list has lost."""
         return self._dropped[kind]
 
     def marks(self) -> Iterator[Entry]:
-        """Return the important events, oldest first."""
+        """Return the events with marks on the timeline, oldest first."""
         return (entry for entry in self._entries["event"] if entry.important)
 
     def rooms(self, until_ns: int) -> dict[int, RoomStatus]:
-        """Return the states of the rooms at a time, by number; rooms without an event yet are missing."""
+        """Return the states of the rooms at a time, by number of the room; rooms without events are omitted."""
         return self._at(until_ns).rooms
 
     def commanders(self, until_ns: int) -> dict[int, str]:
-        """Return the commanders of robots at a time, in words, by index; it omits robots that the participant
-        commands."""
+        """Return the commanders of robots at a time, in words, by index of the robot.
+
+        Robots that the participant commands are omitted.
+        """
         return self._at(until_ns).commanders
 
     def game_start(self, until_ns: int) -> int | None:
-        """Return the stamp of the beginning of the game that is played at a time; None before the first game."""
+        """Return the time at which the game played at `until_ns` began, in ns; None before the first game."""
         return self._at(until_ns).started_ns
 
     def carried(self, robot: int) -> Sequence[int]:
@@ -136,15 +141,14 @@ class SessionLog:
         return self._carried[robot]
 
     def dialogue(self, robot: int, until_ns: int) -> DialogueCourse:
-        """Return the latest dialogue of a robot at a time; empty if the robot has not argued in the game at that
-        time."""
+        """Return the latest dialogue of a robot at a time; empty if the robot has not argued in the current game."""
         return self._dialogues.course(robot, self.game_start(until_ns) or 0, until_ns)
 
     def _at(self, until_ns: int) -> _GameStatus:
         return self._statuses[bisect_right(self._stamps, until_ns)]
 
     def take(self, message: WatchedMessage) -> None:
-        """Process a message; an unreadable one, or one without an entry, has no effect."""
+        """Process a message; unreadable messages, and messages of other types, have no effect."""
         try:
             entry = self._entry(message)
         except ValueError:
@@ -171,7 +175,7 @@ class SessionLog:
             case types.UTTERANCE:
                 utterance = unpack.utterance(message.data)
                 speaker = robot_name(utterance.robot) if utterance.speaker == "robot" else "participant"
-                speaker += " (spoken for)" if utterance.author == "wizard" else ""
+                speaker += " (wizard)" if utterance.author == "wizard" else ""
                 text = utterance.text or utterance.move
                 what = utterance.scenario.replace("-", " ")
                 return Entry(stamp, "said", what, speaker, utterance.robot, utterance.room, text)
@@ -218,7 +222,7 @@ class SessionLog:
                 decided_room = replace(room_before, state=_decided(fields), answer=answer, answer_shorter=(*shorter,))
                 rooms = {**rooms, room: decided_room}
             case GameEvent("left", _, int(room)):
-                rooms = {**rooms, room: replace(room_before, answer="left there")}
+                rooms = {**rooms, room: replace(room_before, answer="left unnamed")}
             case GameEvent("takenup", _, int(room)):
                 rooms = {**rooms, room: replace(room_before, answer="")}
             case GameEvent("commanded", int(robot)):
@@ -248,7 +252,7 @@ def _name(treasure: object) -> str:
 
 
 def _answers(fields: dict[str, object]) -> tuple[str, ...]:
-    """Return the name given to a treasure in words, with the points; and a shorter version with only the points."""
+    """Return the points and the name of a named treasure in words, and a shorter version with only the points."""
     name, points = name_in_words(str(fields.get("name") or "")), fields.get("points")
     won = gained(points) if isinstance(points, int) else ""
     return (f"{won} for {name}", won) if won and name else (won or name,)

@@ -1,4 +1,4 @@
-"""Requests for a researcher's gestures in the window, or the reasons why they are impossible."""
+"""Requests that result from a researcher's actions on the map, and reasons why a request is impossible."""
 
 import math
 from collections.abc import Iterable
@@ -21,7 +21,7 @@ from ui.model.watching.scene import PendingTurn, RobotScene, Scene
 SENDER = "watch"
 """Name of the sender in records of these requests."""
 COVARIANCE = np.diag([0.25, 0.25, (math.pi / 12.0) ** 2])
-"""Covariance of a pose that a person sets on the map, as in rviz: standard deviations of half a meter and 15 degrees.
+"""Covariance of a pose that a person sets on the map, as in rviz: standard deviations of 0.5 m and 15 degrees.
 
 Source: rviz, src/rviz/default_plugin/tools/initial_pose_tool.cpp.
 """
@@ -45,13 +45,13 @@ class ToolRefusalReason(StrEnum):
     NOT_WAITING = "not-waiting"
 
 
-RECORDED = RequestRefused(ToolRefusalReason.RECORDED, "This is a recording: its robots cannot receive requests.")
+RECORDED = RequestRefused(ToolRefusalReason.RECORDED, "This is a recording. Its robots cannot receive requests.")
 
 
 class Tools:
-    """Maker of requests from a researcher's gestures, for a running session.
+    """Maker of requests to a running session from a researcher's actions on the map.
 
-    Each method has an argument for the scene that the researcher sees. A recording accepts no requests: see `RECORDED`.
+    Each method gets the scene that the researcher sees. For recordings, the answer to every request is `RECORDED`.
     """
 
     def __init__(self) -> None:
@@ -72,14 +72,14 @@ class Tools:
         return _off_map(scene, base_in_map) or InitialPose(robot, base_in_map, COVARIANCE)
 
     def clear_costmaps(self, scene: Scene, robot: int) -> Request | RequestRefused:
-        """Clear the obstacles that a robot's laser has seen from its costmaps."""
+        """Delete the obstacles that a robot's laser has seen from the robot's costmaps."""
         found = _alive_robot(scene, robot)
         return found if isinstance(found, RequestRefused) else ClearCostmaps(robot)
 
     def carry(
         self, scene: Scene, robot: int, x: float, y: float, heading: float | None = None
     ) -> Request | RequestRefused:
-        """Kidnap a robot (move it by hand); without a new heading, it keeps its heading."""
+        """Kidnap a robot (move it by hand). If no heading is given, the heading does not change."""
         found = _robot(scene, robot)
         if isinstance(found, RequestRefused):
             return found
@@ -99,22 +99,24 @@ class Tools:
         if isinstance(found, RequestRefused):
             return found
         return (
-            ReviveRobot(robot) if found.dead else RequestRefused(ToolRefusalReason.ALIVE, f"{_named(found)} is alive.")
+            ReviveRobot(robot)
+            if found.dead
+            else RequestRefused(ToolRefusalReason.ALIVE, f"{_named(found)} runs already: its software has not stopped.")
         )
 
     def put(self, scene: Scene, shape: Shape, x: float, y: float, size: float) -> Request | RequestRefused:
-        """Place an obstacle; it appears once its place is free."""
+        """Place an obstacle, which appears as soon as the place is free."""
         place = Pose2(x, y, 0.0)
         thing = obstacle(_new_name(thing.name for thing in scene.things), shape, place, size)
         return _off_map(scene, place) or PutThing(thing)
 
     def remove(self, scene: Scene, x: float, y: float) -> Request | RequestRefused:
-        """Remove the thing at a place."""
+        """Remove the obstacle at a place."""
         for thing in scene.things:
             corners = tuple((float(cx), float(cy)) for cx, cy in thing.outline[:-1])
             if inside(corners, np.array([x]), np.array([y]))[0]:
                 return RemoveThing(thing.name)
-        return RequestRefused(ToolRefusalReason.NO_THING, "There is nothing to remove at that place.")
+        return RequestRefused(ToolRefusalReason.NO_THING, "There is no obstacle at this place.")
 
     def puppeteer(self, scene: Scene, robot: int, on: bool) -> WizardRequest | RequestRefused:
         """Begin or stop speaking for a robot."""
@@ -122,9 +124,9 @@ class Tools:
         return found if isinstance(found, RequestRefused) else WizardMode(robot, on)
 
     def speak(self, scene: Scene, turn: PendingTurn, move: int, text: str = "") -> WizardRequest | RequestRefused:
-        """Make a robot's move, with the given text instead of the usual sentence if there is one."""
+        """Make a robot's move. If `text` is not empty, it replaces the usual sentence."""
         if turn not in scene.wizard.turns or not 0 <= move < len(turn.sentences):
-            return RequestRefused(ToolRefusalReason.NOT_WAITING, "This turn no longer waits for an answer.")
+            return RequestRefused(ToolRefusalReason.NOT_WAITING, "It is too late to choose this move of the robot.")
         return WizardMove(turn.dialogue, turn.turn, move, text.strip())
 
     def advise(self, scene: Scene, robot: int, room: int) -> WizardRequest | RequestRefused:
@@ -135,9 +137,9 @@ class Tools:
 
 
 def dragged_pose(x: float, y: float, to_x: float, to_y: float, heading: float = 0.0) -> Pose2:
-    """Return the pose at the place of the press, facing the place where the drag ended.
+    """Return the pose at the place where a drag began, with the heading to the place where the drag ended.
 
-    If the two places are at most 0.1 m apart, its heading is `heading`.
+    If the two places are at most 0.1 m apart, the heading is `heading`.
     """
     dragged = math.hypot(to_x - x, to_y - y) >= 0.1
     return Pose2(x, y, math.atan2(to_y - y, to_x - x) if dragged else heading)
@@ -148,9 +150,9 @@ def obstacle(name: str, shape: Shape, place: Pose2, size: float) -> Thing:
 
     Args:
         name: name for people.
-        shape: round, or square with an edge along its heading.
-        place: pose of its middle.
-        size: size in meters; limited to the smallest and largest size.
+        shape: round, or square with an edge along the heading.
+        place: pose of the obstacle's middle.
+        size: size in meters; values outside the allowed range are replaced by the smallest or largest size.
     """
     half = 0.5 * min(max(size, LEAST_SIZE), MOST_SIZE)
     if shape == "box":
@@ -172,7 +174,8 @@ def _robot(scene: Scene, robot: int) -> RobotScene | RequestRefused:
 def _alive_robot(scene: Scene, robot: int) -> RobotScene | RequestRefused:
     found = _robot(scene, robot)
     if isinstance(found, RobotScene) and found.dead:
-        return RequestRefused(ToolRefusalReason.DEAD, f"The software of {found.name} has stopped. Revive it first (R).")
+        problem = f"The software of {found.name} has stopped. Restart it first (R)."
+        return RequestRefused(ToolRefusalReason.DEAD, problem)
     return found
 
 
@@ -181,11 +184,11 @@ def _named(robot: RobotScene) -> str:
 
 
 def _off_map(scene: Scene, place: Pose2) -> RequestRefused | None:
-    """Return the refusal of a place outside the map; None if the place is inside, or no map is known."""
+    """Return the refusal for a place outside the map; None if the place is on the map or no map is known."""
     grid = scene.grid
     if grid is None:
         return None
     at = grid.origin.between(place)
     if 0.0 <= at.x < grid.cols * grid.resolution and 0.0 <= at.y < grid.rows * grid.resolution:
         return None
-    return RequestRefused(ToolRefusalReason.OFF_MAP, "That place is not on the map.")
+    return RequestRefused(ToolRefusalReason.OFF_MAP, "This place is not on the map.")

@@ -52,7 +52,7 @@ def test_what_the_participant_said_of_a_treasure_is_told_with_its_room_and_its_p
     assert session_log.rooms(3)[1] == RoomStatus("visited", 0, "beer bottle")
     assert session_log.rooms(4)[1] == RoomStatus("lost", 0, "beer bottle", "−20 for pink can", ("−20",))
     assert session_log.rooms(7)[1] == RoomStatus("reserved", 1, "beer bottle", "−20 for pink can", ("−20",))
-    assert session_log.rooms(7)[2] == RoomStatus(found="Blue box", answer="left there")
+    assert session_log.rooms(7)[2] == RoomStatus(found="Blue box", answer="left unnamed")
     assert session_log.rooms(8)[2] == RoomStatus(found="Blue box")
     assert session_log.rooms(8)[3].answer == "+30"
 
