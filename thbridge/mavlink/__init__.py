@@ -1,6 +1,6 @@
-"""MAVLink 2 without its sockets: every robot as a ground rover, and the links to ground stations.
+"""MAVLink 2: every robot as a ground rover, and the links to ground stations.
 
-`frames` turns bytes into frames, and `dialect` turns frames into messages. The `hub` routes each message to the
-vehicles that it is addressed to. A `vehicle` answers the message and commands its robot through the
-`vehicle_interface`. A `station` is the other end of a link.
+`frames` converts bytes to frames, and `dialect` converts frames to messages. The `hub` routes each message to its
+target vehicles. A `vehicle` answers the message and commands its robot through the `vehicle_interface`. `station` is a
+ground station at the other end of a link.
 """

@@ -1,9 +1,9 @@
-"""MAVLink router between vehicles and links; it also numbers the frames of each vehicle on each link.
+"""MAVLink router between vehicles and links. It also numbers the frames of each vehicle on each link.
 
 The routing rules are those of MAVLink. A message without a target goes to all links and vehicles. A message with a
 target goes only to links on which frames of that target arrived. No message goes back to its origin. If frames of one
-sender arrive on two links, these links are also joined elsewhere. Then no message of this sender is forwarded to either
-of them, so that no message circles.
+sender arrive on two links, another program joins these links. Then no message of this sender is forwarded to these
+links. Otherwise the message would circle.
 
 Source: the MAVLink developer guide, "Routing".
 """
@@ -20,7 +20,7 @@ from thbridge.mavlink.wire.outgoing import LinkId, OutgoingMessage
 from thbridge.mavlink.wire.traffic import FrameOutcome, OutgoingFrame, Traffic
 
 COMPONENT = mav.MAV_COMP_ID_AUTOPILOT1
-"""Component id of a vehicle, which has only this component."""
+"""Component id of a vehicle. A vehicle has only this component."""
 
 
 class Hub:
@@ -28,7 +28,7 @@ class Hub:
 
     Args:
         vehicles: vehicles in the team's order.
-        timeout: seconds without a frame after which a link is inactive and gets heartbeats only.
+        timeout: seconds without a frame after which a link is inactive. Inactive links get only heartbeats.
 
     Attributes:
         vehicles: the vehicles of the team.
@@ -43,14 +43,14 @@ class Hub:
         self._tick = 0
 
     def open(self, link: LinkId, name: str, robot: int | None = None) -> None:
-        """Open a link; an open link of the same number is closed first.
+        """Open a link. If a link of this number is open, close it first.
 
         Args:
             link: its number.
             name: name for people.
-            robot: index of the only vehicle on the link. The link then gets no frames of other stations, because
-                programs that support only one vehicle may take these frames for frames of the vehicle. If None, all
-                vehicles are on the link.
+            robot: index of the only vehicle on the link. The link then gets no frames of other stations, because a
+                program that supports only one vehicle may mistake them for frames of the vehicle. If None, all vehicles
+                are on the link.
         """
         self.close(link)
         self._links[link] = HubLink(name, self._timeout, robot)
@@ -69,10 +69,13 @@ class Hub:
         if frame.system in self._by_system and frame.component == COMPONENT:
             # Other components may share a robot's system id: its companion computer, mavros or MAVSDK on it.
             return DropReason.OURS
+        # System id 0 addresses all systems, so it cannot be the address of a sender.
         if frame.system == BROADCAST:
             return DropReason.BROADCAST_SENDER
+        # Signing keys come from a file. A key on the wire would be readable in recordings.
         if frame.message_id in SECRETS:
             return DropReason.SECRET
+        # The checksum includes a seed of the message's definition, so an unknown message cannot be checked.
         if crc_extra(frame.message_id) is None:
             return DropReason.UNKNOWN
         sender = Station(frame.system, frame.component)
@@ -82,10 +85,10 @@ class Hub:
         """Process a received frame.
 
         Args:
-            link: link on which it arrived; an unknown link is ignored.
+            link: link on which it arrived. If the link is not open, the frame is ignored.
             frame: verified frame without its signature.
-            robot: index of the only vehicle that receives it. If None, the vehicles it is addressed to receive it.
-                A frame for a vehicle that does not exist has no effect.
+            robot: index of the only vehicle that receives it. If None, the target in the message determines the
+                vehicles. A frame for a vehicle that does not exist has no effect.
         """
         there = self._links.get(link)
         if there is None or not (robot is None or 0 <= robot < len(self.vehicles)):
@@ -105,8 +108,7 @@ class Hub:
         for number in filter(there.reaches, addressed):
             self._traffic.append(Traffic(number, True, there.name, frame))
             sent += self._numbered(number, self.vehicles[number].handle_message(link, sender, message))
-        # Links of one robot get no frames of other stations: programs there may take these frames for frames of the
-        # robot.
+        # Programs on a link of one robot may mistake frames of other stations for frames of the robot.
         is_shared = robot is None and there.robot is None
         if is_shared and (system not in self._by_system or component != COMPONENT):
             for other in self._forwarded_to(link, sender, system, component):
@@ -128,7 +130,10 @@ class Hub:
         return sent
 
     def keep_alive(self) -> list[OutgoingFrame]:
-        """Return heartbeats of all vehicles for a period without ticks."""
+        """Return heartbeats of all vehicles for a period without ticks.
+
+        Ground stations disconnect silent vehicles by their own clock, even if the session is paused.
+        """
         return [
             frame
             for robot, vehicle in enumerate(self.vehicles)
@@ -136,12 +141,13 @@ class Hub:
         ]
 
     def take_traffic(self) -> tuple[Traffic, ...]:
-        """Return the frames that vehicles received and sent since the last call, in order, and clear this list."""
+        """Return the frames that vehicles received and sent since the last call, in order."""
         traffic, self._traffic = tuple(self._traffic), []
         return traffic
 
     def _addressed(self, system: int, component: int) -> Iterable[int]:
         """Return the vehicles addressed by this target."""
+        # In MAVLink, component id 0 addresses all components of a system.
         if component not in (BROADCAST, COMPONENT):
             return ()
         if system == BROADCAST:
@@ -157,7 +163,7 @@ class Hub:
             for number, link in self._links.items()
             if number != origin
             and link.robot is None
-            # The sender is present on this link too, so the link has the message already.
+    # The sender is also present on this link, so the message has already arrived there.
             and not link.is_present(sender, self._tick)
             and (link.is_active(self._tick) if system == BROADCAST else link.leads_to(system, wanted, self._tick))
         ]
@@ -168,6 +174,7 @@ class Hub:
         for outgoing in messages:
             message_id, payload = outgoing.message.get_msgId(), payload_of(outgoing.message)
             seed = crc_extra(message_id) or 0
+            # Each link counts on its own. Otherwise frames on other links would look like losses.
             for number, link in self._reached(outgoing, robot):
                 frame = Frame(system, COMPONENT, link.next_sequence(system), message_id, payload, seed)
                 self._traffic.append(Traffic(robot, False, link.name, frame))

@@ -17,6 +17,7 @@ def read_signing_key(path: Path) -> SigningKey:
     Raises:
         BadFile: the file cannot be read, other accounts may read it, or it contains no key.
     """
+    # A key is as safe as its file, so a file that other accounts may read is refused.
     check_private(path)
     try:
         with open_regular(path) as file:
@@ -25,5 +26,5 @@ def read_signing_key(path: Path) -> SigningKey:
         raise BadFile(path, f"the signing key cannot be read ({reason_of(error)})", _REMEDY) from None
     key = parse_key(content)
     if isinstance(key, InvalidKey):
-        raise BadFile(path, f"it contains no signing key: {key.problem}", _REMEDY)
+        raise BadFile(path, f"this file contains no signing key: {key.problem}", _REMEDY)
     return key

@@ -1,4 +1,7 @@
-"""File next to a signing key with timestamps of accepted frames, so that no frame is accepted again after a restart."""
+"""Timestamps of accepted frames, in a file next to the signing key.
+
+With these timestamps, no frame is accepted a second time after a restart.
+"""
 
 import json
 import logging
@@ -22,7 +25,7 @@ class TimestampFile:
 
     Args:
         key: file of the signing key.
-        side: name of the side of the link; each side other than the robots has its own file.
+        side: suffix for the program at this end of the link: empty for the robots. Each program has its own file.
     """
 
     def __init__(self, key: Path, side: str = "") -> None:
@@ -37,11 +40,11 @@ class TimestampFile:
         except FileNotFoundError:
             return None
         except (OSError, ValueError, RecursionError) as error:
-            _log.warning("%s cannot be used (%s): only frames signed from now on are accepted", self._path, error)
+            _log.warning("%s cannot be used (%s): only frames signed from now on will be accepted", self._path, error)
             return None
 
     def write(self, known: KnownTimestamps) -> None:
-        """Replace the file, readable by its owner only; a failure is logged once."""
+        """Replace the file. Only its owner can read it. A failure is logged once."""
         streams = [[*stream, timestamp] for stream, timestamp in sorted(known.streams.items())]
         text = json.dumps({"format": _FORMAT, "latest": known.latest, "streams": streams})
         try:

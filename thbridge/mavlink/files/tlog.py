@@ -24,12 +24,13 @@ class TlogFile:
         self.path = path
         self._tlog = Tlog()
         try:
+            # Unbuffered, so that a killed program loses no complete tick.
             self._file = path.open("xb", buffering=0)
         except FileExistsError:
-            remedy = "choose another name, or move it elsewhere"
+            remedy = "choose another name, or move this file to another folder"
             raise BadFile(path, "this file already exists", remedy) from None
         except OSError as error:
-            raise _not_writable(path, error, "give a folder that exists and is writable") from None
+            raise _not_writable(path, error, "name a folder that exists and is writable") from None
 
     def record(self, stamp_ns: int, traffic: Iterable[Traffic]) -> None:
         """Write the frames that vehicles received and sent in a tick.

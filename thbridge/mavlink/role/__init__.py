@@ -1,1 +1,1 @@
-"""Robots as MAVLink vehicles in the game: ground stations request moves of the game, or goals outside it."""
+"""Robots as MAVLink vehicles in the game. Ground stations request moves of the game, or goals outside the game."""

@@ -1,16 +1,16 @@
 """MAVLink names of the study's parameters: at most 16 characters of A-Z, 0-9 and _.
 
-A name consists of a shortened prefix of the parameter's path and the shortened name of the parameter. The name is
-shortened as a whole if a table contains it, otherwise word by word. `GC_INFL_RADIUS` is
-`global_costmap.inflation_layer.inflation_radius`. Ground stations group parameters by the part before the first `_`.
-There is one group for each of ROS's nodes, costmaps and planners, and SIM for the noise of simulated sensors, as in
-ArduPilot.
+A MAVLink name consists of a short prefix for the parameter's path and a short form of the parameter's name. If the
+table `_OWN` contains the parameter's name, it gives the short form. Otherwise each word is shortened. For example,
+`GC_INFL_RADIUS` is `global_costmap.inflation_layer.inflation_radius`. Ground stations group parameters by the part
+before the first `_`. Each node, costmap and planner of ROS has a group. The group SIM contains the noise of simulated
+sensors, as in ArduPilot.
 """
 
 from collections.abc import Mapping
 
 LONGEST = 16
-"""Largest length of a parameter's name in MAVLink (`param_id`)."""
+"""Maximum length of a parameter's name in MAVLink (`param_id`)."""
 
 _BEGINNINGS: Mapping[str, str] = {
     "amcl.": "AMCL",
@@ -37,7 +37,7 @@ _BEGINNINGS: Mapping[str, str] = {
     "world.laser.": "SIM_LASER",
     "world.laser.range_": "SIM_LASER",
 }
-"""Prefixes of paths; the longest matching prefix is used."""
+"""Short forms of the prefixes of paths. The longest matching prefix is used."""
 
 _OWN: Mapping[str, str] = {
     "recovery_alpha_slow": "RECOV_SLOW",
@@ -66,7 +66,7 @@ _OWN: Mapping[str, str] = {
     "make_plan_add_unreachable_goal": "PLAN_ADD_GOAL",
     "shutdown_costmaps": "SHUT_COSTMAPS",
 }
-"""Short forms of whole names. Word by word, these names would be too long or would repeat their prefix."""
+"""Short forms of complete names. Even with shortened words, these names would be too long or repeat their prefix."""
 
 _WORDS: Mapping[str, str] = {
     "angle": "ANG",
@@ -118,11 +118,11 @@ GROUPS: Mapping[str, str] = {
     "MB": "move_base",
     "SIM": "true noise of the simulated sensors",
 }
-"""Owner of the parameters of each group, by the prefix of the group."""
+"""Name of each group for people, by the prefix of the group."""
 
 
 def group_of(name: str) -> str:
-    """Return the group of a name, a key of `GROUPS`."""
+    """Return the prefix of a name's group, which is a key of `GROUPS`."""
     return name.partition("_")[0]
 
 
@@ -130,7 +130,7 @@ def name_of(path: str) -> str:
     """Return the name of the parameter at a path.
 
     Raises:
-        ValueError: the name is too long for MAVLink. Add a shorter one to a table above.
+        ValueError: the name is too long for MAVLink. Add a shorter form to a table above.
     """
     beginning = max((each for each in _BEGINNINGS if path.startswith(each)), key=len)
     whole = path.rpartition(".")[2]

@@ -1,8 +1,8 @@
-"""A robot's parameters in MAVLink: numbers under short names, which a ground station may change at any time.
+"""A robot's parameters in MAVLink: numbers with short names. A ground station may change them at any time.
 
-MAVLink sends 32-bit floats. The number sent is the 32-bit float nearest to the current value. A received number means
-the shortest decimal with the same 32-bit float. The parameter does not change if its value is already sent as this
-32-bit float. So 0.1 stays 0.1, even if ground stations send back the values they read many times.
+MAVLink sends 32-bit floats. The sent number is the 32-bit float nearest to the current value. A received number means
+the shortest decimal that has the same 32-bit float. If the current value already has this 32-bit float, the parameter
+does not change. So 0.1 remains 0.1, even if ground stations send back many times the values that they have read.
 """
 
 import math
@@ -26,7 +26,7 @@ class VehicleParameter:
     """A parameter of the study that MAVLink can represent.
 
     Attributes:
-        name: its name, at most 16 characters of A-Z, 0-9 and _.
+        name: its name in MAVLink, at most 16 characters of A-Z, 0-9 and _.
         declaration: its path, type, unit, bounds and choices.
     """
 
@@ -34,14 +34,17 @@ class VehicleParameter:
     declaration: LiveParameter
 
     def to_number(self, value: ParameterValue) -> float:
-        """Return the number for a value: the index of a word among the choices, -1 for a plug-in's word, 0 for None."""
+        """Return the number for a value.
+
+        The number of a word is its index among the choices, or -1 for the name of a plug-in. The number of None is 0.
+        """
         if isinstance(value, str):
             choices = self.declaration.choices
             return float(choices.index(value)) if value in choices else -1.0
         return float(value or 0)
 
     def from_number(self, number: float) -> ParameterValue | Denied:
-        """Return the value for a 32-bit number, or the reason why there is none; bounds are not checked."""
+        """Return the value for a 32-bit number, or the reason why there is no value. Bounds are not checked."""
         types, choices = self.declaration.types, self.declaration.choices
         if float in types:
             return None if number == 0.0 and NoneType in types else float(str(np.float32(number)))
@@ -56,8 +59,11 @@ class VehicleParameter:
         return choices[int(number)]
 
     def description(self, default: ParameterValue) -> ParameterDescription:
-        """Return the description for ground stations; `default` is the parameter's value at the start of the
-        session."""
+        """Return the description for ground stations.
+
+        Args:
+            default: value of the parameter at the start of the session.
+        """
         parameter = self.declaration
         path = parameter.path if parameter.path.startswith(WORLD_PREFIX) else f"robot.{parameter.path}"
         may_be_none = NoneType in parameter.types
@@ -85,7 +91,7 @@ PARAMETERS = tuple(
     for parameter in (*live_parameters(), *live_parameters(WorldParameters, WORLD_PREFIX[:-1]))
     if _is_numeric(parameter)
 )
-"""All parameters in the order of sending: first those of the software, then the noise of the true sensors."""
+"""All parameters in the order of sending: first parameters of the software, then the true noise of the sensors."""
 
 _PLACES = {parameter.name: place for place, parameter in enumerate(PARAMETERS)}
 
@@ -106,14 +112,14 @@ class Tunable(Protocol):
     """Access to the parameters of a team, implemented by `SimR`."""
 
     def tuning(self, robot: int) -> Tuning | None:
-        """Return a robot's parameters after all requests so far; None for a real robot."""
+        """Return a robot's parameters after all requests so far. If it is a real robot, return None."""
 
     def ask(self, request: SetParameters) -> None:
         """Queue a request for the next step."""
 
 
 class VehicleParameters:
-    """The parameters of one robot's vehicle. Values are always current, also after changes by other clients.
+    """Parameters of one robot's vehicle. Their values are always current, even after changes by other clients.
 
     The vehicle of a real robot has no parameters, because they cannot be changed here.
 
@@ -137,8 +143,9 @@ class VehicleParameters:
         return tuple(parameter.description(value) for parameter, value in zip(PARAMETERS, values, strict=True))
 
     def settings(self) -> Sequence[ParameterSetting]:
-        """Return all settings, always in the same order, as they will be after all requests so far."""
+        """Return all settings as they will be after all requests so far, always in the same order."""
         tuning = self._robots.tuning(self._robot)
+        # Stations ask for each of some hundred parameters. So the settings are made again only after a change.
         if tuning is not None and tuning != self._of:
             numbers = (each.to_number(value) for each, value in zip(PARAMETERS, values_of(tuning), strict=True))
             nearest = np.fromiter(numbers, dtype=np.float32).tolist()
@@ -152,11 +159,11 @@ class VehicleParameters:
         return None if place is None or not settings else settings[place]
 
     def change(self, name: str, value: float) -> ParameterSetting | Denied:
-        """Set a parameter; return its new setting, or the reason why it keeps its value.
+        """Set a parameter. Return its new setting, or the reason why its value does not change.
 
         Args:
             name: name of the parameter.
-            value: any number; it is rounded to a 32-bit float.
+            value: any number, which is rounded to a 32-bit float.
         """
         before, tuning = self.setting(name), self._robots.tuning(self._robot)
         if before is None or tuning is None:

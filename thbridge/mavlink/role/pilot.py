@@ -1,7 +1,7 @@
-"""Pilot of one robot: turns requests of ground stations into moves of the game, or goals and manual driving outside it.
+"""Pilot of one robot. It converts requests of ground stations to moves of the game, or to driving outside the game.
 
-A point in a room is a move of the game: the rules apply, energy is paid, the treasure is sensed. A point outside
-rooms, or in the room where the robot stands, is a goal of the navigator that does not affect the game.
+A point in a room is a move of the game: the rules apply, the move costs energy, and the robot senses the treasure. A
+point outside rooms, or in the room where the robot stands, is a goal of the navigator and does not affect the game.
 """
 
 import math
@@ -51,14 +51,14 @@ from thbridge.roles.simr.controls import MANUAL_DRIVE_TICKS
 
 @dataclass(frozen=True, slots=True)
 class GameSetup:
-    """Facts about the game that all pilots of a team have before it starts.
+    """Facts about the game that all pilots of a team need before the game starts.
 
     Attributes:
         floor: traversability of the map.
         rooms: rooms on the map.
         names: possible names of treasures, in alphabetical order.
         energy: energy of each robot at the start.
-        plans_end_apart: True if plans may end at a distance from a goal that is out of reach (`default_tolerance`).
+        plans_end_apart: True if a plan may end near a goal that cannot be reached (`default_tolerance`).
     """
 
     floor: TraversabilityMap
@@ -73,7 +73,7 @@ class GameSetup:
         return next((room for room in self.rooms if inside(room.region, xs, ys)[0]), None)
 
     def misplaced(self, robot: int, x: float, y: float) -> Denied | None:
-        """Return a denial, with the sentence of a navigator, if a robot can never stand at a point of the map."""
+        """Return a denial if a robot can never stand at a point of the map. Its sentence is that of a navigator."""
         grid = self.floor.grid
         row, col = grid.cell_of(x, y)
         if not grid.contains(row, col):
@@ -86,7 +86,7 @@ class GameSetup:
         return None
 
     def out_of_reach(self, robot: int, x: float, y: float) -> Denied | None:
-        """Return a denial if no goal outside the game can bring a robot to a point of the map."""
+        """Return a denial if no goal outside the game can lead a robot to a point of the map."""
         return None if self.plans_end_apart else self.misplaced(robot, x, y)
 
 
@@ -97,9 +97,10 @@ class Pilot:
         robot: its index in the team, from 0.
         setup: facts about the game.
         start: start pose, map frame.
-        speeds: speed limit of the robot.
+        speed_limit: speed limit of the robot.
         parameters: its parameters in MAVLink.
-        ask: queues requests to robots and game for the next tick. They follow from frames, so they are not inputs.
+        ask: queues requests to robots and game for the next tick. These requests are no inputs of a recording, because
+            they follow from the recorded frames.
     """
 
     def __init__(
@@ -126,7 +127,7 @@ class Pilot:
     # Command
 
     def take(self, station: Station) -> Denied | None:
-        """See `VehicleInterface`; a robot that does not respond cannot be taken."""
+        """See `VehicleInterface`. A station cannot command a robot that does not respond."""
         if self._game is None or self._snapshot is None:
             return _NO_GAME
         if not is_responding(self._snapshot, self._robot):
@@ -143,7 +144,7 @@ class Pilot:
     # Driving
 
     def go_to(self, target: Target) -> int | Denied:
-        """See `VehicleInterface`. Rules and map decide at once; the navigator decides later, when the robot departs."""
+        """See `VehicleInterface`. Rules and map decide at once. The navigator decides later, when the robot departs."""
         if not all(map(math.isfinite, (target.x, target.y, target.heading or 0.0))):
             return Denied("That is no point of a map.")
         state = self._able()
@@ -165,7 +166,7 @@ class Pilot:
         self._ask(CancelGoal(self._robot))
 
     def drive(self, twist: Twist) -> Denied | None:
-        """See `VehicleInterface`; this aborts a leg or a move of the game in progress."""
+        """See `VehicleInterface`. This aborts a leg or a move of the game in progress."""
         state = self._able()
         if isinstance(state, Denied):
             return state
@@ -178,7 +179,7 @@ class Pilot:
         return self._speed_limit.fastest()
 
     def limit_speed(self, speed: float) -> Denied | None:
-        """See `VehicleInterface`; a robot never drives faster than the study allows."""
+        """See `VehicleInterface`. A robot never drives faster than the study allows."""
         values = self._speed_limit.limit(speed)
         if isinstance(values, Denied):
             return values
@@ -259,10 +260,11 @@ class Pilot:
     # Conditions
 
     def _able(self) -> GameState | Denied:
-        """Return the state of the game after all requests so far, or the reason why no station can move the robot."""
+        """Return the state of the game after all requests so far, or the reason why stations cannot move the robot."""
         if self._game is None or self._snapshot is None:
             return _NO_GAME
         state = self._game
+        # Requests have an effect only in the next tick, but a station may arm and drive a robot in the same tick.
         if self._new_holder is not None:
             state = apply(state, CommanderChanged(self._robot, self._new_holder.by, self._new_holder.name))
         robot = state.robots[self._robot]
@@ -287,7 +289,7 @@ def _goal_pose(target: Target, here: Pose2) -> Pose2:
 
 
 def _is_at_wall(floor: TraversabilityMap, row: int, col: int) -> bool:
-    """Return True for a cell in a wall, too near to a wall, or at the edge of the map; unknown space is not a wall."""
+    """Return True for a cell in a wall, too near to a wall, or at the edge of the map. Unknown cells are not walls."""
     grid, reach = floor.grid, floor.inscribed / floor.grid.resolution
     if not (0 < row < grid.rows - 1 and 0 < col < grid.cols - 1):
         return True

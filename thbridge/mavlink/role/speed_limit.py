@@ -1,4 +1,4 @@
-"""Speed limits set by ground stations, never above the limit of the study."""
+"""Speed limits that ground stations set. They are never above the limits of the study."""
 
 import math
 
@@ -9,11 +9,11 @@ from thbridge.mavlink.role.parameters import Tunable
 from thbridge.mavlink.values.vehicle_interface import DenialKind, Denied
 
 DEFAULT_FASTEST = Twist(0.5, 1.0)
-"""Speeds used as limits of manual driving for robots with unknown parameters."""
+"""Speed limits of manual driving for robots whose parameters are unknown."""
 
 
 class SpeedLimit:
-    """The speed limit of one robot.
+    """Speed limit of one robot.
 
     Args:
         robot: its index in the team, from 0.
@@ -28,7 +28,7 @@ class SpeedLimit:
         self._limit = math.inf
 
     def fastest(self) -> Twist:
-        """Return the largest speeds of the local planner in use, or `DEFAULT_FASTEST` if unknown; both are positive."""
+        """Return the maximum speeds of the present local planner, or `DEFAULT_FASTEST` if unknown, both positive."""
         now = self._robots.tuning(self._robot)
         if now is None:
             return DEFAULT_FASTEST
@@ -36,11 +36,11 @@ class SpeedLimit:
         return Twist(min(max(planner.max_vel_x, 0.0), self._limit), planner.max_vel_theta)
 
     def bounded(self, twist: Twist) -> Twist:
-        """Return the twist, clamped to the limit set here."""
+        """Return the twist, clamped to the limit that a station has set."""
         return Twist(min(max(twist.linear, -self._limit), self._limit), twist.angular)
 
     def limit(self, speed: float) -> tuple[tuple[str, float], ...] | Denied:
-        """Set the limit in m/s, or remove it with a negative value; return the parameters to set, by path."""
+        """Set the limit in m/s. A negative value removes it. Return the paths and values of parameters to set."""
         now = self._robots.tuning(self._robot)
         if now is None:
             return Denied("The speed of this robot is not ours to change.", DenialKind.UNSUPPORTED)
@@ -58,7 +58,7 @@ class SpeedLimit:
         return tuple(values)
 
     def _bounds(self, with_dwa: bool) -> tuple[tuple[str, float], ...]:
-        """Return the study's speed bounds of the local planner, by path."""
+        """Return the path and the value in the study of each speed bound of the local planner."""
         if with_dwa:
             dwa = self._study.DWAPlannerROS
             return ("DWAPlannerROS.max_vel_x", dwa.max_vel_x), ("DWAPlannerROS.max_vel_trans", dwa.max_vel_trans)

@@ -1,4 +1,4 @@
-"""Texts for people at ground stations about the game: rooms reached, treasures found, results."""
+"""Texts about the game for people at ground stations: reached rooms, found treasures, results."""
 
 from collections.abc import Iterator
 
@@ -11,7 +11,7 @@ from thbridge.hunt.treasures import name_in_words
 
 
 def game_texts(robot: int, before: GameState | None, now: GameState) -> Iterator[str]:
-    """Yield sentences about changes of a robot, and of the room where it stands, since `before`."""
+    """Yield sentences about changes since `before` of a robot and of the room where it stands."""
     if before is None or before.started != now.started:
         return
     was, mover = before.robots[robot], now.robots[robot]
@@ -24,7 +24,7 @@ def game_texts(robot: int, before: GameState | None, now: GameState) -> Iterator
 
 
 def handback_texts(robot: int, before: GameState | None, now: GameState) -> Iterator[str]:
-    """Yield the participant's requests since `before` to the ground station that commands a robot."""
+    """Yield the participant's requests since `before` to get a robot back from the ground station that commands it."""
     if before is None or now.robots[robot].holder.by is not Commander.GROUND_STATION:
         return
     if now.robots[robot].asked_back > before.robots[robot].asked_back:

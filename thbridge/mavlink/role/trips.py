@@ -1,4 +1,4 @@
-"""Trips requested by ground stations: moves of the game, or goals of the navigator outside the game."""
+"""Trips that ground stations request: moves of the game, or goals of the navigator outside the game."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -21,12 +21,12 @@ from thbridge.roles.shared.robot_requests import Request, StationSend, StationSt
 from thbridge.ros.messages.goal_owners import GoalOwner
 
 RESPONSE_TIMEOUT = TICKS_PER_SECOND
-"""Ticks without observations after which a robot counts as silent; also ticks without a goal status after which a goal
+"""Ticks without observations after which a robot counts as silent. After this many ticks without a goal status, a goal
 fails."""
 
 
 class TripStage(Enum):
-    """Stage of a trip: it waits for the end of an earlier move of the game; it is requested; the robot drives."""
+    """Stage of a trip: it waits for the end of an earlier move of the game, it is requested, or the robot drives."""
 
     WAITING = 0
     ASKED = 1
@@ -35,12 +35,12 @@ class TripStage(Enum):
 
 @dataclass(frozen=True, slots=True)
 class VehicleTrip:
-    """A leg and its execution.
+    """Leg of a robot and its execution.
 
     Attributes:
         leg: state of the leg for ground stations.
         target: goal pose of the base, map frame.
-        room: destination of a move of the game, or None for a goal outside the game.
+        room: destination of a move of the game. If None, the goal is outside the game.
         stage: stage of the execution.
         unanswered_ticks: ticks without a status of the goal from the navigator.
     """
@@ -86,21 +86,21 @@ class TripDispatcher:
         self._legs = 0
         self._trip: VehicleTrip | None = None
         self._game: GameState | None = None
-        # Two flags: a move was requested since the last tick; the current move of the game has to end.
+        # `_sent`: a move was requested since the last tick. `_stopping`: the current move of the game has to end.
         self._sent = False
         self._stopping = False
 
     @property
     def leg(self) -> HelmLeg | None:
-        """Progress of the last trip; None before the first."""
+        """Progress of the last trip. None before the first trip."""
         return None if self._trip is None else self._trip.leg
 
     def begin(self, target: Pose2, room: Room | None, here: Pose2, state: GameState) -> int | Denied:
-        """Start a trip that replaces the last one.
+        """Start a trip. It replaces the last trip.
 
         Args:
             target: goal pose of the base, map frame.
-            room: destination of a move of the game, or None for a goal outside the game.
+            room: destination of a move of the game. If None, the goal is outside the game.
             here: current pose of the base, map frame.
             state: state of the game after all requests so far.
 
@@ -108,6 +108,7 @@ class TripDispatcher:
             The number of the leg, or the refusal by the game.
         """
         trip = VehicleTrip(HelmLeg(self._legs + 1, LegState.UNDER_WAY, here.distance(target)), target, room)
+        # The robot is already on its way to this room, so no new move is requested.
         if room is not None and state.robots[self._robot].bound_for == room and not self._stopping:
             trip = replace(trip, stage=TripStage.GOING)
         elif room is not None and isinstance(ruling := _judge(state, self._robot, room), RequestRefused):
@@ -117,7 +118,7 @@ class TripDispatcher:
         return trip.leg.number
 
     def abort(self, reason: str) -> None:
-        """Abort the current trip for this reason, and the current move of the game, regardless of who ordered it."""
+        """Abort the current trip for this reason. Also abort the current move of the game of any commander."""
         if self._trip is not None and self._trip.under_way:
             self._trip = self._trip.failed(reason)
         self._stop_move()
@@ -135,10 +136,10 @@ class TripDispatcher:
             self._trip = self._set_out(trip, game) if trip.stage is TripStage.WAITING else trip
 
     def _set_out(self, trip: VehicleTrip, state: GameState) -> VehicleTrip:
-        """Request a trip, unless a move of the game has to end first.
+        """Request a trip. If a move of the game has to end first, request it later.
 
-        After a failsafe, the drive home continues although command has returned, until another commander sends the
-        robot elsewhere.
+        After a failsafe, the participant commands the robot again. The drive home continues until a commander sends the
+        robot to another goal.
         """
         mover = state.robots[self._robot]
         if self._sent or mover.bound_for is not None:
@@ -160,9 +161,9 @@ class TripDispatcher:
         return replace(trip, stage=TripStage.ASKED)
 
     def _stop_move(self) -> None:
-        """Stop the current or just requested move of the game.
+        """Stop the current move of the game, or a move that was just requested.
 
-        This takes some ticks; the request is repeated until then.
+        This takes some ticks. Until then, each tick repeats the request.
         """
         under_way = self._game is not None and self._game.robots[self._robot].bound_for is not None
         if under_way:
@@ -176,7 +177,7 @@ def is_responding(snapshot: TeamSnapshot, robot: int) -> bool:
 
 
 def advanced(trip: VehicleTrip, snapshot: TeamSnapshot, game: GameState, robot: int) -> VehicleTrip:
-    """Return a trip updated after this tick."""
+    """Return the state of a trip after this tick."""
     trip = _with_remaining(trip, snapshot.robots[robot])
     if trip.stage is TripStage.WAITING:
         return trip
@@ -184,7 +185,7 @@ def advanced(trip: VehicleTrip, snapshot: TeamSnapshot, game: GameState, robot: 
 
 
 def _by_game(trip: VehicleTrip, game: GameState, robot: int) -> VehicleTrip:
-    """Return the trip of a move of the game, updated from the state of the game."""
+    """Return the state of a trip that is a move of the game."""
     mover = game.robots[robot]
     if mover.bound_for is not None and mover.bound_for == trip.room:
         return replace(trip, stage=TripStage.GOING)
@@ -197,7 +198,7 @@ def _by_game(trip: VehicleTrip, game: GameState, robot: int) -> VehicleTrip:
 
 
 def _by_navigator(trip: VehicleTrip, snapshot: TeamSnapshot, robot: int) -> VehicleTrip:
-    """Return the trip of a goal outside the game, updated from the state of the navigator."""
+    """Return the state of a trip to a goal outside the game."""
     navigation = snapshot.robots[robot].navigation
     # The last result of a dead robot is outdated.
     if robot not in snapshot.dead:
@@ -216,7 +217,7 @@ def _by_navigator(trip: VehicleTrip, snapshot: TeamSnapshot, robot: int) -> Vehi
 
 
 def _with_remaining(trip: VehicleTrip, output: RobotOutput) -> VehicleTrip:
-    """Return the trip with its remaining distance, along the navigator's plan or straight if there is no plan."""
+    """Return the trip with its remaining distance: along the navigator's plan, or straight if there is no plan."""
     navigation = output.navigation
     planned = trip.stage is TripStage.GOING and navigation.state == "controlling"
     left = navigation.remaining if planned else output.estimate.base_in_map.distance(trip.target)
@@ -226,7 +227,7 @@ def _with_remaining(trip: VehicleTrip, output: RobotOutput) -> VehicleTrip:
 def _judge(state: GameState, robot: int, room: Room) -> rules.Ruling:
     """Return the rules' decision on a move.
 
-    A moving robot is judged as if it stood still, because it is stopped first.
+    A moving robot is judged as if it stood still, because it will be stopped first.
     """
     back = rules.fail(state, robot, "", 0.0)
     for event in () if isinstance(back, RequestRefused) else back:

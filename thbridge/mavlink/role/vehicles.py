@@ -1,4 +1,4 @@
-"""The robots of a game as MAVLink vehicles: their hub, which runs in each tick of the session, and their pilots."""
+"""Robots of a game as MAVLink vehicles, with their pilots and their hub. The session steps them in each tick."""
 
 from collections.abc import Callable, Sequence
 from itertools import count
@@ -16,7 +16,7 @@ from thbridge.mavlink.wire.traffic import OutgoingFrame
 from thbridge.roles.shared.robot_requests import Request
 
 RequestSink: TypeAlias = Callable[[Request], None]
-"""Queues requests to robots and game for the next tick."""
+"""Function that queues a request to robots and game for the next tick."""
 
 
 class Vehicles:
@@ -27,7 +27,7 @@ class Vehicles:
         options: options of the study.
 
     Attributes:
-        hub: routes the frames of open links.
+        hub: router of the frames of open links.
     """
 
     def __init__(self, pilots: Sequence[Pilot], options: VehicleOptions) -> None:
@@ -42,7 +42,7 @@ class Vehicles:
         return tuple(vehicle.status for vehicle in self.hub.vehicles)
 
     def open(self, name: str, robot: int | None) -> LinkId:
-        """Open a link of this name; its number was not used before. See `Hub.open`."""
+        """Open a link of this name with a new number. See `Hub.open`."""
         link = LinkId(next(self._numbers))
         self.hub.open(link, name, robot)
         return link
