@@ -1,1 +1,1 @@
-"""MAVLink over UDP and TCP: the links of a session to ground stations, and a ground station's own socket."""
+"""MAVLink over UDP and TCP: links from a session to ground stations, and the socket of our own ground station."""

@@ -1,4 +1,4 @@
-"""Socket of a ground station: UDP, usually bound to the port that robots send to, or TCP."""
+"""Socket of our ground station. It uses TCP, or UDP, usually bound to the port to which robots send."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ CONNECT_SECONDS = 5.0
 
 _LARGEST = 65535
 _TURN = 64
-"""Largest number of datagrams read at a time."""
+"""Maximum number of datagrams that are read at a time."""
 _STEP = 0.05
 """Seconds between two checks of the clock when nothing is received."""
 
 
 class Unreachable(Exception):  # noqa: N818 - not an error of the program
-    """Failure to reach robots. The text is the reason, as a clause without a full stop."""
+    """Failure to reach robots. Its text is the reason, as a clause without a full stop."""
 
 
 class StationSocket:
@@ -56,13 +56,14 @@ class StationSocket:
         self._stream = own.type == socket.SOCK_STREAM
         self.is_listening = not self._stream and peer is None
         self._peers = set() if peer is None else {peer}
+        # Robots reject a timestamp that is not newer than the last one from this station.
         self._timestamps = SignatureTimestamps(known)
         signing = None if key is None else Signing(key, 0, self._timestamps)
         self._channel = Channel(signing, datagrams=not self._stream)
 
     @property
     def known(self) -> KnownTimestamps:
-        """Timestamps of all frames so far, for the next station."""
+        """Timestamps of all frames so far. The next station with this key needs them."""
         return self._timestamps.known
 
     @property
@@ -76,7 +77,7 @@ class StationSocket:
         Raises:
             Unreachable: the connection has ended.
         """
-        # Without a peer, the first heartbeat waits until a robot has sent a frame.
+        # A listening station does not know any address before a robot has sent a frame.
         events = self.station.advance(time.monotonic()) if self._stream or self._peers else []
         await self._send()
         try:
@@ -109,9 +110,9 @@ class StationSocket:
             except OSError as error:
                 if self._stream:
                     raise Unreachable(reason_of(error)) from None
-                continue  # the peer's port is not open yet
+                continue  # An earlier datagram was refused, because the peer's port is not open yet.
             if self._stream and not data:
-                raise Unreachable("the other side closed the connection")
+                raise Unreachable("the robots' program closed the connection")
             if self.is_listening:
                 self._peers.add(address)
             yield data
@@ -126,7 +127,7 @@ class StationSocket:
                 except OSError as error:
                     raise Unreachable(reason_of(error)) from None
             for peer in self._peers:
-                with suppress(OSError):  # the peer's port is not open yet; frames are repeated
+                with suppress(OSError):  # The peer's port may not be open yet. Heartbeats and commands are repeated.
                     self._socket.sendto(data, peer)
 
 
@@ -136,13 +137,14 @@ async def open_station(
 ) -> AsyncIterator[StationSocket]:
     """Open a ground station at an address.
 
-    If earlier stations stored no timestamps, the first frame of robots may be a minute old, because clocks may differ.
+    If there are no timestamps of earlier stations, the first frame of a robot may be a minute old, because clocks may
+    differ.
 
     For UDP, the station binds to the address if possible, as ground stations usually do. Otherwise it sends to the
     address.
 
     Raises:
-        Unreachable: the address does not exist, or no server answers there.
+        Unreachable: the address does not exist, or no program answers at it.
     """
     kind = socket.SOCK_STREAM if tcp else socket.SOCK_DGRAM
     loop = asyncio.get_running_loop()
@@ -151,7 +153,7 @@ async def open_station(
     except OSError as error:
         raise Unreachable(reason_of(error)) from None
     except UnicodeError:
-        raise Unreachable("that is not a host name") from None
+        raise Unreachable("this is not the name of a host") from None
     there = cast(SocketAddress, found)
     with socket.socket(family, kind) as own:
         own.setblocking(False)
@@ -161,7 +163,7 @@ async def open_station(
                 async with asyncio.timeout(CONNECT_SECONDS):
                     await loop.sock_connect(own, there)
             except TimeoutError:
-                raise Unreachable("no server answers") from None
+                raise Unreachable("no program answers at this address") from None
             except OSError as error:
                 raise Unreachable(reason_of(error)) from None
         else:

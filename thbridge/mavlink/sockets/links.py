@@ -1,7 +1,7 @@
-"""Links of a session to ground stations over any transport: frames go to the session, and answers to the stations.
+"""Links from a session to ground stations over any transport. They pass frames to the session and answers to stations.
 
-Everything runs on the thread of one event loop. Frame parsing and signatures end here: the session gets complete,
-verified frames without signatures.
+Everything runs on the thread of one event loop. This module parses frames and checks
+signatures. The session gets complete, verified frames without signatures.
 """
 
 import asyncio
@@ -24,20 +24,21 @@ from thbridge.mavlink.wire.traffic import FrameOutcome, OutgoingFrame
 from thbridge.sockets.warn_once import WarnOnce
 
 GARBAGE_LIMIT = 16 * 1024
-"""Number of consecutive bytes without a valid frame after which a peer is ignored, at least for some time."""
+"""Number of consecutive bytes without a valid frame after which a peer is disconnected (TCP) or ignored for a while."""
 
 LINK_FRAMES = 128
-"""Largest number of frames processed per tick and link. With the shortest frames that stations send, this is 1
-Mbit/s."""
+"""Maximum number of frames that are processed per tick and link. With the shortest frames that stations send, this is
+1 Mbit/s."""
 
 WORK_SECONDS = 0.004
-"""Seconds per tick after which no further frame of any link is processed."""
+"""Seconds of processing per tick. After this time, no further frame of any link is processed in the tick."""
 
 TICK_ANSWERS = 100
-"""Number of answers per tick after which no further frame is processed, because recording answers takes time."""
+"""Number of answers per tick after which no further frame is processed. There is a limit, because recording answers
+takes time."""
 
 MOST_WAITING = 2048
-"""Largest number of waiting frames of a link; further frames are dropped."""
+"""Maximum number of waiting frames of a link. Further frames are dropped."""
 
 _STORE_SECONDS = 0.1
 """Seconds between two writes of the timestamps."""
@@ -46,10 +47,10 @@ _log = logging.getLogger(__name__)
 
 
 class MavlinkSession(Protocol):
-    """Session behind the links, with its vehicles; it sends frames that are not answers by `MavlinkLinks.transmit`."""
+    """Session with vehicles. It calls `MavlinkLinks.transmit` to send frames that are not answers."""
 
     def open_link(self, name: str, robot: int | None = None) -> LinkId:
-        """Open a link of this name, to one robot only if an index is given."""
+        """Open a link of this name. If `robot` is an index, the link is to this robot only."""
 
     def close_link(self, link: LinkId) -> None:
         """Close a link."""
@@ -58,11 +59,11 @@ class MavlinkSession(Protocol):
         """Return the state of an open link, or None."""
 
     def receive_frame(self, link: LinkId, frame: Frame) -> FrameOutcome:
-        """Process a received frame: drop or answer it."""
+        """Process a received frame. It may be dropped or answered."""
 
 
 class TimestampStore(Protocol):
-    """Store of the timestamps of signatures between runs of the program."""
+    """Store that keeps timestamps of signatures between runs of the program."""
 
     def read(self) -> KnownTimestamps | None:
         """Return the timestamps of earlier runs, or None if they are unknown."""
@@ -75,7 +76,7 @@ class FrameSender(Protocol):
     """Transport of one link."""
 
     def send_frames(self, frames: Sequence[bytes]) -> int:
-        """Send frames in order; return the number of frames that could not be sent."""
+        """Send frames in order. Return the number of frames that could not be sent."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,7 +87,7 @@ class FrameTotals:
         received: frames received.
         sent: frames sent.
         unsent: frames that could not be sent.
-        dropped: frames and unread datagrams that arrived faster than they could be processed.
+        dropped: frames and unread datagrams that were dropped because too many arrived.
     """
 
     received: int
@@ -97,7 +98,7 @@ class FrameTotals:
 
 @dataclass(slots=True)
 class _Link:
-    """Open link; `taken` is the number of its frames processed in this tick."""
+    """Open link. `taken` is the number of its frames that were processed in this tick."""
 
     name: str
     channel: Channel
@@ -108,16 +109,16 @@ class _Link:
 
 
 class MavlinkLinks:
-    """Transfer of frames between links and a session. It uses a share of each tick; the session uses the rest.
+    """Transfer of frames between links and a session. It uses only a part of each tick; the session needs the rest.
 
-    Links take turns. Frames beyond this share wait for the next tick.
+    Links take turns. When the time is used up, further frames wait for the next tick.
 
     Args:
         key: key to sign and verify frames, or None.
         clock: returns seconds of Unix time, for signatures.
-        stopwatch: returns seconds, to measure processing times.
-        store: keeps timestamps of signatures between runs. If None, each run accepts only frames signed after its
-            start.
+        stopwatch: returns seconds. It measures processing times.
+        store: keeps timestamps of signatures between runs. If None, a run accepts only frames that were signed after
+            its start.
     """
 
     def __init__(
@@ -142,8 +143,8 @@ class MavlinkLinks:
         self._window = -1
         self._spent = 0.0
         self._answers = 0
-        # Links with waiting frames: first the links that still have a turn in this tick, then the links that have used
-        # their share.
+        # Both contain links with waiting frames. Links in `_turns` still have a turn in this tick. Links in `_served`
+        # have used their share.
         self._turns: deque[LinkId] = deque()
         self._served: deque[LinkId] = deque()
         self._timer: asyncio.TimerHandle | None = None
@@ -154,17 +155,18 @@ class MavlinkLinks:
         return FrameTotals(self._received, self._sent, self._unsent, self._dropped)
 
     def serve(self, exchange: MavlinkSession) -> None:
-        """Connect the links to a session; from now on, links can be opened."""
+        """Connect the links to a session. From now on, links can be opened."""
         self._exchange = exchange
 
     def channel(self, *, datagrams: bool) -> Channel:
-        """Return a channel for a new peer, which may become a link."""
+        """Return a channel for a new peer. The peer may become a link later."""
         self._met += 1
+        # In MAVLink, the id of a signed link is one byte.
         signing = None if self._key is None else Signing(self._key, self._met % 256, self._timestamps)
         return Channel(signing, datagrams=datagrams)
 
     def open(self, name: str, channel: Channel, carrier: FrameSender, robot: int | None = None) -> LinkId | None:
-        """Open a link, to one robot only if an index is given; return None while there is no session."""
+        """Open a link. If `robot` is an index, the link is to this robot only. Without a session, return None."""
         if self._exchange is None:
             return None
         link = self._exchange.open_link(name, robot)
@@ -172,34 +174,35 @@ class MavlinkLinks:
         return link
 
     def close(self, link: LinkId) -> None:
-        """Close a link; closing it twice has no effect."""
+        """Close a link. Closing it again has no effect."""
         closed = self._links.pop(link, None)
         if closed is not None and self._exchange is not None:
-            _log.info("MAVLink: %s; %d arrived too fast", self._exchange.link(link), closed.dropped)
+            _log.info("MAVLink: %s; %d dropped because too many arrived", self._exchange.link(link), closed.dropped)
             self._exchange.close_link(link)
 
     def frames_in(self, name: str, channel: Channel, data: bytes) -> list[Frame]:
-        """Return the valid frames in received bytes; log one warning for each peer and fault."""
+        """Return the valid frames in received bytes. Log each fault of a peer once."""
         frames = channel.receive_data(data, self._clock())
         self._received += len(frames)
         if frames and self._stopwatch() - self._stored > _STORE_SECONDS:
             self.store_timestamps()
         if channel.last_fault:
-            self.complaints.warn(f"MAVLink: {name}: discarded: {channel.last_fault}")
+            self.complaints.warn(f"MAVLink: {name}: bytes were discarded: {channel.last_fault}")
         return frames
 
     def store_timestamps(self) -> None:
-        """Store the timestamps of accepted frames for the next run."""
+        """Store the timestamps of accepted frames, so that the next run rejects repeated frames."""
         self._stored = self._stopwatch()
         if self._store is not None and self._key is not None:
             self._store.write(self._timestamps.known)
 
     def receive(self, link: LinkId, frames: Iterable[Frame]) -> None:
-        """Process frames received on a link, now or when there is time, and send the answers."""
+        """Process frames that a link received, now or when there is time, and send the answers."""
         there = self._links.get(link)
         if there is None:
             return
         given = list(frames)
+        # A link with waiting frames already is in one of the two queues.
         if given and not there.waiting:
             (self._turns if there.taken < LINK_FRAMES else self._served).append(link)
         room = MOST_WAITING - len(there.waiting)
@@ -209,21 +212,22 @@ class MavlinkLinks:
         self._work()
 
     def has_room(self, link: LinkId) -> bool:
-        """Return True if at most half of the allowed frames of a link wait; otherwise no more bytes are parsed."""
+        """Return True if at most half of the allowed frames of a link wait. Otherwise the link parses no more bytes."""
         there = self._links.get(link)
         return there is None or len(there.waiting) <= MOST_WAITING // 2
 
     def drop(self, link: LinkId, count: int) -> None:
-        """Count frames that came too fast; report the first one to the log and to the station."""
+        """Count frames that are dropped because too many arrived. Report only the first case."""
         there = self._links[link]
         self._dropped += count
         there.dropped += count
         if there.dropped == count:
-            self.complaints.warn(f"MAVLink: {there.name} sends more frames than can be processed; some are dropped")
+            # Only once for each link, because the warnings would add to the flood.
+            self.complaints.warn(f"MAVLink: {there.name} sends too many frames; some frames are dropped")
             self.transmit([OutgoingFrame(link, self._flood_warning(link))])
 
     def _flood_warning(self, link: LinkId) -> Frame:
-        """Return a text for the station, sent as component bridge, because the vehicle is not aware of the flood."""
+        """Return a text for the station. Its sender is a bridge component, because vehicles do not detect floods."""
         state = None if self._exchange is None else self._exchange.link(link)
         robot = 0 if state is None or state.robot is None else state.robot
         text = mav.MAVLink_statustext_message(mav.MAV_SEVERITY_WARNING, b"Too many frames: some are dropped.", 0, 0)
@@ -233,6 +237,7 @@ class MavlinkLinks:
     def _work(self) -> None:
         """Process waiting frames, link after link, while there is time."""
         window = int(self._stopwatch() / TICK)
+        # The limits are for each tick of real time, which may differ from the steps of the session.
         if window != self._window:
             self._window, self._spent, self._answers = window, 0.0, 0
             self._turns += self._served
@@ -271,6 +276,7 @@ class MavlinkLinks:
         """Send frames, each on its link."""
         now = self._clock()
         waiting: defaultdict[LinkId, list[bytes]] = defaultdict(list)
+        # Frames of a link are collected, because UDP packs several frames into a datagram.
         for one in sent:
             there = self._links.get(one.link)
             if there is not None:
@@ -281,4 +287,4 @@ class MavlinkLinks:
             self._sent += len(frames) - unsent
             self._unsent += unsent
             if unsent:
-                self.complaints.warn(f"MAVLink: {there.name}: frames could not be sent and are lost")
+                self.complaints.warn(f"MAVLink: {there.name}: some frames could not be sent and are lost")

@@ -1,4 +1,4 @@
-"""MAVLink server of a session: its UDP targets and ports and its TCP port, opened and closed together."""
+"""MAVLink server of a session. It opens and closes the session's UDP targets and ports and its TCP port together."""
 
 import logging
 from collections.abc import Sequence
@@ -22,10 +22,10 @@ class MavlinkPorts:
     """Addresses at which a session serves ground stations.
 
     Attributes:
-        udp: targets that get heartbeats from the start.
+        udp: targets to which robots send heartbeats from the start.
         tcp: address to listen on, or None.
         key: key to sign and verify frames, or None.
-        udp_listen: UDP address to listen on for stations that send first, or None.
+        udp_listen: UDP address at which stations may send first, or None.
         admission: decides by address which stations that send first are accepted.
         store: keeps timestamps of signatures between runs, or None.
     """
@@ -49,7 +49,7 @@ class MavlinkServer:
         self._opened = AsyncExitStack()
 
     async def open(self) -> list[str] | CannotListen:
-        """Open all ports without using them yet; return their names for people, or the first failure."""
+        """Open all ports, but do not use them yet. Return their names for people, or the first failure."""
         names = []
         for target in self._ports.udp:
             udp = self._kept(await udp_port(self._links, target))
@@ -71,14 +71,14 @@ class MavlinkServer:
         return names
 
     def _kept(self, port: UdpPort | CannotListen) -> UdpPort | CannotListen:
-        """Keep a port, to be served and closed with the others, and return it."""
+        """Add a port to the ports that are served and closed together, and return it."""
         if isinstance(port, UdpPort):
             self._opened.callback(port.close)
             self._udp_ports.append(port)
         return port
 
     def transmit(self, sent: Sequence[OutgoingFrame]) -> None:
-        """Send frames of the session, each on its link; frames of unknown links are dropped."""
+        """Send frames of the session, each on its link. Frames of unknown links are dropped."""
         self._links.transmit(sent)
 
     async def serve(self, exchange: MavlinkSession) -> None:
@@ -90,11 +90,11 @@ class MavlinkServer:
             await self._tcp_port.serve()
 
     async def close(self) -> None:
-        """Close all ports; TCP peers have a moment to read the last frames."""
+        """Close all ports. Before, TCP peers have a moment to read the last frames."""
         await self._opened.aclose()
         self._links.store_timestamps()
         totals = self._links.totals
         summary = f"{totals.received} frames received, {totals.sent} sent, {totals.unsent} could not be sent"
         if totals.dropped:
-            summary += f", {totals.dropped} arrived too fast"
+            summary += f", {totals.dropped} dropped because too many arrived"
         _log.log(logging.WARNING if totals.unsent or totals.dropped else logging.INFO, "MAVLink: %s", summary)

@@ -1,4 +1,4 @@
-"""MAVLink over TCP: a port for ground stations, with one link for each."""
+"""MAVLink over TCP: a port for ground stations, with one link for each station."""
 
 from __future__ import annotations
 
@@ -19,20 +19,21 @@ from thbridge.sockets.http_refusal import begins_http
 from thbridge.sockets.listening import ServerDoor
 
 CONNECTIONS = 32
-"""Largest number of connections. A further connection replaces the oldest silent connection, or is refused."""
+"""Maximum number of connections. A further connection replaces the oldest silent connection. If there is no silent
+connection, it is refused."""
 
 BACKLOG = 1024 * 1024
 """Number of unread bytes after which a peer is disconnected."""
 
 _SEGMENT = 4096
-"""Largest number of bytes parsed in one round of the event loop."""
+"""Maximum number of bytes that are parsed in one round of the event loop."""
 
 _LINGER = 1.0
-"""Seconds that a peer has at the end to read waiting data."""
+"""Seconds before the end of a connection in which its peer can read waiting data."""
 
 
 class TcpPort:
-    """TCP port, open but not served yet.
+    """TCP port. It is open from the start, and `serve` accepts connections.
 
     Args:
         links: links of the session.
@@ -73,14 +74,14 @@ class TcpPort:
         await self._door.wait_closed()
 
     def connection_opened(self, connection: _Connection) -> bool:
-        """Add a connection; return False if there is no room for it."""
+        """Add a connection. Return False if there are too many connections."""
         most = self._door.most
         if len(self._open) >= most:
-            self.links.complaints.warn(f"MAVLink: {most} clients are connected by TCP, which is the limit")
+            self.links.complaints.warn(f"MAVLink: {most} clients are connected over TCP; no more are allowed")
             silent = next((each for each in self._open if not each.has_spoken), None)
             if silent is None:
                 return False
-            silent.cut_off("is silent, and others are waiting")
+            silent.cut_off("is silent, and another client waits")
             del self._open[silent]
         self._open[connection] = None
         return True
@@ -92,7 +93,7 @@ class TcpPort:
 
 
 async def tcp_port(links: MavlinkLinks, address: Address, admission: Admission = OWN_MACHINE) -> TcpPort | CannotListen:
-    """Open a port; 0 chooses a free one."""
+    """Open a port. Port 0 selects any free port."""
     try:
         found = await asyncio.get_running_loop().getaddrinfo(address.host, address.port, type=socket.SOCK_STREAM)
         family, _, _, _, where = found[0]
@@ -118,12 +119,13 @@ class _Connection(Protocol):
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         if not isinstance(transport, Transport):
             return
-        peer = transport.get_extra_info("peername") or ("", 0)  # empty if the peer has already left
+        peer = transport.get_extra_info("peername") or ("", 0)  # The address is empty if the peer has already left.
         self._name = f"tcp {Address(peer[0], peer[1])}"
         self._transport = transport
         stranger = self._port.admission.refused(transport)
         if stranger is not None:
-            self._port.links.complaints.warn(f"MAVLink: {stranger} is not in a network of open_to")
+            why = "its address is in no network of open_to"
+            self._port.links.complaints.warn(f"MAVLink: a client at {stranger} is rejected: {why}")
         if stranger is not None or not self._port.connection_opened(self):
             transport.abort()
             return
@@ -131,6 +133,7 @@ class _Connection(Protocol):
 
     def data_received(self, data: bytes) -> None:
         begun, self._begun = self._begun, True
+        # A web page in a browser of this machine can connect to any local port.
         if not begun and begins_http(data):
             self.cut_off("sends HTTP, like a web page in a browser")
         self._unparsed.extend(data[at : at + _SEGMENT] for at in range(0, len(data), _SEGMENT))
@@ -139,7 +142,7 @@ class _Connection(Protocol):
     def _parse_some(self) -> None:
         """Parse a part of the received bytes.
 
-        Meanwhile, a peer that sends faster is not read; none of its bytes are lost.
+        Until all received bytes are parsed, no more bytes are read. They wait in the peer's socket and are not lost.
         """
         if self._transport is None or self._transport.is_closing():
             return
@@ -174,11 +177,11 @@ class _Connection(Protocol):
             return len(frames)
         self._transport.write(b"".join(frames))
         if self._transport.get_write_buffer_size() > BACKLOG:
-            self.cut_off("does not read")
+            self.cut_off("does not read what it is sent")
         return 0
 
     def close(self) -> None:
-        """Close the connection after the other side had a moment to read waiting data."""
+        """Close the connection, after the peer had a moment to read waiting data."""
         self._leave()
         if self._transport is not None:
             self._transport.close()
@@ -187,7 +190,7 @@ class _Connection(Protocol):
     def cut_off(self, why: str) -> None:
         """Close the connection at once."""
         if self._transport is not None and not self._transport.is_closing():
-            self._port.links.complaints.warn(f"MAVLink: {self._name} {why}, and is disconnected")
+            self._port.links.complaints.warn(f"MAVLink: {self._name} is disconnected: it {why}")
             self._transport.abort()
 
     def _leave(self) -> None:

@@ -1,4 +1,4 @@
-"""MAVLink over UDP: a socket for each target, a socket for stations that send first, and a link for each peer."""
+"""MAVLink over UDP: a socket for each target, and a socket for stations that send first. Each peer has a link."""
 
 from __future__ import annotations
 
@@ -19,36 +19,36 @@ from thbridge.sockets.admission import OWN_MACHINE, Admission
 from thbridge.sockets.errors import CannotListen
 
 MAX_PEERS = 32
-"""Largest number of peers of one socket in addition to its target; a further peer replaces one of them.
+"""Maximum number of peers of one socket in addition to its target. A further peer replaces one of them.
 
-Peers without a valid frame are replaced first, then peers younger than `SETTLED_SECONDS`. Among equals, the peer with
-the oldest last frame is replaced.
+Peers without a valid frame are replaced first, then peers younger than `SETTLED_SECONDS`. In each of these groups, the
+peer whose last frame is oldest is replaced.
 """
 
 SETTLED_SECONDS = 3.0
-"""Seconds from a peer's first to its last valid frame. After that, it is replaced last, because an invented peer is
-younger."""
+"""Seconds between a peer's first and last valid frame after which the peer is replaced last. A peer with a forged
+address is younger."""
 
 MEETINGS = 64
-"""Largest number of new peers of one socket per second; datagrams of further new peers are dropped."""
+"""Maximum number of new peers of one socket per second. Datagrams of further new peers are dropped."""
 
 STALE_SECONDS = 60.0
-"""Seconds without a valid frame after which a peer is forgotten; the target is never forgotten."""
+"""Seconds without a valid frame after which a peer is forgotten. The target is never forgotten."""
 
 MUTE_SECONDS = 10.0
-"""Seconds for which a peer that sent only garbage is ignored."""
+"""Seconds for which a peer is ignored after it has sent only invalid bytes."""
 
 _DATAGRAM = 1200
-"""Largest size of a datagram in bytes, below the packet size of any network."""
+"""Maximum size of a sent datagram in bytes. This is below the packet size of any network."""
 
 _TURN = 64
-"""Largest number of datagrams, and roughly of frames, read at a time, so that a flood leaves time for other work."""
+"""Maximum number of datagrams plus frames that are read at a time. The limit leaves time for other work in a flood."""
 
 _LARGEST = 8192
-"""Number of bytes read from a datagram, more than the packet size of any network."""
+"""Maximum number of bytes that are read from a datagram. This is above the packet size of any network."""
 
 BUFFER = 4 * 1024 * 1024
-"""Size of the system's socket buffers in bytes. The buffers fill during a tick. The system may grant less."""
+"""Wanted size of the system's socket buffers in bytes, because they fill during a tick. The system may grant less."""
 
 SocketAddress = tuple[str, int] | tuple[str, int, int, int]
 """Address as a tuple of Python's sockets, for IPv4 or IPv6."""
@@ -59,11 +59,11 @@ class _Peer:
     """Peer of a socket; times are seconds of the loop's clock.
 
     Attributes:
-        channel: its frame codec.
-        last_received: time of its last valid frame; before that, of its first datagram.
+        channel: codec of its frames.
+        last_received: time of its last valid frame. Before the first valid frame, time of its first datagram.
         first_good: time of its first valid frame.
-        link: None until its first valid frame.
-        muted: time until which it is ignored.
+        link: its link. None before its first valid frame.
+        muted: end of the time in which it is ignored.
     """
 
     channel: Channel
@@ -74,7 +74,7 @@ class _Peer:
 
     @property
     def rank(self) -> tuple[bool, bool, float]:
-        """Order in which peers are replaced."""
+        """Sorting key. The peer with the smallest key is replaced first."""
         settled = self.link is not None and self.last_received - self.first_good > SETTLED_SECONDS
         return self.link is not None, settled, self.last_received
 
@@ -87,7 +87,7 @@ class _Outlet:
     address: SocketAddress
 
     def send_frames(self, frames: Sequence[bytes]) -> int:
-        """Send frames, in as few datagrams as possible."""
+        """Send frames in as few datagrams as possible."""
         unsent = first = 0
         while first < len(frames):
             last, size = first + 1, len(frames[first])
@@ -97,7 +97,7 @@ class _Outlet:
             try:
                 self.socket.sendto(b"".join(frames[first:last]), self.address)
             except ConnectionRefusedError:
-                pass  # an earlier datagram found the port closed; the error is not about this datagram
+                pass  # The system reports an earlier datagram that was refused, not this one.
             except OSError:
                 unsent += last - first
             first = last
@@ -110,7 +110,7 @@ class UdpPort:
     Args:
         links: links of the session.
         own: socket, bound, non-blocking.
-        target: peer from the start. If None, there are only peers that send first.
+        target: peer that exists from the start. If None, there are only peers that send first.
         robot: index of the only robot on its links. If None, all robots are on its links.
         admission: decides by address which peers that send first are accepted.
     """
@@ -158,7 +158,7 @@ class UdpPort:
         self._socket.close()
 
     def _forget_stale(self) -> None:
-        """Forget stale peers; otherwise every robot would send heartbeats to each of them forever."""
+        """Forget stale peers. Otherwise every robot would send heartbeats to all of them forever."""
         loop = asyncio.get_running_loop()
         for address, peer in tuple(self._peers.items()):
             if address != self._target and loop.time() - peer.last_received > STALE_SECONDS:
@@ -174,11 +174,11 @@ class UdpPort:
             except BlockingIOError:
                 return
             except OSError:
-                continue  # ICMP message that a target's port is closed
+                continue  # The system reports by ICMP that a target's port is closed.
             read += self._received(data, address)
 
     def _received(self, data: bytes, address: SocketAddress) -> int:
-        """Process a datagram; return the number of frames in it."""
+        """Process a datagram. Return the number of frames in it."""
         now = asyncio.get_running_loop().time()
         peer = self._peers.get(address) or self._meet(address, now)
         if peer is None or now < peer.muted:
@@ -196,15 +196,18 @@ class UdpPort:
         elif peer.channel.bytes_since_good > GARBAGE_LIMIT:
             peer.channel.bytes_since_good = 0
             peer.muted = now + MUTE_SECONDS
-            self._links.complaints.warn(f"MAVLink: {_name(address)} sends no valid frames, and is ignored")
+            why = "it sends no valid frames"
+            self._links.complaints.warn(f"MAVLink: {_name(address)} is ignored for {MUTE_SECONDS:g} s: {why}")
         return len(frames)
 
     def _meet(self, address: SocketAddress, now: float) -> _Peer | None:
         if not (self._admission.admits(address[0]) or address[0] == self._target_host):
-            self._links.complaints.warn(f"MAVLink: {address[0]} is not in a network of open_to")
+            why = "its address is in no network of open_to"
+            self._links.complaints.warn(f"MAVLink: datagrams of {address[0]} are dropped: {why}")
             return None
         if len(self._met) == MEETINGS and now - self._met[0] < 1.0:
-            self._links.complaints.warn(f"MAVLink: more than {MEETINGS} new peers in a second; some are ignored")
+            # Sender addresses of datagrams can be forged, and each new peer needs a channel.
+            self._links.complaints.warn(f"MAVLink: more than {MEETINGS} new peers in a second; some peers are ignored")
             return None
         self._met.append(now)
         if len(self._peers) > MAX_PEERS:
@@ -225,7 +228,7 @@ class UdpPort:
 
 
 async def udp_port(links: MavlinkLinks, target: UdpTarget) -> UdpPort | CannotListen:
-    """Open an unused socket for a target, bound to the loopback interface if the target is on it."""
+    """Open an unused socket for a target. Bind it to the loopback interface if the target is on this machine."""
     found = await _bound(target.address, lambda there, family: (_local(there[0], family), 0))
     robot = None if target.number is None else index_of(target.number)
     return found if isinstance(found, CannotListen) else UdpPort(links, found.socket, found.given, robot)
@@ -234,26 +237,27 @@ async def udp_port(links: MavlinkLinks, target: UdpTarget) -> UdpPort | CannotLi
 async def udp_listener(
     links: MavlinkLinks, where: Address, admission: Admission = OWN_MACHINE
 ) -> UdpPort | CannotListen:
-    """Open an unused socket at this address for stations that send first."""
+    """Open an unused socket at this address. Stations may send to it first."""
     found = await _bound(where, lambda there, family: there)
     return found if isinstance(found, CannotListen) else UdpPort(links, found.socket, None, admission=admission)
 
 
 class _Bound(NamedTuple):
-    """Bound socket, and the address for which it was made."""
+    """Bound socket, and the address for which it was opened."""
 
     socket: socket.socket
     given: SocketAddress
 
 
 async def _bound(given: Address, own_for: Callable[[SocketAddress, int], SocketAddress]) -> _Bound | CannotListen:
-    """Open a socket for an address, bound to the result of `own_for` for this address and its family."""
+    """Open a socket for an address. `own_for` returns the address to bind to, from this address and its family."""
     try:
         found = await asyncio.get_running_loop().getaddrinfo(given.host, given.port, type=socket.SOCK_DGRAM)
         family, there = found[0][0], cast(SocketAddress, found[0][4])
         own = socket.socket(family, socket.SOCK_DGRAM)
         try:
             own.setblocking(False)
+            # The target may be the broadcast address of a network.
             own.setsockopt(socket.SOL_SOCKET, socket.SO_BROADCAST, 1)
             own.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, BUFFER)
             own.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, BUFFER)
@@ -267,7 +271,7 @@ async def _bound(given: Address, own_for: Callable[[SocketAddress, int], SocketA
 
 
 def _local(host: str, family: int) -> str:
-    """Return the address to bind to in order to reach a host."""
+    """Return the own address to which a socket must be bound to reach a host."""
     if ipaddress.ip_address(host.partition("%")[0]).is_loopback:
         return host
     return "::" if family == socket.AF_INET6 else "0.0.0.0"

@@ -110,7 +110,7 @@ def test_who_has_not_is_told_once_in_the_log_and_nothing_on_the_link(
     for _ in range(3):
         peer.says(PING.pack(theirs))
     assert exchange.received == peer.received == []
-    assert [record.message for record in caplog.records] == [f"MAVLink: a: discarded: {reason}"]
+    assert [record.message for record in caplog.records] == [f"MAVLink: a: bytes were discarded: {reason}"]
 
 
 def test_what_was_listened_to_on_one_link_counts_on_no_other(links: MavlinkLinks, exchange: Exchange) -> None:
