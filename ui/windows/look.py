@@ -200,7 +200,7 @@ def follow_text(widget: W, fit: Callable[[W], object]) -> W:
     Args:
         widget: the widget, which is also returned.
         fit: function that sets the font or the lengths. It must refer to the widget only by its argument; otherwise
-                the widget would never be freed.
+            the widget would never be freed.
     """
     fit(widget)
     _Current.following.setdefault(widget, []).append(cast("Callable[[QWidget], object]", fit))
@@ -272,7 +272,7 @@ class FoldingRow(QWidget):
         least: smallest width of the first part, `px`. If 0, the smallest width of its widgets is used.
         spacing: distance between the parts when they are side by side, logical pixels.
         spare: width that is kept free for texts that get longer, `px`. If it is not 0, a change of texts alone can fold
-                the row, but cannot unfold the row.
+            the row, but cannot unfold the row.
 
     Attributes:
         parts: layout of the parts.

@@ -25,16 +25,16 @@ from ui.windows.participant.widgets.painting import (
 
 PAD = 1.25 * GAP
 EDGE = 6.0
-"""Distance above the first line and below the last one when there is little space, logical pixels."""
+"""Distance above the first line and below the last line of a card when there is little space, logical pixels."""
 BAR = 7.0
 CLOSE, FAR = 3.0, 7.0
-"""Distance between the bar and the lines: with little space, and with enough space, logical pixels."""
+"""Distance between the energy bar and the lines, with little space and with enough space, logical pixels."""
 BETWEEN = 3.0
 """Distance between the line of another commander and the line of the robot's activity, logical pixels."""
 
 
 class CardFace(ParticipantButton):
-    """Card without its buttons; a press on it selects the robot."""
+    """Card of a robot without its buttons. A press on the card selects the robot."""
 
     def __init__(self, texts: Texts, parent: QWidget) -> None:
         super().__init__(texts, parent)
@@ -43,10 +43,10 @@ class CardFace(ParticipantButton):
         self._button_width = 0
 
     def nextCheckState(self) -> None:
-        """Do nothing, because the game decides if the card is checked, not a press."""
+        """Do nothing, because the game and not a press decides whether the card is checked."""
 
     def show_card(self, card: RobotCard, button_width: int) -> None:
-        """Show this robot; keep this width free for the button in the first line below the bar."""
+        """Show this robot's card; keep `button_width` free for the button in the first line below the bar."""
         if (card, button_width) == (self._card, self._button_width):
             return
         if self._card is None or bool(self._card.commander) != bool(card.commander):
@@ -57,7 +57,7 @@ class CardFace(ParticipantButton):
         self.update()
 
     def sizeHint(self) -> QSize:
-        """Return the size of the lines and the bar with comfortable distances."""
+        """Return the size of the lines and the bar with the usual distances."""
         return QSize(px(300), int(self._high(FAR)))
 
     def minimumSizeHint(self) -> QSize:
@@ -65,7 +65,7 @@ class CardFace(ParticipantButton):
         return QSize(px(200), int(self._high(CLOSE)))
 
     def paintEvent(self, _event: QPaintEvent) -> None:
-        """Draw name and energy, the bar, another commander, activity and place, and progress."""
+        """Draw the name and energy, the bar, another commander, the activity and place, and the progress."""
         card = self._card
         if card is None:
             return
@@ -97,7 +97,7 @@ class CardFace(ParticipantButton):
             self._progress(painter, rect, card.progress, palette.robot(card.robot))
 
     def button_place(self, size: QSize) -> QRect:
-        """Return the place for a button of this size: at the end of the first line below the bar."""
+        """Return the place for a button of this size, at the right end of the first line below the bar."""
         above = EDGE + max(0.0, self.height() - self._high(CLOSE)) / 4.0 + self._line() + 1.0
         if self._card is not None and self._card.commander:
             above += self.commander_high()
@@ -110,7 +110,7 @@ class CardFace(ParticipantButton):
 
     @staticmethod
     def _line() -> float:
-        """Return the height of a line, which is that of its button."""
+        """Return the height of a line, which is also the height of its button."""
         return key_size("X")[1] + 4.0
 
     def _high(self, space: float) -> float:
@@ -151,7 +151,7 @@ class CardFace(ParticipantButton):
 
     @staticmethod
     def _waits(painter: QPainter, waits: int, left: float, middle: float) -> None:
-        """Draw the number of items that wait for an answer."""
+        """Draw the number of the robot's items that wait for an answer."""
         palette, face = colours(), font("small", bold=True)
         metrics = QFontMetricsF(face)
         text, side = str(waits), metrics.height()
@@ -165,7 +165,7 @@ class CardFace(ParticipantButton):
 
     @staticmethod
     def _progress(painter: QPainter, rect: QRectF, share: float, colour: str) -> None:
-        """Draw a thin line along the lower edge, with a length in proportion to the distance driven."""
+        """Draw a thin line along the lower edge; its length shows the driven share of the path."""
         y = rect.bottom() - 5.0
         reach = rect.left() + PAD + (rect.width() - 2.0 * PAD) * min(1.0, max(0.0, share))
         pen = QPen(QColor(colours().track), 3.0)
@@ -178,10 +178,10 @@ class CardFace(ParticipantButton):
 
 
 class Card(ActionWidget):
-    """Card of a robot: its face and a button.
+    """Card of a robot, with at most one button.
 
-    The button stops a driving robot, asks another commander to give the robot back, or resumes a treasure that was left
-    in the robot's room.
+    The button stops a driving robot, asks another commander to give the robot back, or resumes the decision about a
+    treasure that was left in the robot's room.
     """
 
     def __init__(self, texts: Texts, parent: QWidget | None = None) -> None:
@@ -198,7 +198,7 @@ class Card(ActionWidget):
         follow_text(self, Card._fit)
 
     def show_card(self, card: RobotCard) -> None:
-        """Show this robot; do nothing if it is already shown like this."""
+        """Show this robot's card; do nothing if the card has not changed."""
         if card == self._card:
             return
         self._card = card
@@ -206,7 +206,7 @@ class Card(ActionWidget):
         self._fit()
 
     def _fit(self) -> None:
-        """Lay out the face and its button according to their texts."""
+        """Lay out the card and its button according to their texts."""
         card = self._card
         if card is None:
             return
@@ -219,7 +219,7 @@ class Card(ActionWidget):
         self._place()
 
     def _offer(self, button: ActionButton, action: Action | None, spoken: str) -> int:
-        """Show an action on a button, or hide the button. Return the width it needs. At most one button is visible."""
+        """Show an action on a button, or hide the button if there is none. Return the width that the button needs."""
         if action is not None:
             button.show_action(action)
             button.setAccessibleName(spoken if action.enabled else self._texts.text("window.asked_for", name=spoken))
@@ -237,7 +237,7 @@ class Card(ActionWidget):
         return self.face.minimumSizeHint()
 
     def resizeEvent(self, _event: QResizeEvent) -> None:
-        """Put the buttons on the right side of the face."""
+        """Put the buttons on the right side of the card."""
         self._place()
 
     def _place(self) -> None:
@@ -250,7 +250,7 @@ class Cards(ActionWidget):
     """Cards of all robots, in the order of the team.
 
     Attributes:
-        reveal: signal with the card to scroll into view.
+        reveal: signal with a card that should be scrolled into view.
     """
 
     reveal = Signal(object)
@@ -266,8 +266,8 @@ class Cards(ActionWidget):
     def height_to_come(self) -> int:
         """Return the height by which the cards may still grow, logical pixels.
 
-        After another commander has taken one robot, it may take each of them. The layout keeps this height free below
-        the cards, so that the rooms below never move while the pointer is on them.
+        After another commander has taken one robot, this commander may take every robot. The layout keeps this height
+        free below the cards, so that the rooms below never move while the pointer is on them.
         """
         own = sum(not card.commander for card in self._shown) if self._others_command else 0
         return own * CardFace.commander_high()
@@ -295,8 +295,10 @@ class Cards(ActionWidget):
                 self.focus_selected()
 
     def focus_selected(self) -> None:
-        """Give the focus to the card of the selected robot; otherwise two cards would have a frame, and both would look
-        selected."""
+        """Give the focus to the card of the selected robot.
+
+        Otherwise two cards would have a frame, and both robots would look selected.
+        """
         for shown, card in zip(self.cards, self._shown, strict=True):
             if card.selected:
                 shown.face.setFocus(Qt.FocusReason.OtherFocusReason)
@@ -310,7 +312,7 @@ class Cards(ActionWidget):
 
 
 def _draw_line(painter: QPainter, line: QRectF, marked: Sign | None, ink: str, words: str, beside: str = "") -> None:
-    """Draw a line of a card: a sign with bold words, or plain words without a sign; then more words."""
+    """Draw a line of a card. It begins with a sign and bold words, or with plain words, and more words may follow."""
     small = QFontMetricsF(font("small"))
     left = line.left()
     if marked is not None:
@@ -327,7 +329,7 @@ def _draw_line(painter: QPainter, line: QRectF, marked: Sign | None, ink: str, w
 
 
 def draw_energy(painter: QPainter, rect: QRectF, card: RobotCard) -> None:
-    """Draw the energy left in the robot's color; the cost of the considered move is hatched."""
+    """Draw the remaining energy in the robot's color, with the cost of the considered move hatched."""
     palette = colours()
     colour = palette.robot(card.robot)
     full = max(card.energy_at_start, card.energy, 1e-9)
@@ -353,7 +355,7 @@ def draw_energy(painter: QPainter, rect: QRectF, card: RobotCard) -> None:
 
 
 def energy_words(texts: Texts, card: RobotCard) -> tuple[str, ...]:
-    """Return the energy left and the cost of a considered move in words, in a long and a short version."""
+    """Return the remaining energy and the cost of a considered move in words, as long and short versions."""
     energy, left = texts.number(card.energy), card.energy
     if card.cost is None:
         shown = energy
@@ -368,7 +370,7 @@ def energy_words(texts: Texts, card: RobotCard) -> tuple[str, ...]:
 
 
 def spoken_card(texts: Texts, card: RobotCard) -> str:
-    """Return a card as screen readers read it."""
+    """Return the text of a card for screen readers."""
     parts = [
         card.name,
         texts.text("window.selected") if card.selected else "",

@@ -1,4 +1,4 @@
-"""Column next to the map: robots at the top, rooms below them."""
+"""Column next to the map, with the robots above the rooms."""
 
 import math
 
@@ -19,9 +19,10 @@ _SECTION = int(1.5 * GAP)
 
 
 class SideColumn(ActionWidget):
-    """Robots above rooms.
+    """Column with the robots above the rooms.
 
-    If there is little height, first the robots move closer together, then the rooms fold, and finally parts scroll.
+    If there is little height, first the robots' cards move closer together, then the rooms fold, and finally both parts
+    scroll.
     """
 
     def __init__(self, texts: Texts) -> None:
@@ -65,8 +66,8 @@ class SideColumn(ActionWidget):
         to_come = self.cards.height_to_come()
         tiles = self.tiles.fit(wide, room - most - to_come, room - least - to_come)
         if least + tiles > room:
-            # If the two parts do not both fit, each gets at least two fifths of the height, and leaves height that it
-            # does not need to the other.
+            # If the two parts do not fit together, each part gets two fifths of the height or the height that it
+            # needs. The other part gets the rest.
             tiles = min(tiles, max(room - least, int(0.4 * room)))
         cards = min(most, room - tiles)
         to_come = min(to_come, room - tiles - cards)
@@ -78,7 +79,7 @@ class SideColumn(ActionWidget):
 
 
 class ColumnScrollArea(QScrollArea):
-    """Scroll area without a frame; its scroll bar is visible only if its widget does not fit."""
+    """Scroll area without a frame. Its scroll bar is visible only if the widget inside does not fit."""
 
     def __init__(self, inside: QWidget, parent: QWidget) -> None:
         super().__init__(parent)

@@ -14,7 +14,7 @@ MAX_LINES = 500
 
 
 class HistoryView(QPlainTextEdit):
-    """All sentences and events of the game as text that can be copied, the newest at the bottom."""
+    """Text of all sentences and events of the game. It can be copied, and the newest line is at the bottom."""
 
     def __init__(self, texts: Texts, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -35,15 +35,15 @@ class HistoryView(QPlainTextEdit):
         self.setMaximumHeight(px(160))
 
     def sizeHint(self) -> QSize:
-        """Return the size of some lines; if there is little space, the view shrinks to two lines."""
+        """Return the size of some lines; with little space, the view shrinks to two lines."""
         return QSize(px(300), px(160))
 
     def height_over(self, height: int) -> int:
-        """Return the height of the view over a map of this height, logical pixels."""
+        """Return the height of the view on a map of this height, logical pixels."""
         return max(self.minimumHeight(), min(self.maximumHeight(), height // 3))
 
     def show_history(self, history: tuple[HistoryLine, ...]) -> None:
-        """Show this history; write only the new lines."""
+        """Show this history; append only the new lines."""
         if history == self._shown:
             return
         new = _new(self._shown, history)
@@ -77,7 +77,7 @@ class HistoryView(QPlainTextEdit):
 
 
 def _new(shown: tuple[HistoryLine, ...], history: tuple[HistoryLine, ...]) -> tuple[HistoryLine, ...]:
-    """Return the lines that follow the lines shown. The oldest lines shown may have been removed meanwhile."""
+    """Return the lines of `history` after the lines shown. The oldest lines shown may be missing in `history`."""
     for gone in range(len(shown) + 1):
         kept = len(shown) - gone
         if shown[gone:] == history[:kept]:

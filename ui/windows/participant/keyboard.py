@@ -1,5 +1,4 @@
-"""Keys of the window: each has one shortcut, so that the focused widget does not receive it, and no key counts
-twice."""
+"""Keys of the window. Each key has one shortcut, so that the focused widget does not receive the key as well."""
 
 import string
 from collections.abc import Callable
@@ -17,7 +16,7 @@ _NAMES = {
     **{key: key for key in ("Tab", "Shift+Tab", "Enter", "Esc", "Space", "Up", "Down", "Home", "End", "F1")},
     "Return": "Enter",
 }
-"""Names of keys in `ui.model.playing.keys`, by Qt's names."""
+"""Names of keys in `ui.model.playing.keys`, by the names that Qt uses."""
 
 _REPEATING = ("Tab", "Shift+Tab", "Up", "Down")
 
@@ -25,12 +24,12 @@ _REPEATING = ("Tab", "Shift+Tab", "Up", "Down")
 class KeyboardShortcuts:
     """Shortcuts that turn keys into acts.
 
-    A key that has no act on the current screen goes to the widget with the focus. On a page of text, for example, Tab
-    then moves from button to button, and arrow keys scroll.
+    If a key has no act on the current screen, the focused widget receives it. On a page of text, for example, Tab then
+    moves from button to button, and arrow keys scroll.
 
     Args:
         window: window with the keys.
-        do: function that is called with the act of a pressed key.
+        do: function to call with the act of a pressed key.
     """
 
     def __init__(self, window: QWidget, do: Callable[[Act], None]) -> None:
@@ -40,7 +39,7 @@ class KeyboardShortcuts:
         self._shortcuts = {key: self._shortcut(window, key) for key in _NAMES}
 
     def show_screen(self, screen: Screen) -> None:
-        """Give the keys their acts on this screen."""
+        """Set the act of each key on this screen."""
         self._screen = screen
         for key, shortcut in self._shortcuts.items():
             act = act_for(_NAMES[key], screen)
@@ -48,7 +47,7 @@ class KeyboardShortcuts:
             shortcut.setEnabled(act is not None)
 
     def type(self, event: QKeyEvent) -> None:
-        """Do the act of a letter of another alphabet, which has no shortcut."""
+        """Do the act of a letter that has no shortcut because it belongs to another alphabet."""
         letter = event.text().upper()
         if is_letter(letter) and letter not in _NAMES and self._screen is not None and not event.isAutoRepeat():
             act = act_for(letter, self._screen)

@@ -1,4 +1,4 @@
-"""Map with the banner and the history over its edges, and with pop-ups over one of its corners."""
+"""Map with the banner and the history over its edges, and with a pop-up over one of its corners."""
 
 from collections.abc import Callable, Sequence
 
@@ -14,10 +14,10 @@ from ui.windows.participant.top import BannerLine
 from ui.windows.participant.widgets.panels import TitledPanel
 
 MAX_PANEL_WIDTH = 620
-"""Greatest width of a panel in the middle, `px`."""
+"""Greatest width of a panel in the middle of the map, `px`."""
 
 Corner = tuple[bool, bool]
-"""Corner of the map: True for right, True for bottom."""
+"""Corner of the map, given by two flags: True for right, and True for bottom."""
 
 _CORNERS: tuple[Corner, ...] = ((True, True), (True, False), (False, True), (False, False))
 
@@ -25,10 +25,11 @@ _CORNERS: tuple[Corner, ...] = ((True, True), (True, False), (False, True), (Fal
 class MapArea(QWidget):
     """Map that fills the whole area. Over the map are a banner, the history, and at most one panel.
 
-    A pop-up about a robot covers the corner of the map that is farthest from its subject. It stays in this corner while
-    it is about the same robot, unless it would hide the robot or the room. It covers at most half of the map and two
-    thirds of the map's height, unless its words need more space. If no corner is free, the pop-up becomes as low as its
-    words allow. Any other panel is in the middle. Nothing moves the map.
+    A pop-up about a robot covers the corner of the map that is farthest from the robot and its room. While the pop-up
+    is about the same robot, it stays in this corner, unless it would hide the robot or the room. A pop-up covers at
+    most half of the map and two thirds of the map's height, unless its words need more space. If no corner is free,
+    the pop-up is made as low as its words allow. All other panels are in the middle. Pop-ups and panels never move
+    the map.
     """
 
     def __init__(self, texts: Texts, map_view: MapView) -> None:
@@ -54,15 +55,15 @@ class MapArea(QWidget):
         subject: object = None,
         about: Callable[[], Sequence[QRect]] = tuple,
     ) -> None:
-        """Show this panel, or none.
+        """Show this panel. If None, show no panel.
 
         Args:
             panel: the panel.
-            robot: index of the robot that a pop-up is about; pop-ups about the same robot stay in the same corner. If
-                None, the panel is in the middle.
+            robot: index of the robot of a pop-up. Pop-ups about the same robot stay in the same corner. If None, the
+                panel is in the middle.
             subject: subject of a pop-up. While the subject is the same, the height of the pop-up never decreases.
-            about: function that returns the places on the map that a pop-up should leave visible, pixels, the most
-                important first.
+            about: function that returns the parts of the map that a pop-up should leave visible, pixels; the most
+                important part is the first.
         """
         self._about = about
         if (robot, subject) != (self._robot, self._subject):
@@ -80,14 +81,14 @@ class MapArea(QWidget):
         self._place()
 
     def show_history(self, shown: bool) -> None:
-        """Show or hide the history, over the lower edge of the map."""
+        """Show the history over the lower edge of the map, or hide it."""
         self.history.setVisible(shown)
         self._place()
 
     def keep_in_sight(self) -> None:
-        """Move the pop-up to another corner if it hides its subject, and would hide less of it there.
+        """Move the pop-up to another corner if it would hide less of its subject there.
 
-        If the map follows the robot, the map moves instead, so that the robot stays in the middle of the free part.
+        If the map follows the robot, the map moves instead. It keeps the robot in the middle of the free part.
         """
         self._map.sight = None
         if self._panel is None or self._robot is None or self._corner is None:
@@ -102,12 +103,12 @@ class MapArea(QWidget):
             self._place()
 
     def place_anew(self) -> None:
-        """Lay out everything again after a change of the map; a pop-up may get another corner."""
+        """Lay out everything again after a change of the map. A pop-up may move to another corner."""
         self._corner, self._high = None, 0
         self._place()
 
     def resizeEvent(self, _event: QResizeEvent) -> None:
-        """Lay out everything again."""
+        """Lay out everything again in the new size."""
         self.place_anew()
 
     def showEvent(self, _event: QShowEvent) -> None:
@@ -115,7 +116,7 @@ class MapArea(QWidget):
         self.place_anew()
 
     def event(self, event: QEvent) -> bool:
-        """Lay out everything again if the words of a panel have changed and may need another size."""
+        """Lay out everything again after a change of a panel's words, which may need another size."""
         if event.type() == QEvent.Type.LayoutRequest:
             self._place()
         return super().event(event)
@@ -134,7 +135,7 @@ class MapArea(QWidget):
             return
         space = self._space()
         if self._robot is None:
-            # The panel is below the banner, which would hide its title in a low window.
+            # Put the panel below the banner. In a low window, the banner would hide the title of the panel.
             space.setTop(space.top() + self.banner.height_for(space.width()))
             size = panel.wanted(min(px(MAX_PANEL_WIDTH), space.width()), space.height())
             place = QRect(QPoint(0, 0), size)
@@ -172,10 +173,10 @@ class MapArea(QWidget):
         return self.rect().adjusted(GAP, GAP, -GAP, -GAP - below)
 
     def _best_corner(self, size: QSize, space: QRect) -> Corner:
-        """Return the corner in which a pop-up hides least of its subject, and is farthest from the subject.
+        """Return the corner in which a pop-up hides the least of its subject; of equal corners, the farthest corner.
 
-        A followed robot is always in the middle of the view. For such a robot, its place on the whole map decides,
-        because the view can move to the free side.
+        If the map follows the robot, return the corner of the map that is farthest from the robot, because the view can
+        move to the free side.
         """
         if self._robot is not None and self._map.followed == self._robot:
             opposite = self._map.opposite_corner(self._robot)
@@ -190,18 +191,16 @@ class MapArea(QWidget):
         return max(_CORNERS, key=merit)
 
     def _hides(self, place: QRect) -> int:
-        """Return how much of its subject a pop-up would hide; the first places of the subject have the greatest
-        weight."""
+        """Return the total weight of the subject's parts that a pop-up would hide. The first part weighs most."""
         about = self._about()
         return sum(2 ** (len(about) - at) for at, part in enumerate(about) if place.intersects(part))
 
     def _hides_at_best(self, size: QSize, space: QRect) -> int:
-        """Return how much a pop-up of this size would hide in its best corner."""
+        """Return the weight of the parts that a pop-up of this size would hide in its best corner."""
         return self._hides(self._at(self._best_corner(size, space), size, space))
 
     def _free(self, panel: QRect) -> QRect:
-        """Return the part of the map next to a pop-up in a corner; if the part above or below the pop-up is wider,
-        return that."""
+        """Return the larger of two parts of the map: the part next to a pop-up, or the part above or below it."""
         next_to, over = self._space(), self._space()
         if panel.center().x() > next_to.center().x():
             next_to.setRight(panel.left())
@@ -215,7 +214,7 @@ class MapArea(QWidget):
 
     @staticmethod
     def _at(corner: Corner, size: QSize, space: QRect) -> QRect:
-        """Return the place of a pop-up in a corner."""
+        """Return the place of a pop-up of this size in a corner."""
         at_right, at_bottom = corner
         x = space.right() + 1 - size.width() if at_right else space.left()
         y = space.bottom() + 1 - size.height() if at_bottom else space.top()

@@ -9,11 +9,11 @@ from ui.windows.look import GAP, colours, font, smooth_painter
 from ui.windows.participant.widgets.painting import write
 
 COUNT_DURATION = 900
-"""Milliseconds for which a score counts up and the gain moves away."""
+"""Milliseconds during which the score counts up and the gain moves away."""
 
 
 class ScoreLabel(QWidget):
-    """Score. When it changes, it counts up to the new value, and the gain is shown next to it for a moment."""
+    """Label of the score. When the score changes, the label counts to the new value and shows the gain for a moment."""
 
     def __init__(self, texts: Texts, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -26,7 +26,7 @@ class ScoreLabel(QWidget):
         self.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Fixed)
 
     def show_score(self, score: int, *, moving: bool) -> None:
-        """Show this score, with an animation if `moving`."""
+        """Show this score; `moving` is True for an animation."""
         if score == self._score:
             return
         self._from = self._score if self._score is not None else score
@@ -38,7 +38,7 @@ class ScoreLabel(QWidget):
         self.update()
 
     def sizeHint(self) -> QSize:
-        """Return the size of a word, four digits and the gain."""
+        """Return the size of the word, four digits and the gain."""
         hero = QFontMetricsF(font("hero", bold=True))
         small = QFontMetricsF(font("small"))
         return QSize(
@@ -73,11 +73,11 @@ class ScoreLabel(QWidget):
 
     @property
     def is_counting(self) -> bool:
-        """True while the digits move."""
+        """True during the animation."""
         return self._counting.state() == QVariantAnimation.State.Running
 
     def _share(self) -> float:
-        """Return the completed share of the counting, 0 to 1."""
+        """Return the completed share of the animation, 0 to 1."""
         if not self.is_counting:
             return 1.0
         value = self._counting.currentValue()

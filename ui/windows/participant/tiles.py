@@ -23,18 +23,18 @@ SPACE = GAP - 2
 """Distance between tiles, logical pixels."""
 
 _FOLDED, _NARROW, _WIDE = 40, 76, 140
-"""Three widths, `px`: least width of a folded tile, least width of a normal tile, and width from which a tile shows the
-room's name."""
+"""Smallest width of a folded tile, smallest width of a normal tile, and smallest width of a tile that shows the room's
+name, `px`."""
 
 _TALLEST = 1.5
-"""Greatest height of a tile, as a multiple of the usual height."""
+"""Greatest height of a tile, as a multiple of its usual height."""
 
 
 class Tile(ParticipantButton):
-    """Room: its number, which is also its key, a sign of its state, and its cost or the find in it.
+    """Button of a room, with the room's number, which is also its key, a sign of its state, and its cost or find.
 
     Attributes:
-        looked_at: signal: the pointer moved onto or off the tile, or the tile got or lost the focus.
+        looked_at: signal: the pointer has entered or left the tile, or the tile has got or lost the focus.
     """
 
     looked_at = Signal()
@@ -46,7 +46,7 @@ class Tile(ParticipantButton):
         self.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Fixed)
 
     def show_tile(self, tile: RoomTile) -> None:
-        """Show this room; do nothing if it is already shown like this."""
+        """Show this room; do nothing if the tile has not changed."""
         if tile == self._tile:
             return
         self._tile = tile
@@ -54,48 +54,48 @@ class Tile(ParticipantButton):
         self.update()
 
     def fold(self, folded: bool) -> None:
-        """Show only the number and the sign if `folded` is True; otherwise show everything."""
+        """If `folded` is True, show only the number and the sign; otherwise show everything."""
         if folded != self._folded:
             self._folded = folded
             self.update()
 
     def sizeHint(self) -> QSize:
-        """Return the size of two lines, or of a number."""
+        """Return the size of two lines, or of a number if the tile is folded."""
         return tile_size(self._folded)
 
     def minimumSizeHint(self) -> QSize:
-        """Return the size hint, because a tile does not get smaller."""
+        """Return the size hint, because a tile cannot be smaller."""
         return self.sizeHint()
 
     @property
     def pointed_room(self) -> int | None:
-        """Room of the tile while the pointer is on it; otherwise None."""
+        """Number of the tile's room while the pointer is on the tile; otherwise None."""
         return self._tile.room if self._pointed and self._tile is not None else None
 
     @property
     def focused_room(self) -> int | None:
-        """Room of the tile while it has the focus; otherwise None."""
+        """Number of the tile's room while the tile has the focus; otherwise None."""
         return self._tile.room if self.hasFocus() and self._tile is not None else None
 
     def set_pointed(self, pointed: bool) -> None:
-        """Store this state, and report that the person looks at the room, or no longer does."""
+        """Store whether the pointer was moved onto the tile, and report a change."""
         before = self._pointed
         super().set_pointed(pointed)
         if pointed != before:
             self.looked_at.emit()
 
     def focusInEvent(self, event: QFocusEvent) -> None:
-        """Report that the room is looked at."""
+        """Report that the tile has got the focus."""
         super().focusInEvent(event)
         self.looked_at.emit()
 
     def focusOutEvent(self, event: QFocusEvent) -> None:
-        """Report that the room is no longer looked at."""
+        """Report that the tile has lost the focus."""
         super().focusOutEvent(event)
         self.looked_at.emit()
 
     def paintEvent(self, _event: QPaintEvent) -> None:
-        """Draw the background in the color of the state, the number, the sign, and the line below."""
+        """Draw the background in the color of the state, the number, the sign, and the line below them."""
         tile = self._tile
         if tile is None:
             return
@@ -129,7 +129,7 @@ class Tile(ParticipantButton):
         palette = colours()
         face = font("body" if self._folded else "title", bold=True)
         metrics = QFontMetricsF(face)
-        # The key is the number, with a leading zero if there are ten or more rooms.
+        # The number is also the key. It has a leading zero if there are ten or more rooms.
         number = tile.choose.key or str(tile.room)
         write(painter, line, number, face, palette.text if tile.choose.enabled else palette.muted)
         side = metrics.height() * 0.7
@@ -166,13 +166,13 @@ def tile_size(folded: bool) -> QSize:
 
 
 class Tiles(ActionWidget):
-    """All rooms in a grid. If there is enough height, there are few columns, with space for names.
+    """Grid with the tiles of all rooms. If there is enough height, there are few columns, with space for names.
 
-    If there is not enough height for a grid, the rooms fold into a row of numbers.
+    If there is not enough height for a grid, the tiles fold into a row of numbers.
 
     Attributes:
-        reveal: signal with the tile to scroll into view.
-        looked_at: signal: the person may look at another room now.
+        reveal: signal with a tile that should be scrolled into view.
+        looked_at: signal: `considered` may have changed.
     """
 
     reveal = Signal(QWidget)
@@ -189,7 +189,7 @@ class Tiles(ActionWidget):
 
     @property
     def considered(self) -> int | None:
-        """Room under the pointer or, if there is none, the room with the focus."""
+        """Number of the room under the pointer or, if there is none, of the room with the focus."""
         pointed = (tile.pointed_room for tile in self.tiles)
         focused = (tile.focused_room for tile in self.tiles)
         return next((room for room in (*pointed, *focused) if room is not None), None)
@@ -205,12 +205,12 @@ class Tiles(ActionWidget):
             shown.show_tile(tile)
 
     def fit(self, width: int, height: int, most: int) -> int:
-        """Use the fewest columns that fit, or fold the rooms; return the height.
+        """Use the fewest columns that fit, or fold the tiles. Return the height of the grid.
 
         Args:
             width: width of the space.
-            height: height of the space; tiles fill it up to their greatest height.
-            most: height to use if more columns do not help.
+            height: height of the space; tiles fill this height up to their greatest height.
+            most: height to use if the tiles do not fit into `height`.
         """
         for folded, high in ((False, height), (False, most), (True, most)):
             tile = tile_size(folded)
@@ -220,7 +220,7 @@ class Tiles(ActionWidget):
             if self._high(self._columns) <= high:
                 break
         rows = -(-len(self.tiles) // self._columns) or 1
-        # With this number of rows, fewer columns may be enough, which are then wider.
+        # With this number of rows, fewer and wider columns may be enough.
         self._columns = -(-len(self.tiles) // rows) or 1
         tallest = int((1.0 if self._folded else _TALLEST) * self._tall)
         self._tall = max(self._tall, min((height + SPACE) // rows - SPACE, tallest))
@@ -234,11 +234,11 @@ class Tiles(ActionWidget):
         return QSize(4 * px(_NARROW), self._high(self._columns))
 
     def minimumSizeHint(self) -> QSize:
-        """Return the height of all rows at one column's width, because the height of rows is fixed."""
+        """Return the height of all rows and the width of one column, because the height of rows is fixed."""
         return QSize(px(_NARROW), self._high(self._columns))
 
     def resizeEvent(self, _event: QResizeEvent) -> None:
-        """Place the tiles in their grid."""
+        """Place the tiles in the grid."""
         self._place()
 
     def _high(self, columns: int) -> int:
@@ -269,7 +269,7 @@ class Tiles(ActionWidget):
 
 
 def below(texts: Texts, tile: RoomTile) -> tuple[str, ...]:
-    """Return the line below a room's number, and shorter versions of it: the find there, or the cost to go there."""
+    """Return the line below a room's number, with shorter versions: the find, or the cost of a move to the room."""
     if tile.found:
         return tile.found, *tile.found_shorter
     if tile.state == "reserved":
@@ -283,7 +283,7 @@ def below(texts: Texts, tile: RoomTile) -> tuple[str, ...]:
 
 
 def spoken_tile(texts: Texts, tile: RoomTile) -> str:
-    """Return a room as a sentence for screen readers."""
+    """Return the description of a room for screen readers."""
     if tile.robot is None or tile.state == "unvisited":
         state = texts.text(f"window.{tile.state}")
     else:

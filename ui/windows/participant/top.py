@@ -14,11 +14,11 @@ from ui.windows.participant.widgets.painting import WRAPPED, box, sign, write
 from ui.windows.participant.widgets.panels import set_text
 
 _SPARE = 50
-"""Width kept free for words that get longer during a game, `px`; otherwise the strip would fold and move the map."""
+"""Width kept free for words that get longer during a game, `px`. Otherwise the strip would fold and move the map."""
 
 
 class TopStrip(ActionWidget):
-    """Score, time and remaining rooms on the left. Tools are on the right, or below if the window is too narrow."""
+    """Strip with the score, time and remaining rooms on the left, and the tools on the right or, if narrow, below."""
 
     def __init__(self, texts: Texts, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -39,7 +39,7 @@ class TopStrip(ActionWidget):
         self.tools = ActionRow(texts, tools, self.requested, "quiet")
 
     def show_strip(self, game: int, score: int, progress: str, *, moving: bool, tools: tuple[Action, ...]) -> None:
-        """Show this state of the game."""
+        """Show this state of the game in the strip."""
         set_text(self._game, self._texts.text("window.game", number=game) if game else "")
         self._game.setVisible(bool(game))
         self.score.show_score(score, moving=moving)
@@ -57,7 +57,7 @@ class BannerLine(QWidget):
         self.hide()
 
     def show_banner(self, banner: Banner | None) -> bool:
-        """Show this banner, or nothing. Return True if the visible content changed."""
+        """Show this banner. If None, show nothing. Return True if the visible content has changed."""
         if banner == self._banner:
             return False
         self._banner = banner
@@ -75,7 +75,7 @@ class BannerLine(QWidget):
         return int(text.height() + 2 * GAP)
 
     def paintEvent(self, _event: QPaintEvent) -> None:
-        """Draw bad news on red with a warning sign, and a note on a panel's background."""
+        """Draw bad news on red with a warning sign, and a note on the background of a panel."""
         if self._banner is None:
             return
         palette = colours()

@@ -1,4 +1,4 @@
-"""Strip along the bottom with everything that waits for the participant."""
+"""Strip along the bottom of the window with the pop-ups that wait for the participant."""
 
 import math
 
@@ -16,7 +16,7 @@ from ui.windows.participant.widgets.panels import set_text
 
 
 class WaitingChip(ParticipantButton):
-    """Pop-up that waits: its robot, and a description in two lines.
+    """Button of a waiting pop-up, with its robot and a description in two lines.
 
     Attributes:
         short: True if only the robot is shown; the description remains in the tool tip and for screen readers.
@@ -39,18 +39,18 @@ class WaitingChip(ParticipantButton):
         self.update()
 
     def shorten(self, short: bool) -> None:
-        """Show only the robot, or also the words again."""
+        """Show only the robot if `short` is True; otherwise show the robot and the words."""
         if short != self.short:
             self.short = short
             self.updateGeometry()
             self.update()
 
     def sizeHint(self) -> QSize:
-        """Return the size of two lines of words, or of the robot alone."""
+        """Return the size of the robot with two lines of words, or of the robot alone."""
         return QSize(self.width_of(self.short), self.height_of_two_lines())
 
     def width_of(self, short: bool) -> int:
-        """Return the width of the robot alone, or of two lines of words, logical pixels."""
+        """Return the width of the robot alone, or with two lines of words, logical pixels."""
         if short:
             return int(chip_size() + 2 * GAP)
         text = self._waiting.text if self._waiting is not None else ""
@@ -62,7 +62,7 @@ class WaitingChip(ParticipantButton):
         return int(2 * QFontMetricsF(font("small")).height() + GAP)
 
     def paintEvent(self, _event: QPaintEvent) -> None:
-        """Draw the chip and the words."""
+        """Draw the robot's chip and the words."""
         if self._waiting is None:
             return
         palette = colours()
@@ -87,15 +87,14 @@ class WaitingChip(ParticipantButton):
 
 
 def _width_of_two_lines(text: str) -> float:
-    """Return the smallest width at which words need at most two lines if they are wrapped as `WRAPPED` does, logical
-    pixels."""
+    """Return the smallest width at which a text wrapped by `WRAPPED` needs at most two lines, logical pixels."""
     metrics, words = QFontMetricsF(font("small")), text.split()
     lines = ((" ".join(words[:at]), " ".join(words[at:])) for at in range(1, len(words) + 1))
     return math.ceil(min((max(map(metrics.horizontalAdvance, pair)) for pair in lines), default=0.0)) + 1.0
 
 
 class HorizontalScrollArea(QScrollArea):
-    """Scroll area that scrolls sideways, also by the vertical mouse wheel."""
+    """Scroll area that scrolls sideways, also if a person turns the vertical mouse wheel."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -113,9 +112,9 @@ class HorizontalScrollArea(QScrollArea):
 
 
 class WaitingStrip(ActionWidget):
-    """Strip with everything that waits for the participant, oldest first.
+    """Strip with the pop-ups that wait for the participant, the oldest first.
 
-    Its height never changes, so that nothing moves.
+    The height of the strip never changes, so that nothing else moves.
 
     Attributes:
         history: button that opens the history.
@@ -144,17 +143,17 @@ class WaitingStrip(ActionWidget):
         follow_text(self, lambda it: it.setFixedHeight(WaitingChip.height_of_two_lines() + 2))
 
     def resizeEvent(self, _event: QResizeEvent) -> None:
-        """Give the chips all the available space."""
+        """Arrange the buttons in the new width."""
         self._make_room()
 
     def event(self, event: QEvent) -> bool:
-        """Arrange the chips again if the words or their size have changed."""
+        """Arrange the buttons again after a change of the words or their size."""
         if event.type() == QEvent.Type.LayoutRequest:
             self._make_room()
         return super().event(event)
 
     def _make_room(self) -> None:
-        """Hide the number of waiting items if it leaves too little space for one chip; then shorten the last chips."""
+        """If there is too little space, hide the number of waiting items, and then shorten the last buttons."""
         shown = [chip for chip in self.chips if not chip.isHidden()]
         widest = max((chip.width_of(short=False) for chip in shown), default=0)
         counted, others = self._count.sizeHint().width() + GAP, self.history.sizeHint().width() + GAP
@@ -166,12 +165,12 @@ class WaitingStrip(ActionWidget):
             needed -= each.width_of(short=False) - each.width_of(short=True) if each.short else 0
 
     def show_waiting(self, waiting: tuple[WaitingItem, ...], nothing_waits: str) -> None:
-        """Show these items or, if there are none, the sentence; do nothing for items already shown."""
+        """Show these items. If there are none, show the sentence `nothing_waits`."""
         set_text(self._count, self._texts.text("window.waiting", count=len(waiting)) if waiting else nothing_waits)
         if waiting == self._shown:
             return
         self._shown = waiting
-        # The sentence may use both lines; the number of items is never wrapped.
+        # The sentence may use two lines. The number of items is always on one line.
         self._count.setWordWrap(not waiting)
         self._area.setVisible(bool(waiting))
         self._row.setStretchFactor(self._count, 0 if waiting else 1)

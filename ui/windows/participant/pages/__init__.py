@@ -1,1 +1,1 @@
-"""Pages that fill the participant's window when no game is played: start, connecting, consent, help, the end."""
+"""Pages that fill the participant's window: start, connecting, consent, help, and end of the game."""

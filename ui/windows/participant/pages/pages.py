@@ -1,4 +1,4 @@
-"""Pages that fill the window or cover it: connecting, consent, a question, help, the end of the game."""
+"""Pages that fill or cover the window: connecting, consent, a question, help, and the end of the game."""
 
 from collections.abc import Callable
 
@@ -27,11 +27,11 @@ from ui.windows.participant.widgets.panels import TitledPanel, page_column, set_
 from ui.windows.participant.widgets.reading import ReadingText
 
 FILLS = 1000
-"""Stretch factor of a text: the text gets the space that it needs before the empty space around it gets any."""
+"""Stretch factor of a text, which gets all the space that it needs before the empty space around it grows."""
 
 
 def page_keys(texts: Texts) -> tuple[tuple[str, str], ...]:
-    """Return the keys that work on every page, for people who move from button to button."""
+    """Return the keys of every page, with descriptions, for people who move from button to button."""
     ctrl, space, enter = (shown_key(texts, key) for key in ("Ctrl", "Space", "Enter"))
     return (
         (texts.text("pages.keys_arrows"), texts.text("pages.key_arrows", space=space, enter=enter)),
@@ -41,18 +41,18 @@ def page_keys(texts: Texts) -> tuple[tuple[str, str], ...]:
 
 
 def window_keys(texts: Texts) -> tuple[tuple[str, str], ...]:
-    """Return the keys of the game's window that are not keys of the game."""
+    """Return the keys of the game's window that are not keys of the game, with descriptions."""
     keys = texts.text("keys.one_or_other", key="F6", other_key=shown_key(texts, "Ctrl+Tab"))
     return (keys, texts.text("pages.key_next_part")), *page_keys(texts)
 
 
 class ConnectingPage(QWidget):
-    """Page before the game, which shows the reason for waiting and the time waited.
+    """Page before the game, which shows the reason for waiting and the waiting time so far.
 
     Args:
         texts: texts in the window's language.
         parent: parent widget.
-        can_cancel: True to offer *Cancel*.
+        can_cancel: True to show the button *Cancel*.
 
     Attributes:
         cancelled: signal: the participant does not want to wait any longer.
@@ -64,7 +64,7 @@ class ConnectingPage(QWidget):
         super().__init__(parent)
         self._texts = texts
         make_region(self, texts.text("pages.connecting"))
-        # The focus stays on the page: a second press of Enter, meant for the previous page, must not cancel.
+        # Keep the focus on the page. A second press of Enter, meant for the previous page, must not cancel.
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         rows = spaced(QVBoxLayout(self), GAP, 4 * GAP)
         self._title = look.label(texts.text("pages.one_moment"), "hero", bold=True)
@@ -99,14 +99,14 @@ class ConnectingPage(QWidget):
         set_text(self._what, text)
 
     def showEvent(self, event: QShowEvent) -> None:
-        """Start counting seconds."""
+        """Start to count the seconds of waiting."""
         super().showEvent(event)
         self._since.start()
         self._count()
         self._counting.start()
 
     def hideEvent(self, event: QHideEvent) -> None:
-        """Stop counting."""
+        """Stop the count of seconds."""
         super().hideEvent(event)
         self._counting.stop()
 
@@ -115,7 +115,7 @@ class ConnectingPage(QWidget):
 
 
 class ConsentPage(ActionWidget):
-    """Text to agree to, and the buttons for yes and no."""
+    """Page with the text of a consent, and the buttons to agree and to decline."""
 
     def __init__(self, texts: Texts, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -143,13 +143,13 @@ class ConsentPage(ActionWidget):
 def consent_page(
     texts: Texts, text: str, answered: Callable[[bool], None], hint_of_no: str, *, markdown: bool = False
 ) -> ConsentPage:
-    """Return the page for use outside of a game; it handles its own keys.
+    """Return a consent page for use outside a game; the page handles its own keys.
 
     Args:
         texts: texts in the window's language.
-        text: text to agree to.
-        answered: function that is called with the answer; True means that the person takes part.
-        hint_of_no: consequences of a no.
+        text: text of the consent.
+        answered: function to call with the answer; True means that the person takes part.
+        hint_of_no: consequences of declining.
         markdown: True if the text is Markdown.
     """
     page = ConsentPage(texts)
@@ -185,14 +185,14 @@ class ThanksPage(QWidget):
 
 
 class QuestionPanel(TitledPanel):
-    """Question that asks the person to confirm an act."""
+    """Panel with a question that asks the person to confirm an act."""
 
     def __init__(self, texts: Texts, parent: QWidget | None = None) -> None:
         super().__init__(texts, texts.text("pages.question"), parent)
         self._text = look.label()
         self.rows.addWidget(self._text, 1)
         foot = _foot(self.rows)
-        # The default button never confirms an act that cannot be undone.
+        # The default button must not confirm an act that cannot be undone.
         self.no, self.yes = ActionButton(texts, "main", hints=True), ActionButton(texts, hints=True)
         for button in (self.no, self.yes):
             button.requested.connect(self.requested)
@@ -221,7 +221,7 @@ class EndingPanel(TitledPanel):
         self._ways = [self.again]
 
     def add_way_back(self, button: ActionButton) -> None:
-        """Offer another button to continue, below the one for the next game."""
+        """Add a button that leaves the game, below the button for the next game."""
         self._ways.append(button)
         self.rows.addWidget(button)
 
@@ -232,7 +232,7 @@ class EndingPanel(TitledPanel):
         self.again.show_action(ending.again)
 
     def wanted(self, width: int, height: int) -> QSize:
-        """Return the size at which all lines fit if there is space; otherwise they scroll."""
+        """Return the size at which all lines fit, but at most the available space; the lines then scroll."""
         lines = max(self._lines.heightForWidth(width - 8 * GAP), self._area.minimumSizeHint().height())
         ways = sum(way.sizeHint().height() + self.rows.spacing() for way in self._ways)
         around = self.top.sizeHint().height() + ways + 8 * GAP
@@ -240,7 +240,7 @@ class EndingPanel(TitledPanel):
 
 
 class KeyCap(QWidget):
-    """Keys drawn as they are printed on buttons."""
+    """Widget that shows keys in the same form as on buttons."""
 
     def __init__(self, keys: str, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -259,10 +259,10 @@ class KeyCap(QWidget):
 
 
 class HelpSheet(TitledPanel):
-    """Sheet of the rules and of all keys with their effects; in a study, it also has the study's instructions.
+    """Sheet with the rules, and with all keys and their effects. In a study, it also shows the study's instructions.
 
     Attributes:
-        instructions: texts above the rules, each with True if it is Markdown.
+        instructions: texts above the rules, each with a flag: True for Markdown.
     """
 
     def __init__(self, texts: Texts, parent: QWidget | None = None) -> None:
@@ -304,20 +304,20 @@ class HelpSheet(TitledPanel):
         inside.setAutoFillBackground(False)
 
     def _title_key(self, *, has_keys: bool) -> str:
-        """Return the key of the title's text."""
+        """Return the name of the text that is the title."""
         if not self.instructions:
             return "pages.rules_and_keys"
         return "pages.instructions_and_rules" if has_keys else "pages.instructions"
 
     def wanted(self, width: int, height: int) -> QSize:
-        """Return the size at which all lines fit, if there is space."""
+        """Return the size at which all lines fit, but at most the available space."""
         inside = self._area.widget()
         lines = inside.sizeHint().height() if inside is not None else 0
         return QSize(width, min(height, lines + self.top.sizeHint().height() + 6 * GAP))
 
 
 def _text_area(inside: QWidget | None, name: str) -> QScrollArea:
-    """Return a scroll area for a text, with this name for assistive technology."""
+    """Return a scroll area for a text. Its name is for screen readers."""
     area = QScrollArea(widgetResizable=True)
     area.setFrameShape(QFrame.Shape.NoFrame)
     area.setFocusPolicy(Qt.FocusPolicy.TabFocus)
@@ -330,10 +330,10 @@ def _text_area(inside: QWidget | None, name: str) -> QScrollArea:
 
 
 def _foot(rows: QVBoxLayout) -> QHBoxLayout:
-    """Add a row below others; the row is filled from the right.
+    """Add a row below the other rows, and align its widgets to the right.
 
-    The row is added before it is filled. If a layout that contains a spacer is added, PySide treats the spacer as an
-    object that Python owns, and deletes it a second time.
+    The row is added while it is empty. If a layout that contains a spacer is added, PySide treats the spacer as an
+    object that Python owns, and deletes the spacer a second time.
     """
     row = QHBoxLayout()
     rows.addLayout(row)

@@ -1,4 +1,4 @@
-"""Page before a game: an introduction, the number of robots, and a practice game."""
+"""Page before a game, with an introduction, a choice of the number of robots, and a practice game."""
 
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtGui import QKeySequence, QResizeEvent, QShortcut
@@ -15,17 +15,17 @@ from ui.windows.participant.widgets.panels import ModalOverlay, page_column
 
 _LAST_DIGIT = 9
 _IN_A_ROW = 5
-"""Greatest number of choices next to each other."""
+"""Greatest number of choices in a row."""
 
 
 class StartPage(QWidget):
-    """Page that asks how many robots should play.
+    """Page that asks for the number of robots.
 
     Args:
         texts: texts in the window's language.
         least: smallest number of robots to choose from.
         most: largest number of robots to choose from.
-        usual: number that is selected at first.
+        usual: number of robots that is selected at first.
         rules: rules of the game, in sentences.
         parent: parent widget.
 
@@ -127,24 +127,24 @@ class StartPage(QWidget):
         (self.help.close_button if opens else self).setFocus()
 
     def focusNextPrevChild(self, forward: bool) -> bool:
-        """Keep Tab inside the overlay."""
+        """Let Tab move only within the overlay while it is shown."""
         return self.overlay.keeps_tab(forward=forward) or super().focusNextPrevChild(forward)
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        """Keep the overlay as large as the page."""
+        """Give the overlay the size of the page."""
         super().resizeEvent(event)
         self.overlay.setGeometry(self.rect())
 
     def _choice(self, number: int) -> ActionButton:
         button = ActionButton(self._texts, "large")
         button.setCheckable(True)
-        # The number itself is the key, so no key is printed next to it.
+        # The label is the key, so no key is printed next to it.
         button.show_face(ButtonFace(str(number)), self._texts.text("words.robots", count=number))
         button.clicked.connect(lambda: self.choose(number))
         return button
 
     def _key_lines(self) -> tuple[tuple[str, str], ...]:
-        """Return the keys of this page for the sheet."""
+        """Return the keys of this page, with descriptions, for the sheet of rules and keys."""
         texts = self._texts
         digits = [str(number) for number in self.choices if number <= _LAST_DIGIT]
         asks = len(self.choices) > 1 and digits
@@ -159,7 +159,7 @@ class StartPage(QWidget):
         )
 
     def _enter(self) -> None:
-        """Start the game. If the sheet is open, close the sheet instead."""
+        """Start the game. If the sheet of rules and keys is open, close the sheet instead."""
         if self.overlay.isVisible():
             self._toggle_help()
         else:

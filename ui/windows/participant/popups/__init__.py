@@ -1,1 +1,1 @@
-"""Pop-ups over the participant's map: a dialogue with a robot, a treasure to name."""
+"""Pop-ups over the participant's map, for dialogues with robots and for treasures to name."""

@@ -12,11 +12,11 @@ from ui.windows.participant.widgets.buttons import ActionButton, ActionRow
 from ui.windows.participant.widgets.panels import TitledPanel, Transcript
 
 _SAID_WIDTH = 140
-"""Smallest width of the sentences next to a picture, `px`."""
+"""Smallest width of the sentences if they are next to a picture, `px`."""
 
 
 class DialoguePanel(TitledPanel):
-    """Dialogue with a robot: its subject, sentences as bubbles, answers as buttons."""
+    """Pop-up of a dialogue with a robot: the subject, sentences in bubbles, and answers as buttons."""
 
     def __init__(self, texts: Texts, parent: QWidget | None = None) -> None:
         super().__init__(texts, texts.text("window.dialogue"), parent)
@@ -40,9 +40,9 @@ class DialoguePanel(TitledPanel):
         self.rows.addWidget(self._warning)
         answers = spaced(QVBoxLayout(), GAP)
         self.rows.addLayout(answers)
-        # All buttons look alike, because the window must not make one answer look better than another.
+        # All answer buttons look the same, because the window must not suggest an answer.
         self.choices = ActionRow(texts, answers, self.requested, hints=True)
-        # Answer that opened the questions; it gets the focus again when the person leaves the questions.
+        # Index of the answer that opened the questions. It gets the focus again when the person leaves the questions.
         self._left_from = 0
         self.arrange(self.usual_size())
 
@@ -70,7 +70,7 @@ class DialoguePanel(TitledPanel):
             self._keep_focus(focused, before, pop)
 
     def arrange(self, space: QSize) -> None:
-        """Put sensor readings and sentences next to the picture, or below it if the panel is narrow."""
+        """Put sensor readings and sentences next to the picture, or below the picture if the panel is narrow."""
         super().arrange(space)
         self.transcript.keep_room(space.height() // 2)
         side_by_side = self.room_beside(PICTURE.width(), space) >= px(_SAID_WIDTH)
@@ -84,7 +84,7 @@ class DialoguePanel(TitledPanel):
             self._grid.setRowStretch(each, int(each == row + 1))
 
     def usual_size(self) -> QSize:
-        """Return the size of a pop-up about a find if the dialogue is about a find, because it replaces that pop-up."""
+        """Return the usual size. A dialogue about a find replaces the pop-up about the find, and has the same size."""
         about_find = self._pop is not None and (self._pop.facts or self._pop.picture is not None)
         if about_find:
             return find_size()
@@ -93,7 +93,7 @@ class DialoguePanel(TitledPanel):
         return QSize(px(380), px(400)) if numbered else super().usual_size()
 
     def go_to(self, key: int) -> None:
-        """Go to the first answer by Down, and to the last one by Up; turn pages of the sentences by other keys."""
+        """Focus the first answer at Down or the last answer at Up; scroll the sentences at Page Up or Page Down."""
         match key:
             case Qt.Key.Key_Down:
                 self._focus_choice(0)
@@ -111,12 +111,14 @@ class DialoguePanel(TitledPanel):
             shown[at].setFocus(Qt.FocusReason.OtherFocusReason)
 
     def _focused(self) -> int | None:
-        """Return the index of the answer that has the focus, if any."""
+        """Return the index of the answer that has the focus; None if no answer has the focus."""
         return next((at for at, button in enumerate(self.choices.buttons) if button.hasFocus()), None)
 
     def _keep_focus(self, focused: int, before: DialoguePopup | None, pop: DialoguePopup) -> None:
-        """Give the focus to the first of new answers; when the person leaves the questions, to the answer that opened
-        them."""
+        """Give the focus to the first new answer.
+
+        When the person leaves the questions, give the focus to the answer that opened the questions.
+        """
         turned = before is not None and (before.robot, before.sentences) == (pop.robot, pop.sentences)
         if _asks(pop) and not (before is not None and _asks(before)):
             self._left_from = focused
@@ -128,5 +130,5 @@ class DialoguePanel(TitledPanel):
 
 
 def _asks(pop: DialoguePopup) -> bool:
-    """Return True while the answers are questions to the robot; Esc leaves them."""
+    """Return True while the answers are questions to the robot, which the person leaves by Esc."""
     return any(choice.key == "Esc" for choice in pop.choices)

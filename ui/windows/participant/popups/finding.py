@@ -1,4 +1,4 @@
-"""Views of a found treasure: its picture, the robot's readings, and the result of naming it."""
+"""Views of a found treasure: its picture, the robot's sensor readings, and the result of naming the treasure."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -23,21 +23,21 @@ from ui.windows.participant.widgets.painting import WRAPPED, ring, sign, write
 from ui.windows.participant.widgets.panels import TitledPanel
 
 PICTURE = QSize(208, 156)
-"""Size of a picture in a pop-up, logical pixels; it is the same in all pop-ups and for all sizes of text."""
+"""Size of a picture in a pop-up, logical pixels. It is the same in all pop-ups, at all sizes of text."""
 FACTS_WIDTH = 112
 """Smallest width of the known facts about a treasure, `px`."""
 _VALUES_A_ROW = 3
 
 
 def find_size() -> QSize:
-    """Return the usual size of a pop-up about a find, logical pixels; names then fit next to the picture."""
+    """Return the usual size of a pop-up about a find, logical pixels. The names then fit next to the picture."""
     return QSize(PICTURE.width() + 6 * GAP + px(240), px(330))
 
 
 class TreasurePicture(ParticipantButton):
-    """Picture of a treasure, which a press enlarges or shrinks again.
+    """Picture of a treasure. A press enlarges the picture, and another press shrinks it again.
 
-    If there is no picture, it is a frame with a note.
+    If there is no picture, a frame with a note is shown.
 
     Args:
         texts: texts in the window's language.
@@ -62,14 +62,14 @@ class TreasurePicture(ParticipantButton):
         return QSize(PICTURE)
 
     def minimumSizeHint(self) -> QSize:
-        """Return the size of a picture in a pop-up, which is the smallest size."""
+        """Return the size of a picture in a pop-up, which is the smallest size of a picture."""
         return QSize(PICTURE)
 
     def show_picture(self, data: bytes | None, note: str = "", enlarge: Action | None = None) -> None:
-        """Show the picture in these bytes of an image file, or a note that says why there is no picture.
+        """Show a picture, or a note with the reason why there is no picture.
 
         Args:
-            data: content of the image file.
+            data: bytes of the image file; None if there is no picture.
             note: note to show if there is no picture.
             enlarge: action of a press.
         """
@@ -90,7 +90,7 @@ class TreasurePicture(ParticipantButton):
         self.update()
 
     def paintEvent(self, _event: QPaintEvent) -> None:
-        """Draw the picture as large as it fits."""
+        """Draw the picture in the largest size that fits."""
         palette = colours()
         painter = smooth_painter(self)
         painter.setRenderHint(QPainter.RenderHint.SmoothPixmapTransform)
@@ -112,9 +112,9 @@ class TreasurePicture(ParticipantButton):
 
 
 class PicturePlace(QWidget):
-    """Place for a picture; until there is a picture, it shows the button that takes one.
+    """Place for a picture. Until there is a picture, a button that takes a picture is shown.
 
-    The place has the size of the larger of the two, so that nothing moves when the picture appears.
+    The place has space for both, so that nothing moves when the picture appears.
 
     Attributes:
         picture: the picture.
@@ -139,11 +139,11 @@ class PicturePlace(QWidget):
         follow_text(self, PicturePlace._fit)
 
     def _fit(self) -> None:
-        """Keep the height that the button's words need at the width of the picture."""
+        """Set the height that the button's words need at the width of the picture."""
         self.take.setMinimumHeight(self.take.heightForWidth(PICTURE.width() - 2 * GAP))
 
     def show_place(self, picture: bytes | None, note: str, take: Action | None, enlarge: Action | None) -> None:
-        """Show the picture, or the button that takes it, or a note that says why there is neither of them."""
+        """Show the picture, the button that takes it, or a note with the reason why there is neither."""
         self.picture.show_picture(picture, note, enlarge)
         if take is not None:
             self.take.show_action(take)
@@ -161,7 +161,7 @@ class PicturePlace(QWidget):
 
 
 class PicturePanel(TitledPanel):
-    """Enlarged picture; a press shrinks it again."""
+    """Panel with an enlarged picture. A press shrinks the picture again."""
 
     def __init__(self, texts: Texts, parent: QWidget | None = None) -> None:
         super().__init__(texts, texts.text("window.picture"), parent)
@@ -173,24 +173,24 @@ class PicturePanel(TitledPanel):
         self.rows.addWidget(self.picture, 1)
 
     def show_large(self, data: bytes, title: str, robot: int) -> None:
-        """Show this picture of a robot's find."""
+        """Show this picture of a find, with a title and the robot's chip."""
         close = Action(EnlargePicture(), self._texts.text("popups.close"), "Esc")
         self.entitle(title, robot)
         self.close_button.show_action(close)
         self.picture.show_picture(data, enlarge=close)
 
     def wanted(self, width: int, height: int) -> QSize:
-        """Return all the available space."""
+        """Return the size of the available space."""
         return QSize(width, height)
 
 
 class TreasureFacts(QWidget):
-    """Lines with the known facts about a treasure, each with a patch of color, a drawing of a shape, or a label."""
+    """List of the known facts about a treasure. Each fact has a patch of color, a drawing of a shape, or a label."""
 
     def __init__(self, texts: Texts, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self._texts = texts
-        # None while the robot is still sensing.
+        # Facts shown; None while the robot is still sensing.
         self._facts: tuple[TreasureFact, ...] | None = None
         follow_text(self, lambda it: it.setMinimumWidth(px(FACTS_WIDTH)))
         policy = QSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Preferred)
@@ -198,7 +198,7 @@ class TreasureFacts(QWidget):
         self.setSizePolicy(policy)
 
     def sizeHint(self) -> QSize:
-        """Return the size of the lines, at least one."""
+        """Return the size of all lines, at least of one line."""
         return QSize(px(FACTS_WIDTH), int(max(len(self._facts or ()), 1) * self._line()) + GAP)
 
     def heightForWidth(self, width: int) -> int:
@@ -206,7 +206,7 @@ class TreasureFacts(QWidget):
         return int(sum(self._height(fact, width) for fact in self._facts or ()) or self._line()) + GAP
 
     def show_facts(self, facts: tuple[TreasureFact, ...] | None) -> None:
-        """Show those of these facts that are known; None while the robot is still sensing."""
+        """Show the known facts among these facts. If None, show that the robot is still sensing."""
         known = None if facts is None else tuple(fact for fact in facts if fact.value)
         if known == self._facts and self.accessibleName():
             return
@@ -229,7 +229,7 @@ class TreasureFacts(QWidget):
         )
 
     def _drawing_width(self, fact: TreasureFact) -> float:
-        """Return the width of a drawing and of the gap next to it."""
+        """Return the width of a fact's drawing and of the gap next to it."""
         return 0.0 if fact.drawn is PropertyDrawing.NONE else self._line() - 4.0 + 1.5 * GAP
 
     def paintEvent(self, _event: QPaintEvent) -> None:
@@ -264,7 +264,7 @@ class TreasureFacts(QWidget):
 
     @staticmethod
     def _shape(painter: QPainter, patch: QRectF, words: str) -> None:
-        """Draw a shape, which is round or square, and large or small, as the words say."""
+        """Draw a shape that matches the words: round or square, and large or small."""
         inset = 0.28 * patch.width() if "small" in words else 0.04 * patch.width()
         shape = patch.adjusted(inset, inset, -inset, -inset)
         painter.setPen(QColor(colours().text))
@@ -281,10 +281,10 @@ class TreasureFacts(QWidget):
 
 
 class FactActs(QWidget):
-    """Buttons that find out more about a treasure: one for each property to sense, and one for each value to report.
+    """Buttons for further facts about a treasure: one for each property to measure, and one for each value to report.
 
     Signals:
-        requested: a person asks for an act.
+        requested: a person has pressed a button; with its `Act`.
     """
 
     requested = Signal(object)
@@ -293,7 +293,7 @@ class FactActs(QWidget):
         super().__init__(parent)
         self._texts = texts
         self._rows = spaced(QVBoxLayout(self), GAP, 0)
-        # Acts shown, by the label of their property.
+        # Buttons shown, by the label of their property.
         self._acts: list[tuple[str, list[Act]]] = []
         self._buttons: list[ActionButton] = []
 
@@ -306,7 +306,7 @@ class FactActs(QWidget):
             self._lay_out(offered)
         actions = [action for fact in offered for action in fact.acts]
         for button, action in zip(self._buttons, actions, strict=True):
-            # The key of the values is shown next to the question, because it moves from one value to the next.
+            # The key is shown next to the question, because it moves from one value to the next.
             button.show_action(replace(action, key="") if isinstance(action.act, TellPropertyAct) else action)
         self.setVisible(bool(offered))
 
@@ -341,7 +341,7 @@ class NamingResult(QWidget):
         self.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Preferred)
 
     def sizeHint(self) -> QSize:
-        """Return the size of a sign, the points and a few lines."""
+        """Return the size of a sign, the points, and a few lines of text."""
         return QSize(px(160), px(120))
 
     def show_verdict(self, text: str, points: int | None) -> None:
@@ -351,7 +351,7 @@ class NamingResult(QWidget):
         self.update()
 
     def paintEvent(self, _event: QPaintEvent) -> None:
-        """Draw a tick and the points won, or a warning sign and the points lost."""
+        """Draw a tick and the points won, or a cross and the points lost, and the sentence."""
         palette = colours()
         painter = smooth_painter(self)
         rect = QRectF(self.rect())

@@ -15,7 +15,7 @@ from ui.windows.participant.widgets import focus
 
 
 class NameList(QListWidget):
-    """List of possible names of a treasure. None is picked until a person picks one.
+    """List of possible names of a treasure. At first, no name is picked.
 
     Attributes:
         picked: signal with the name that the person picked.
@@ -30,8 +30,8 @@ class NameList(QListWidget):
         self.setSelectionMode(QAbstractItemView.SelectionMode.SingleSelection)
         self.setFrameShape(QFrame.Shape.NoFrame)
         self.setUniformItemSizes(True)
-        # A scroll bar at the bottom would cover one of only two visible names. Names that are cut off have a tool tip
-        # instead.
+        # There is no horizontal scroll bar, because it would cover one of only two visible names. Names that are cut
+        # off have a tool tip instead.
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self.setProperty("roomy", True)
         self.setFocusPolicy(Qt.FocusPolicy.TabFocus)
@@ -54,8 +54,8 @@ class NameList(QListWidget):
         Args:
             names: the names.
             picked: the picked name. If None, no name is picked.
-            worth: points of each name, if known.
-            called: words for each name. If empty, the names themselves are shown.
+            worth: points that each name is worth, if known.
+            called: words to show for each name. If empty, the names themselves are shown.
         """
         self._picked, called = picked, called or names
         if (names, called, worth) != (self._names, self._called, self._worth) or self.count() == 0:
@@ -74,7 +74,7 @@ class NameList(QListWidget):
         return QSize(px(220), self._high * min(max(len(self._names), 3), 8) + 2 * GAP)
 
     def widest(self) -> int:
-        """Return the width at which all names are fully visible."""
+        """Return the width at which the longest name is fully visible."""
         words = self._rows()
         bar = self.verticalScrollBar().sizeHint().width()
         wide = max((self.fontMetrics().horizontalAdvance(each) for each in words), default=0)
@@ -85,35 +85,35 @@ class NameList(QListWidget):
         return QSize(px(110), self._high * 2 + 2 * GAP)
 
     def showEvent(self, event: QShowEvent) -> None:
-        """Fill the list again."""
+        """Fill the list when it becomes visible."""
         if self.count() == 0:
             self._fill()
             self._pick()
         super().showEvent(event)
 
     def hideEvent(self, event: QHideEvent) -> None:
-        """Empty the list, because assistive technology finds the names even in a hidden list."""
+        """Empty the list, because assistive technology would find the names even in a hidden list."""
         super().hideEvent(event)
         self.clear()
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Leave the list to the left or right by arrow keys; the window's shortcuts pick the names."""
+        """Move the focus out of the list by arrow keys; the window's shortcuts pick the names."""
         if event.key() in focus.ARROWS:
             focus.move_focus(self, event.key())
         else:
             event.ignore()
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
-        """Do nothing: only a click picks a name, not a drag over the list."""
+        """Do nothing, because only a click picks a name, and not a drag over the list."""
         event.accept()
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
-        """Pick a name by a click. If the press picked nothing, mark the picked name again."""
+        """Handle the end of a click. If it picked no name, mark the name that is picked."""
         super().mouseReleaseEvent(event)
         self._pick()
 
     def focusInEvent(self, event: QFocusEvent) -> None:
-        """Accept the focus without picking a name, unlike Qt's own lists."""
+        """Accept the focus without picking a name; Qt's own lists would select their first entry."""
         current = self.currentIndex()
         super().focusInEvent(event)
         if not current.isValid():
@@ -138,7 +138,7 @@ class NameList(QListWidget):
             self.setCurrentRow(row)
 
     def _rows(self) -> list[str]:
-        """Return the names in the form in which the list shows them, with their points if known."""
+        """Return the lines of the list: the words for each name, with the points if known."""
         texts, worth = self._texts, self._worth or (None,) * len(self._called)
         return [
             words

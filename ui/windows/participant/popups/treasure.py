@@ -27,9 +27,9 @@ from ui.windows.participant.widgets.panels import TitledPanel, set_text, wrapped
 
 
 class TreasurePanel(TitledPanel):
-    """Picture and sensor readings on the left, the list of possible names on the right, the acts below.
+    """Pop-up with the picture and sensor readings on the left, the possible names on the right, and the acts below.
 
-    In a narrow panel the list is above picture and readings.
+    In a narrow panel, the list of names is above the picture and the readings.
     """
 
     def __init__(self, texts: Texts, parent: QWidget | None = None) -> None:
@@ -71,18 +71,18 @@ class TreasurePanel(TitledPanel):
         self.arrange(self.usual_size())
 
     def arrange(self, space: QSize) -> None:
-        """Put the list next to the picture if names fit there completely, otherwise above it.
+        """Put the list of names next to the picture if all names fit there completely, otherwise above the picture.
 
-        The sensor readings are next to the picture if they fit there and the list is elsewhere; otherwise they are
-        below it. If there is little space, cost and gain of a name move from the button to the bottom, and all parts
-        move closer together.
+        The sensor readings are below the picture. If the list is above the picture and there is space, they are next to
+        the picture. If there is little space, the cost and gain of a name move from the button to the bottom, and all
+        parts move closer together.
         """
         super().arrange(space)
         self._space = space
         for button in (self.name_it, self.unsure, self.leave):
             button.show_hints(not self.compact)
         gap = GAP if self.compact else int(1.5 * GAP)
-        if self.rows.spacing() != gap:  # Without this check, each layout would cause another one.
+        if self.rows.spacing() != gap:  # Without this check, each layout would start another layout.
             self.rows.setSpacing(gap)
             self._grid.setSpacing(gap)
         row, column = QBoxLayout.Direction.LeftToRight, QBoxLayout.Direction.TopToBottom
@@ -104,7 +104,7 @@ class TreasurePanel(TitledPanel):
         self._grid.setRowStretch(2, int(named))
 
     def _show_stakes(self) -> None:
-        """Show cost and gain of a name if the button does not show them; their place is high enough for all names."""
+        """Show the cost and gain of a name if the button does not show them. Their place has space for all names."""
         asks = self._pop is not None and self._pop.asks_for_name
         set_text(self._stakes, self._pop.name_it.hint if self._pop is not None and asks else "")
         self._stakes.setVisible(self.compact and asks)
@@ -113,12 +113,12 @@ class TreasurePanel(TitledPanel):
         self._stakes.setMinimumHeight(wrapped_height(self._stakes, longest.hint, width) if longest else 0)
 
     def usual_size(self) -> QSize:
-        """Return the size of all pop-ups about finds."""
+        """Return the size that all pop-ups about finds have."""
         return find_size()
 
     def _ask_for_pick(self, name: str) -> None:
-        # A function inside `__init__` would refer to this panel from a list that the panel owns. The panel would then
-        # never be freed.
+        # Do not make this a function inside `__init__`. The list of names, which the panel owns, would then refer to
+        # the panel, and the panel would never be freed.
         self.requested.emit(PickName(name))
 
     def show_pop(self, pop: TreasurePopup) -> None:

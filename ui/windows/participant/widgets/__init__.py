@@ -1,1 +1,1 @@
-"""Building blocks of the participant's window: buttons, panels, painted shapes, focus."""
+"""Building blocks of the participant's window: buttons, panels, painting functions, and keyboard focus."""

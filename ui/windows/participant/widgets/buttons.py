@@ -1,4 +1,4 @@
-"""Buttons that show an `Action`: its label, its key, its cost, or the reason why it is not possible."""
+"""Buttons that show an `Action` by its label, its key, its cost, or the reason why it is not possible."""
 
 from dataclasses import dataclass, replace
 from typing import Literal
@@ -16,13 +16,16 @@ from ui.windows.participant.widgets import focus
 from ui.windows.participant.widgets.painting import WRAPPED, box, key_cap, key_size, ring, sign, write
 
 Weight = Literal["main", "large", "plain", "small", "quiet"]
-"""Prominence of a button: "main" for the most likely action; "large", "plain" and "small" for one of several actions,
-depending on the available space; "quiet" for a minor action, without an edge."""
+"""Prominence of a button.
+
+A "main" button is for the most likely action. "large", "plain" and "small" buttons are for one of several actions,
+depending on the available space. A "quiet" button is for a minor action, and has no edge.
+"""
 
 
 @dataclass(frozen=True, slots=True)
 class ButtonFace:
-    """Content of a button; the attributes are those of `Action`."""
+    """Content of a button. The attributes are the same as those of `Action`."""
 
     label: str
     key: str = ""
@@ -35,10 +38,10 @@ _ENTER = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
 
 
 class ParticipantButton(QPushButton):
-    """Base class of the buttons in the participant's window; each subclass paints itself.
+    """Base class of the buttons in the participant's window. Each subclass paints itself.
 
-    A button whose action is not possible at the moment can still get the focus; if it is pressed, it shows the reason
-    and keeps the focus. A click does not give a button the focus, because Space and Enter would then press it again.
+    A button whose action is not possible at the moment can also get the focus. If this button is pressed, it shows the
+    reason. A click does not give a button the focus, because Space and Enter would then press the button again.
 
     Args:
         texts: texts in the window's language.
@@ -46,7 +49,7 @@ class ParticipantButton(QPushButton):
 
     Attributes:
         requested: signal with the `Act` of the action shown.
-        focused: signal with the button itself, when it gets the focus.
+        focused: signal with the button itself; it has got the focus.
     """
 
     requested = Signal(object)
@@ -56,7 +59,7 @@ class ParticipantButton(QPushButton):
         super().__init__(parent)
         self._texts = texts
         self.face: ButtonFace | None = None
-        # Name of the key for people.
+        # Name of the key as people see it.
         self._shown_key = ""
         self.act: Act | None = None
         self._pointed = False
@@ -65,15 +68,17 @@ class ParticipantButton(QPushButton):
         self.clicked.connect(self._pressed)
 
     def bind(self, action: Action, name: str) -> None:
-        """Store the action; `name` is the name for screen readers."""
+        """Set the action of the button; `name` is the name for screen readers."""
         if action.act != self.act:
             self.let_go()
         self.act = action.act
         self.show_face(ButtonFace(action.label, action.key, action.enabled, action.hint, action.pending), name)
 
     def show_face(self, face: ButtonFace, name: str) -> None:
-        """Store the face, and set name and description for assistive technology, with the reason if it cannot be
-        pressed."""
+        """Set the content of the button, and its name and description for screen readers.
+
+        If the action is not possible, the description includes the reason.
+        """
         self.face = face
         self._shown_key = shown_key(self._texts, face.key)
         state = "asked_for" if face.busy else "impossible"
@@ -88,30 +93,30 @@ class ParticipantButton(QPushButton):
         return self.face is not None and self.face.enabled and (self._pointed or self.isDown())
 
     def let_go(self) -> None:
-        """Forget the pointer and an unfinished press, because both were meant for the previous content."""
+        """Ignore the pointer and an unfinished press, because both were meant for the previous content."""
         self.setDown(False)
         self.set_pointed(False)
 
     def set_pointed(self, pointed: bool) -> None:
-        """Store if the pointer was moved onto the button."""
+        """Store whether the pointer was moved onto the button."""
         if pointed != self._pointed:
             self._pointed = pointed
             self.update()
 
     def hideEvent(self, event: QHideEvent) -> None:
-        """Forget the pointer."""
+        """Store that the pointer is not on the button."""
         super().hideEvent(event)
         self.set_pointed(False)
 
     def focusInEvent(self, event: QFocusEvent) -> None:
-        """Report that the button got the focus, so that a scroll area can show it."""
+        """Report that the button has got the focus, so that a scroll area can show the button."""
         super().focusInEvent(event)
         self.focused.emit(self)
 
     def event(self, event: QEvent) -> bool:
-        """Follow the pointer, and let Enter press the button before the window's shortcuts receive it.
+        """Follow the pointer, and let Enter press the button before the window's shortcuts receive Enter.
 
-        Space is left to the shortcuts, because it is a blank while a person types a name.
+        Shortcuts receive Space, because Space is a blank while a person types a name.
         """
         if event.type() == QEvent.Type.HoverLeave:
             self.set_pointed(False)
@@ -123,7 +128,7 @@ class ParticipantButton(QPushButton):
         return super().event(event)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Let Enter press the button like Space; let arrow keys move to a neighbor."""
+        """Let Enter press the button, as Space does, and let arrow keys move the focus to a neighbor."""
         if event.key() in focus.ARROWS:
             focus.move_focus(self, event.key())
         elif event.key() in _ENTER:
@@ -143,9 +148,9 @@ class ParticipantButton(QPushButton):
 
 
 class ActionButton(ParticipantButton):
-    """Usual button: the label, the hint below it if `hints`, and the key on the right.
+    """Usual button, with a label, an optional hint below the label, and the key on the right.
 
-    If the key is not shown for a while, its space stays free, so that nothing moves.
+    While the key is not shown, its space stays free, so that nothing moves.
     """
 
     def __init__(
@@ -156,9 +161,9 @@ class ActionButton(ParticipantButton):
         self._weight = weight
         self._hints = self._breaks = hints
         self._kept: ButtonFace | None = None
-        # Latest key of the act shown.
+        # Latest key of the act on the button.
         self._last_key = ""
-        # A label that wraps needs more than the usual height.
+        # A wrapped label needs more than the usual height.
         policy = QSizePolicy(QSizePolicy.Policy.Minimum, QSizePolicy.Policy.Fixed)
         if hints:
             policy = QSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Preferred)
@@ -170,7 +175,7 @@ class ActionButton(ParticipantButton):
 
         Args:
             action: action to show.
-            longest: action that determines the size, so that nothing moves when it is shown.
+            longest: action with the longest texts. It determines the size, so that nothing moves when it is shown.
         """
         if longest is not None:
             kept = ButtonFace(longest.label, longest.key, longest.enabled, longest.hint, longest.pending)
@@ -184,14 +189,14 @@ class ActionButton(ParticipantButton):
             self.bind(action, action.label)
 
     def show_hints(self, shown: bool) -> None:
-        """Show the hint below the label, or only as a tool tip."""
+        """If `shown` is True, show the hint below the label, otherwise only as a tool tip."""
         if shown != self._hints:
             self._hints = shown
             self.updateGeometry()
             self.update()
 
     def show_face(self, face: ButtonFace, name: str) -> None:
-        """Show this face."""
+        """Show this content of the button."""
         before = self.face
         super().show_face(face, name)
         self._last_key = self._shown_key or self._last_key
@@ -212,7 +217,7 @@ class ActionButton(ParticipantButton):
         return QSize(width, self.heightForWidth(width))
 
     def minimumSizeHint(self) -> QSize:
-        """Return the smallest size: labels can wrap if the button can have hints."""
+        """Return the smallest size. Labels can wrap if the button can have hints."""
         hint = self.sizeHint()
         return QSize(min(hint.width(), px(96)), hint.height()) if self._breaks else hint
 
@@ -222,7 +227,7 @@ class ActionButton(ParticipantButton):
         return int(max(high, key_size("X")[1]) + 2.0 * self._above()) + 1 if self.face is not None else 0
 
     def _words_high(self, face: ButtonFace, width: int) -> float:
-        """Return the height of the wrapped lines of a face."""
+        """Return the height of the wrapped label and hint."""
         below = not self._has_room_for_key(face, width)
         text = self._height(face.label, self._font(), width - self._width_next_to_label(face, below=below))
         if self._hints and face.hint:
@@ -230,7 +235,7 @@ class ActionButton(ParticipantButton):
         return text
 
     def paintEvent(self, _event: QPaintEvent) -> None:
-        """Draw the face, the words, the key, and the focus ring."""
+        """Draw the background, the words, the key, and the focus ring."""
         face, palette = self.face, colours()
         if face is None:
             return
@@ -265,7 +270,7 @@ class ActionButton(ParticipantButton):
         self._words(painter, text, taken, face, ink, palette.on_accent if filled else palette.muted)
 
     def _words(self, painter: QPainter, area: QRectF, taken: float, face: ButtonFace, ink: str, faint: str) -> None:
-        """Draw label and hint in an area; `taken` is the width of the key to the right of the label."""
+        """Draw the label and the hint in an area; `taken` is the width of the key on the right of the label."""
         label = area.adjusted(0, 0, -taken, 0)
         if not (self._hints and face.hint):
             centred = Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap
@@ -284,13 +289,13 @@ class ActionButton(ParticipantButton):
         return {"main": GAP, "large": 1.5 * GAP, "plain": GAP, "quiet": 0.6 * GAP, "small": 1.5}[self._weight]
 
     def _has_room_for_key(self, face: ButtonFace, width: float) -> bool:
-        """Return True if each word of the label fits next to the key. Otherwise only the tool tip shows the key."""
+        """Return True if each word of the label fits next to the key. If not, only the tool tip shows the key."""
         metrics = QFontMetricsF(self._font())
         longest = max(map(metrics.horizontalAdvance, face.label.split()), default=0.0)
         return longest <= width - self._width_next_to_label(face)
 
     def _width_next_to_label(self, face: ButtonFace, *, below: bool = False) -> float:
-        """Return the width of everything next to the label, or next to the hint below it."""
+        """Return the width of all parts next to the label, or next to the hint below the label."""
         busy = key_size("X")[1] + GAP / 2.0 if face.busy else 0.0
         key = 0.0 if below else key_size(self._last_key)[0]
         return 3.0 * GAP + (key + GAP if key else 0.0) + busy
@@ -309,7 +314,7 @@ def _is_enter(event: QKeyEvent) -> bool:
 
 
 class ActionWidget(QWidget):
-    """Part of the window that contains buttons.
+    """Base class of the parts of the window that contain buttons.
 
     Attributes:
         requested: signal with the `Act` of the pressed button.
@@ -319,12 +324,12 @@ class ActionWidget(QWidget):
 
 
 class ActionRow:
-    """Buttons in a layout, one for each action, all with the same look; they are reused when the actions change.
+    """Buttons in a layout, one for each action. They have the same style, and are reused when the actions change.
 
     Args:
         texts: texts in the window's language.
         layout: layout that gets the buttons.
-        requested: signal to which their acts are passed on.
+        requested: signal that passes on the acts of pressed buttons.
         weight: weight of each button.
         hints: True to show the actions' hints.
     """
@@ -346,7 +351,7 @@ class ActionRow:
         self.buttons: list[ActionButton] = []
 
     def show_actions(self, actions: tuple[Action, ...]) -> None:
-        """Show these actions, in order."""
+        """Show these actions on the buttons, in this order."""
         while len(self.buttons) < len(actions):
             made = ActionButton(self._texts, self._weight, hints=self._hints)
             made.requested.connect(self._requested)

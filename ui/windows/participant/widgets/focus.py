@@ -1,6 +1,6 @@
-"""Keyboard focus: arrow keys move it within a region, F6 moves it from region to region.
+"""Keyboard focus. Arrow keys move the focus within a region, and F6 moves it to the next region.
 
-Tab cannot do this, because it selects the next robot in this game.
+Tab cannot move the focus, because it selects the next robot in this game.
 """
 
 from collections.abc import Sequence
@@ -26,7 +26,7 @@ def make_region(widget: QWidget, name: str) -> None:
 
 
 def reachable(inside: QWidget) -> list[QWidget]:
-    """Return the widgets inside a widget that can have the focus, in reading order: row by row, from the left."""
+    """Return the widgets inside a widget that can have the focus, row by row, from left to right."""
     found = [
         widget
         for widget in inside.findChildren(QWidget)
@@ -38,7 +38,7 @@ def reachable(inside: QWidget) -> list[QWidget]:
         ((QRect(widget.mapTo(inside, QPoint(0, 0)), widget.size()), widget) for widget in found),
         key=lambda each: (each[0].center().y(), each[0].x()),
     ):
-        # Widgets of different heights that are next to each other form one row.
+        # Widgets next to each other form a row, even if their heights differ.
         if rows and place.top() <= rows[-1][0][0].bottom():
             rows[-1].append((place, widget))
         else:
@@ -49,8 +49,8 @@ def reachable(inside: QWidget) -> list[QWidget]:
 def move_focus(widget: QWidget, key: int) -> None:
     """Give the focus to a neighbor inside the widget's region.
 
-    Left and right follow the reading order, so that all widgets are reachable. Up and down go to the nearest widget in
-    that direction; a horizontal distance counts three times.
+    Left and right follow the reading order, so that all widgets are reachable. Up and down go to the nearest widget
+    above or below; horizontal distances have three times the weight.
     """
     home: QWidget | None = widget
     while home is not None and home.property(REGION) is None:
@@ -76,7 +76,7 @@ def move_focus(widget: QWidget, key: int) -> None:
 
 
 def go_round(inside: QWidget, step: int) -> None:
-    """Give the focus to the next widget inside a widget (`step` 1) or to the previous one (-1), in a cycle."""
+    """Give the focus to the next (`step` 1) or previous (-1) widget inside a widget, in a cycle."""
     others = reachable(inside)
     if others:
         focused = QApplication.focusWidget()
@@ -85,7 +85,7 @@ def go_round(inside: QWidget, step: int) -> None:
 
 
 def next_region(regions: Sequence[QWidget], step: int) -> None:
-    """Give the focus to the first reachable widget of the next region (`step` 1) or of the previous one (-1)."""
+    """Give the focus to the first reachable widget of the next (`step` 1) or previous (-1) region."""
     open_ones = [one for one in regions if one.isVisible() and (_takes(one) or reachable(one))]
     if not open_ones:
         return
@@ -98,7 +98,7 @@ def next_region(regions: Sequence[QWidget], step: int) -> None:
 
 
 def focus_region(home: QWidget) -> None:
-    """Give the focus to a region, or to the first widget in it that can have it."""
+    """Give the focus to a region, or to the first widget in the region that accepts the focus."""
     target = home if _takes(home) else next(iter(reachable(home)), home)
     target.setFocus(Qt.FocusReason.OtherFocusReason)
 

@@ -1,4 +1,4 @@
-"""Functions that paint parts of buttons, cards and tiles, so that the same thing looks the same everywhere."""
+"""Functions that paint parts of buttons, cards and tiles in the same style everywhere."""
 
 from collections.abc import Sequence
 from typing import Literal
@@ -10,13 +10,13 @@ from sim.common.robot_numbers import number_of
 from ui.windows.look import GAP, RADIUS, RING, colours, font, smooth_painter, text_colour_on
 
 Sign = Literal["open", "arrow", "dot", "tick", "cross", "trouble", "busy", "talk", "mast"]
-"""Signs, in this order: not visited yet; a robot is on its way; visited; won; lost; a problem; requested and not done
-yet; a person or robot speaks; another commander."""
+"""Names of signs. Their meanings, in this order: not visited, robot on its way, visited, won, lost, problem, requested
+but not done, speech of a person or robot, another commander."""
 
 
 LEFT = Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter
 WRAPPED = LEFT | Qt.TextFlag.TextWordWrap
-"""Place of words in an area: on the left, vertically centered; on one line, or on as many as they need."""
+"""Alignment of words in an area: on the left, vertically centered, on one line or wrapped to several lines."""
 
 
 def write(
@@ -38,7 +38,7 @@ def box(
     dashed: bool = False,
     radius: float = RADIUS - 2,
 ) -> None:
-    """Draw a filled box with round corners; its edge is inside the rectangle."""
+    """Draw a filled box with round corners. The edge of the box is inside the rectangle."""
     pen = QPen(QColor(edge), width)
     if dashed:
         pen.setStyle(Qt.PenStyle.DashLine)
@@ -49,7 +49,7 @@ def box(
 
 
 def ring(painter: QPainter, rect: QRectF, colour: str) -> None:
-    """Draw the focus ring slightly inside the edge of the widget, so that ring and edge never merge."""
+    """Draw the focus ring slightly inside the edge of the widget, so that both remain visible."""
     inset = RING / 2.0 + 2.0
     painter.setPen(QPen(QColor(colour), RING))
     painter.setBrush(Qt.BrushStyle.NoBrush)
@@ -62,7 +62,7 @@ def chip_size() -> float:
 
 
 def chip(painter: QPainter, centre: QPointF, robot: int) -> None:
-    """Draw a robot's chip: its color and number."""
+    """Draw a robot's chip, a disc with the robot's color and number."""
     colour = colours().robot(robot)
     size = chip_size()
     around = QRectF(centre.x() - size / 2.0, centre.y() - size / 2.0, size, size)
@@ -74,7 +74,7 @@ def chip(painter: QPainter, centre: QPointF, robot: int) -> None:
 
 
 def key_size(key: str) -> tuple[float, float]:
-    """Return width and height of a key as printed on a button; 0, 0 without a key."""
+    """Return the width and height of a key in the form drawn on buttons; (0, 0) if there is no key."""
     if not key:
         return 0.0, 0.0
     metrics = QFontMetricsF(font("small"))
@@ -83,7 +83,7 @@ def key_size(key: str) -> tuple[float, float]:
 
 
 def key_cap(painter: QPainter, rect: QRectF, key: str, ink: str) -> None:
-    """Draw a key as printed on a button."""
+    """Draw a key in the form that buttons show."""
     painter.setPen(QPen(QColor(ink), 1.0))
     painter.setBrush(Qt.BrushStyle.NoBrush)
     painter.drawRoundedRect(rect.adjusted(0.5, 0.5, -0.5, -0.5), 4, 4)
@@ -141,7 +141,7 @@ def sign(painter: QPainter, rect: QRectF, kind: Sign, ink: str) -> None:
 
 
 def hatch(ink: str, ground: str) -> QBrush:
-    """Return a brush of slanted lines, for a part that an act would take away."""
+    """Return a brush of slanted lines, which marks an amount that an act would cost."""
     key = (ink, ground)
     if key not in _HATCHES:
         tile = QPixmap(6, 6)
@@ -159,11 +159,11 @@ _HATCHES: dict[tuple[str, str], QPixmap] = {}
 
 
 def fitting(texts: Sequence[str], width: float, metrics: QFontMetricsF) -> str:
-    """Return the first of these texts that fits, or the part of the last one that fits."""
+    """Return the first of these texts that fits. If none fits, return the beginning of the last text."""
     whole = (text for text in texts if metrics.horizontalAdvance(text) <= width)
     return next(whole, None) or elided(texts[-1], width, metrics)
 
 
 def elided(text: str, width: float, metrics: QFontMetricsF) -> str:
-    """Return the part of a text that fits."""
+    """Return a text, cut with an ellipsis if it does not fit."""
     return metrics.elidedText(text, Qt.TextElideMode.ElideRight, max(0.0, width))

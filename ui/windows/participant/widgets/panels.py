@@ -1,4 +1,4 @@
-"""Parts of pop-ups, pages and sheets: a panel with a title, speech bubbles, and a dimming overlay."""
+"""Building blocks of pop-ups, pages and sheets: a panel with a title, speech bubbles, and a dimming overlay."""
 
 from typing import Literal
 
@@ -23,14 +23,14 @@ from ui.windows.participant.widgets.focus import go_round, make_region
 from ui.windows.participant.widgets.painting import WRAPPED, chip, chip_size, write
 
 PROMINENT = 2
-"""Number of newest sentences of a dialogue that are not dimmed: the last sentence, and the one before it."""
+"""Number of newest sentences of a dialogue that are not dimmed: the last two sentences."""
 
 OVERLAY_COLOUR = "#0b0f14"
-"""Color of the overlay that dims the window, in light and dark."""
+"""Color of the overlay that dims the window, in the light and in the dark style."""
 
 
 class RobotChip(QWidget):
-    """Color and number of a robot, next to a title."""
+    """Chip next to a title, with the color and number of a robot."""
 
     def __init__(self, texts: Texts, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -40,7 +40,7 @@ class RobotChip(QWidget):
         self.hide()
 
     def show_robot(self, robot: int | None) -> None:
-        """Show the chip of this robot. If None, hide it."""
+        """Show the chip of this robot. If None, hide the chip."""
         if robot == self._robot:
             return
         self._robot = robot
@@ -65,7 +65,7 @@ class TitledPanel(QFrame):
 
     Attributes:
         requested: signal with the `Act` of the pressed button, or of the picked name.
-        top: row of the title; more widgets can be added on its right.
+        top: row of the title; more widgets can be added to the right of the title.
         rows: content below the title; it scrolls if there is too little space.
         foot: part below the content that is always visible.
         compact: True if there is less space than usual on the map.
@@ -94,14 +94,13 @@ class TitledPanel(QFrame):
         self.rows.addLayout(self.top)
 
     def entitle(self, title: str, robot: int | None = None) -> None:
-        """Set the title, and the robot that the panel is about."""
+        """Set the title and the robot that the panel is about."""
         set_text(self._title, title)
         self._chip.show_robot(robot)
         self.setAccessibleName(title)
 
     def usual_size(self) -> QSize:
-        """Return the size of a pop-up on the map, logical pixels; the pop-up is higher only if its words need more
-        height."""
+        """Return the usual size of a pop-up on the map, logical pixels. If its words need more height, it is higher."""
         return QSize(px(340), px(300))
 
     def arrange(self, space: QSize) -> None:
@@ -111,22 +110,22 @@ class TitledPanel(QFrame):
         self._title.setFont(font("body", bold=True))
 
     def room_beside(self, width: int, space: QSize) -> int:
-        """Return the width left next to a part of this width, logical pixels, even if the content scrolls."""
+        """Return the width that remains next to a part of this width, logical pixels, also with a scroll bar."""
         inside = min(self.usual_size().width(), space.width()) - self.edges().width()
         return inside - self._scrolling.verticalScrollBar().sizeHint().width() - width - self.rows.spacing()
 
     def reveal(self, part: QWidget) -> None:
-        """Scroll to a part."""
+        """Scroll the content to a part."""
         self._scrolling.ensureWidgetVisible(part, 0, GAP)
 
     def least(self, width: int) -> int:
-        """Return the smallest height at a width, logical pixels; if there is less height, the content scrolls."""
+        """Return the smallest height at a width, logical pixels. If there is less height, the content scrolls."""
         around = self.edges()
         foot = least_height(self.foot, width - around.width()) if self.foot.count() else 0
         return least_height(self.rows, width - around.width()) + foot + around.height()
 
     def wanted(self, width: int, height: int) -> QSize:
-        """Return the preferred size, at most this space."""
+        """Return the preferred size, limited to this width and height."""
         around = self.edges()
         wide = width - around.width()
         if self._inside.width() not in (wide, wide - self._scrolling.verticalScrollBar().sizeHint().width()):
@@ -136,7 +135,7 @@ class TitledPanel(QFrame):
         return QSize(width, min(max(needed, least_height(self.rows, wide)) + around.height(), height))
 
     def edges(self) -> QSize:
-        """Return the size of the frame plus that of the margins inside it."""
+        """Return the total size of the frame and the margins inside the frame."""
         return self.size() - self.contentsRect().size() + QSize(2 * GAP, 2 * GAP)
 
 
@@ -153,19 +152,19 @@ class PanelScrollArea(QScrollArea):
         QApplication.instance().focusChanged.connect(self._reveal)  # type: ignore[union-attr]  # there is always one
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        """Fit the content."""
+        """Adapt the content to the new size."""
         super().resizeEvent(event)
         self._fit()
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Fit the content again if it needs another size, and report that to the layout."""
+        """Adapt to another size of the content, and ask the layout for this size."""
         if event.type() == QEvent.Type.LayoutRequest:
             self._fit()
             self.updateGeometry()
         return super().eventFilter(watched, event)
 
     def _fit(self) -> None:
-        # A scroll bar narrows the content. The content may then wrap, and need the scroll bar only because of that.
+        # A scroll bar narrows the content. The content may then wrap, and may need the scroll bar only for this reason.
         fits = least_height(self._rows, self.width()) <= self.height()
         policy = Qt.ScrollBarPolicy.ScrollBarAlwaysOff if fits else Qt.ScrollBarPolicy.ScrollBarAsNeeded
         self.setVerticalScrollBarPolicy(policy)
@@ -185,7 +184,7 @@ def least_height(rows: QLayout, width: int) -> int:
 class OpaqueBackground(QWidget):
     """Opaque background.
 
-    Qt then knows that nothing shines through, and does not redraw it when the map below it moves.
+    Qt does not redraw an opaque widget when the map below the widget moves.
     """
 
     def __init__(self) -> None:
@@ -198,9 +197,10 @@ class OpaqueBackground(QWidget):
 
 
 class SpeechBubble(QWidget):
-    """Sentence in a bubble.
+    """Speech bubble with a sentence.
 
-    A robot's bubble is on the left in its color, the participant's on the right in the accent color.
+    The bubble of a robot is on the left in the robot's color. The participant's bubble is on the right in the accent
+    color.
     """
 
     def __init__(self, texts: Texts, speaker: Literal["robot", "you"], text: str, robot: int) -> None:
@@ -216,7 +216,7 @@ class SpeechBubble(QWidget):
         self.setSizePolicy(policy)
 
     def show_older(self, older: bool) -> None:
-        """Dim the sentence when newer ones exist."""
+        """Dim the sentence if `older` is True."""
         if older != self._older:
             self._older = older
             self.update()
@@ -226,7 +226,7 @@ class SpeechBubble(QWidget):
         return QSize(px(320), self.heightForWidth(px(320)))
 
     def minimumSizeHint(self) -> QSize:
-        """Return the size with all words on one line, which a wide layout allows."""
+        """Return the height of one line, because a wide layout puts all words on one line."""
         return QSize(px(120), self.heightForWidth(10000))
 
     def heightForWidth(self, width: int) -> int:
@@ -251,13 +251,13 @@ class SpeechBubble(QWidget):
         write(painter, area, self._text, font(), palette.muted if self._older else palette.text, WRAPPED)
 
     def _words(self, width: int) -> QRectF:
-        """Return the area of the words. Bubbles leave a part of the width free, so that the two sides differ."""
+        """Return the area of the words. Bubbles leave a part of the width free, to show the speaker's side."""
         frame = QRectF(0.0, 0.0, max(0.86 * width - 3.0 * GAP, 40.0), 10000.0)
         return QFontMetricsF(font()).boundingRect(frame, int(Qt.TextFlag.TextWordWrap), self._text)
 
 
 class Transcript(QScrollArea):
-    """Sentences of a dialogue so far; the newest is at the bottom and visible."""
+    """Sentences of a dialogue so far. The newest sentence is at the bottom and visible."""
 
     def __init__(self, texts: Texts, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -277,12 +277,12 @@ class Transcript(QScrollArea):
         self._robot: int | None = None
         self._room = 0
         self.verticalScrollBar().rangeChanged.connect(self._to_end)
-        # New bubbles get their place only after all pending events have been handled.
+        # New bubbles get their place only after Qt has handled all pending events.
         self._settling = QTimer(self, singleShot=True, interval=0)
         self._settling.timeout.connect(self._to_end)
 
     def show_sentences(self, sentences: tuple[tuple[Literal["robot", "you"], str], ...], robot: int) -> None:
-        """Show these sentences; keep bubbles that are already shown."""
+        """Show these sentences; reuse bubbles that already show them."""
         if (sentences, robot) == (self._sentences, self._robot):
             return
         shown = len(self._sentences)
@@ -301,7 +301,7 @@ class Transcript(QScrollArea):
         self.updateGeometry()
 
     def turn_page(self, pages: int) -> None:
-        """Scroll one page back (-1) or forward (1)."""
+        """Scroll by this number of pages, back (-1) or forward (1)."""
         bar = self.verticalScrollBar()
         bar.setValue(bar.value() + pages * bar.pageStep())
 
@@ -314,12 +314,12 @@ class Transcript(QScrollArea):
         return QSize(px(320), self.heightForWidth(self.width()))
 
     def minimumSizeHint(self) -> QSize:
-        """Return the size of the newest sentence, as far as there is space for it."""
+        """Return the size of the newest sentence, limited to the available space."""
         newest = self._bubbles[-1].heightForWidth(self.width()) if self._bubbles else 0
         return QSize(px(120), min(self.sizeHint().height(), max(px(60), min(newest, self._room))))
 
     def keep_room(self, height: int) -> None:
-        """Show the newest sentence completely, up to this height, logical pixels."""
+        """Keep space for the newest sentence, up to this height, logical pixels."""
         if height != self._room:
             self._room = height
             self.updateGeometry()
@@ -327,7 +327,7 @@ class Transcript(QScrollArea):
     def resizeEvent(self, event: QResizeEvent) -> None:
         """Report the new height after a change of width.
 
-        If everything fits, hide the scroll bar, because its width would wrap lines.
+        If all sentences fit, hide the scroll bar, because its width would wrap lines.
         """
         super().resizeEvent(event)
         fits = self.height() >= self.heightForWidth(self.width())
@@ -338,21 +338,21 @@ class Transcript(QScrollArea):
         self._to_end()
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Report the new size to the layout, because bubbles appear a moment after they are added."""
+        """Report a new size to the layout, because bubbles appear a moment after they are added."""
         if event.type() == QEvent.Type.LayoutRequest:
             self.updateGeometry()
             self._settling.start()
         return super().eventFilter(watched, event)
 
     def _to_end(self) -> None:
-        """Show the newest sentence, with its beginning at the top if it does not fit."""
+        """Scroll to the newest sentence. If it does not fit, its beginning is at the top."""
         self._lines.activate()
         bar = self.verticalScrollBar()
         bar.setValue(min([bar.maximum(), *(bubble.y() for bubble in self._bubbles[-1:])]))
 
 
 class ModalOverlay(QWidget):
-    """Modal overlay: it dims the window, blocks it, and shows one panel in the middle."""
+    """Overlay that dims the window, blocks it, and shows one panel in the middle."""
 
     def __init__(self, parent: QWidget) -> None:
         super().__init__(parent)
@@ -361,7 +361,7 @@ class ModalOverlay(QWidget):
         self.hide()
 
     def show_panel(self, panel: TitledPanel | None, widest: int = 520) -> None:
-        """Show this panel, or hide the overlay."""
+        """Show this panel. If None, hide the overlay."""
         if panel is self._panel:
             self._place()
             return
@@ -379,13 +379,13 @@ class ModalOverlay(QWidget):
         self.raise_()
 
     def keeps_tab(self, *, forward: bool) -> bool:
-        """Move the focus by Tab within the panel. Return False if no panel is shown, so that Tab works as usual."""
+        """Move the focus within the panel. Return False if no panel is shown, so that Tab has its usual effect."""
         if self.isVisible():
             go_round(self, 1 if forward else -1)
         return self.isVisible()
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
-        """Keep the press away from the widgets behind."""
+        """Accept the press, so that the widgets behind the overlay do not receive it."""
         event.accept()
 
     def resizeEvent(self, _event: QResizeEvent) -> None:
@@ -407,7 +407,7 @@ class ModalOverlay(QWidget):
 
 
 def page_column(page: QWidget, width: int) -> QVBoxLayout:
-    """Return a column in the middle of a page, at most this wide, `px`; it scrolls if the page is not high enough."""
+    """Return a column in the middle of a page, at most this wide, `px`. If the page is too low, the column scrolls."""
     inside, area = QWidget(), QScrollArea(widgetResizable=True)
     area.setFrameShape(QFrame.Shape.NoFrame)
     area.setFocusPolicy(Qt.FocusPolicy.NoFocus)
@@ -425,11 +425,11 @@ def page_column(page: QWidget, width: int) -> QVBoxLayout:
 
 
 def set_text(shown: QLabel, text: str) -> None:
-    """Set a label's text only if it has changed, which avoids a new layout."""
+    """Set a label's text only if the text has changed, to avoid a new layout."""
     if shown.text() != text:
         shown.setText(text)
 
 
 def wrapped_height(shown: QLabel, text: str, width: int) -> int:
-    """Return the height of a text as a label would show it at a width, logical pixels."""
+    """Return the height that a label needs for a text at a width, logical pixels."""
     return shown.fontMetrics().boundingRect(QRect(0, 0, width, 10000), Qt.TextFlag.TextWordWrap, text).height()

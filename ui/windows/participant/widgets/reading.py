@@ -1,4 +1,4 @@
-"""Text to read in a panel, with no more height than it needs."""
+"""Text to read in a panel; it uses only the height that its lines need."""
 
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QTextBlockFormat, QTextCursor
@@ -12,12 +12,12 @@ _LINES = 130.0
 
 
 class ReadingText(QTextBrowser):
-    """Text, plain or in Markdown, as high as its lines; it scrolls if there is less space.
+    """Plain text or Markdown, as high as its lines. If there is less space, the text scrolls.
 
     Args:
         name: name for screen readers.
         parent: parent widget.
-        whole: True to keep the full height, so that the area around it scrolls instead.
+        whole: True to keep the full height, so that the area around the text scrolls instead.
     """
 
     def __init__(self, name: str, parent: QWidget | None = None, *, whole: bool = False) -> None:
@@ -52,7 +52,7 @@ class ReadingText(QTextBrowser):
         cursor.mergeBlockFormat(spacing)
 
     def _fit(self) -> None:
-        # The size hint stays small. With a large hint, a page that scrolls would give all its height to the text, and
+        # Keep the size hint small. With a large hint, a page that scrolls would give all its height to the text, and
         # hide its buttons.
         high = int(self.document().size().height()) + 1 + self.height() - self.viewport().height()
         if self._whole:
