@@ -174,7 +174,7 @@ def test_a_team_too_large_for_the_map_is_refused_with_both_numbers() -> None:
     [
         ("arena", "nearest name is arena8"),
         ("nonsense", "names are: arena8, office, practice, warehouse12"),
-        ("", "a path of your own"),
+        ("", "write a slash in your own path"),
     ],
 )
 def test_an_unknown_map_is_answered_with_the_known(name: str, remedy: str) -> None:
@@ -357,7 +357,7 @@ def test_a_value_that_an_option_gives_is_not_told_as_one_of_the_file() -> None:
             "line 2, participant.consent: none.txt: there is no such file",
         ),
         ("participant:\n  consent: empty.txt\n", "empty.txt: the consent text is empty"),
-        ("participant:\n  consent: long.txt\n", "long.txt: it is larger than 8000 bytes"),
+        ("participant:\n  consent: long.txt\n", "long.txt: the file is larger than 8000 bytes"),
         ("participant:\n  robots: [4, 1]\n", "line 2, participant.robots: 4 is above 1"),
         ("participant:\n  robots: [0, 4]\n", "line 2, participant.robots[0]: 0 is out of range"),
         ("participant:\n  robots: 3\n", "line 2, participant.robots: a list is needed"),
@@ -419,7 +419,7 @@ def test_fewer_robots_than_the_study_has_software_for_are_refused() -> None:
 def test_play_gives_one_object_and_exit_code_1_when_time_is_up() -> None:
     done = invoke("play", "--json", "--port", "0", "--max-seconds", "1", "--bag", "new/a.bag")
     assert done.exit_code == 1
-    assert done.stderr.endswith("the game had not ended after 1 simulated seconds\n")
+    assert "The game did not end within 1 simulated seconds." in done.stderr
     assert json.loads(done.stdout)["sim_seconds"] == 1.0
     assert Path("new/a.bag").is_file()
     assert not Path("new/a.html").exists()

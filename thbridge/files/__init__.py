@@ -1,1 +1,1 @@
-"""Files that people write and programs read: maps, templates, tables, keys; every fault is reported with a remedy."""
+"""Files that people write and programs read, such as maps, templates, tables and keys. Messages give a remedy."""

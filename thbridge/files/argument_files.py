@@ -21,16 +21,16 @@ _LARGEST = 64_000_000
 _MOST_ARGUMENTS = 10_000_000
 """Largest number of arguments that a file may declare."""
 _LONGEST = 60
-"""Largest number of letters of a file that a fault quotes."""
+"""Largest number of characters that a message quotes from a file."""
 _MOST_FAULTS = 20
-"""Number of faults after which reading stops, because the file must be of another kind."""
+"""Number of faults after which reading stops, because the file probably has another format."""
 
 
 def read_framework(path: Path) -> ArgumentationFramework:
-    """Read a framework; the suffix of its name gives its format.
+    """Read a framework; the suffix of the file's name gives the format.
 
     Raises:
-        BadFile: it cannot be read, or is not in its format; faults of several lines are raised together.
+        BadFile: the file cannot be read, or does not follow the format; faults of several lines are raised together.
     """
     match path.suffix.lower():
         case ".apx":
@@ -39,7 +39,7 @@ def read_framework(path: Path) -> ArgumentationFramework:
             return _read_tgf(path)
         case ".af":
             return _read_af(path)
-    raise BadFile(path, "its name does not show its format", "give a file with the suffix .apx, .tgf or .af")
+    raise BadFile(path, "the suffix does not show the format", "name a file with the suffix .apx, .tgf or .af")
 
 
 class _Facts:
@@ -57,9 +57,9 @@ class _Facts:
         with self.faults.kept():
             raise BadFile(self._path, problem, remedy, line=line)
 
-    def argue(self, name: str, line: int, remedy: str = "delete one of them") -> None:
+    def argue(self, name: str, line: int, remedy: str = "delete one of the two") -> None:
         if not name.isprintable():
-            # The name would be printed unchanged, and could control the terminal.
+            # The name would be printed unchanged, so its control characters could change the terminal.
             self.fail(line, f"the name {_start(name)} has characters that cannot be printed", "choose other characters")
         elif name in self._arguments:
             self.fail(line, f"the argument {name} is defined twice, first in line {self._arguments[name]}", remedy)
@@ -112,9 +112,9 @@ def _read_tgf(path: Path) -> ArgumentationFramework:
         if words == ["#"]:
             is_of_attacks = True
         elif strange := [name for name in names if not re.fullmatch(_NAME, name)]:
-            facts.fail(number, f"{_start(strange[0])} is not a name of an argument", f"correct it: {_NAMES_HOLD}")
+            facts.fail(number, f"{_start(strange[0])} is not a name of an argument", f"correct the name: {_NAMES_HOLD}")
         elif not is_of_attacks:
-            facts.argue(names[0], number, "delete one of them; attacks come after a line that has only a #")
+            facts.argue(names[0], number, "delete one of the two; write attacks below a line that has only a #")
         elif len(names) == 2:
             facts.attack(names[0], names[1], number)
         else:

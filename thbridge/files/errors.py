@@ -11,7 +11,7 @@ _UNSEEN = re.compile(r"[\x00-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-
 """Characters that control terminals or the writing direction, line ends, and bytes of names that are not UTF-8."""
 
 _LONGEST = 1000
-"""Largest number of letters shown of a path or a key: names from outside may have half a million."""
+"""Largest number of characters shown of a path or a key, because untrusted names may have half a million."""
 
 
 def visible(text: str, keep: str = "") -> str:
@@ -26,7 +26,7 @@ def visible(text: str, keep: str = "") -> str:
 
 
 class BadFile(Exception):  # noqa: N818 - it names the fault of a file, and people read it as a sentence
-    """A fault of a file that people write, with its place, problem and remedy.
+    """A fault of a file that people write: position, problem and remedy.
 
     `str()` gives the message to show, on one line: `PATH, line N, KEY: problem. Remedy.`
 
@@ -109,7 +109,7 @@ class FaultCollection:
 
 
 def reason_of(error: OSError) -> str:
-    """Return the system's text for an error, without the call and address that asyncio adds."""
+    """Return the system's text for an error, without the function and address that asyncio adds."""
     # Failed lookups of host names have negative numbers and their own texts.
     if error.errno is not None and error.errno > 0:
         return os.strerror(error.errno)

@@ -24,7 +24,7 @@ _KIND_OF_SLOT: Mapping[Slot, ContentKind] = {
     Slot.UNKNOWN: ContentKind.UNKNOWN,
     Slot.SUPPORT: ContentKind.LITERAL,
 }
-"""Kinds of the contents of slots; all other slots contain what the game is about."""
+"""Kinds of contents by slot. All other slots contain the kind that the game is about."""
 LONGEST_NAME = 60
 _NAMES = f"A name has 1 to {LONGEST_NAME} letters, without blanks at its ends"
 _FormKey = tuple[str, ContentKind, str | None]
@@ -100,10 +100,10 @@ def _game_paths(folder: Path) -> list[Path]:
     if folder.is_file():
         raise BadFile(folder, "this is a file, not a folder", f"Name its folder: {folder.parent}")
     if not folder.is_dir():
-        raise BadFile(folder, "there is no such folder", f"Create it, and add games or a {LOCUTIONS}")
+        raise BadFile(folder, "there is no such folder", f"Create the folder, and add games or a {LOCUTIONS}")
     paths = sorted(path for path in folder.glob("*.yaml") if path.name != LOCUTIONS)
     if not paths and not (folder / LOCUTIONS).exists():
-        raise BadFile(folder, f"it has neither games, *.yaml, nor a {LOCUTIONS}", "Name a folder that has some")
+        raise BadFile(folder, f"this folder has neither games (*.yaml) nor a {LOCUTIONS}", "Name a folder that has one")
     return paths
 
 
@@ -146,8 +146,8 @@ def _check_others(path: Path, games: Iterable[Loaded[_GameYaml]], forms: _Forms)
             _check(game, forms)
         except BadFile as fault:
             why = f"{fault.path}, line {fault.line}: {fault.problem}"
-            problem = f"with it the game {game.value.name} cannot be played ({why})"
-            remedy = "Give your locutions names of their own, or write a game that replaces that one"
+            problem = f"with these locutions the game {game.value.name} cannot be played ({why})"
+            remedy = "Give your locutions other names, or write a game that replaces this game"
             raise BadFile(path, problem, remedy, line=1, key="locutions") from None
 
 
@@ -157,7 +157,7 @@ def _locutions(loaded: Loaded[_LocutionsYaml]) -> list[Locution]:
     for place, each in enumerate(loaded.value.locutions):
         key = f"locutions[{place}]"
         if (each.name, each.content, each.of) in seen:
-            faults.append(loaded.fault(key, f"{each.name} of a {each.content} is defined twice", "Keep one of them"))
+            faults.append(loaded.fault(key, f"{each.name} of a {each.content} is defined twice", "Keep only one"))
         seen.add((each.name, each.content, each.of))
         for field, names, known in (
             ("before", each.before, CONDITIONS),
@@ -175,7 +175,7 @@ def _locutions(loaded: Loaded[_LocutionsYaml]) -> list[Locution]:
                     faults.append(loaded.fault(place_of_word, problem, "Delete it"))
         for field, names in (("before", each.before), ("before_person", each.before_person)):
             faults += [
-                loaded.fault(f"{key}.{field}", f"{one} and {other} never hold together", "Delete one of them")
+                loaded.fault(f"{key}.{field}", f"{one} and {other} exclude each other", "Delete one of the two")
                 for one, other in CONTRADICTIONS
                 if {one, other} <= set(names)
             ]
@@ -201,7 +201,7 @@ def _table(written: _GameYaml) -> GameTable:
 
 
 def _check(loaded: Loaded[_GameYaml], forms: _Forms) -> None:
-    """Raise the faults in a game's words. If there are none, raise the faults in its course."""
+    """Raise the faults of a game's single entries. If there are none, raise the faults of its course."""
     for find in (_faults, _course_faults):
         if faults := tuple(find(loaded, forms)):
             raise BadFiles(faults)
@@ -220,7 +220,8 @@ def _faults(loaded: Loaded[_GameYaml], forms: _Forms) -> Iterator[BadFile]:
         if stage.name in names[:place]:
             yield loaded.fault(f"{key}.name", f"two stages have the name {stage.name}", "Give each stage its own name")
         if stage.name in set(DialogueEnd):
-            yield loaded.fault(f"{key}.name", f"{stage.name} is the name of an end", "Give the stage another name")
+            problem = f"{stage.name} is already the name of an end"
+            yield loaded.fault(f"{key}.name", problem, "Give the stage another name")
         if not stage.replies:
             yield loaded.fault(f"{key}.replies", "this stage has no replies", "Add a reply, or delete the stage")
         for at, reply in enumerate(stage.replies):
@@ -228,7 +229,7 @@ def _faults(loaded: Loaded[_GameYaml], forms: _Forms) -> Iterator[BadFile]:
             yield from _questioned_faults(loaded, f"{key}.replies[{at}]", reply, names)
             if any((reply.say, reply.of) == (other.say, other.of) for other in stage.replies[:at]):
                 problem = f"{reply.say} of {reply.of} is already a reply of this stage"
-                yield loaded.fault(f"{key}.replies[{at}]", problem, "Keep one of them")
+                yield loaded.fault(f"{key}.replies[{at}]", problem, "Keep only one")
         if stage.name == written.opening:
             yield from _opening_faults(loaded, key, stage)
     yield from _stage_faults(loaded, names)
@@ -236,13 +237,13 @@ def _faults(loaded: Loaded[_GameYaml], forms: _Forms) -> Iterator[BadFile]:
 
 def _opening_faults(loaded: Loaded[_GameYaml], key: str, stage: _StageYaml) -> Iterator[BadFile]:
     if stage.turn is not GameRole.INITIATOR:
-        yield loaded.fault(f"{key}.turn", "the initiator opens a game", "Write initiator")
+        yield loaded.fault(f"{key}.turn", "the initiator must open the game", "Write initiator")
     for at, reply in enumerate(stage.replies):
         if reply.of is not Slot.TOPIC:
-            problem = f"a game is opened with its topic, not {reply.of}"
+            problem = f"the first move must be about the topic, not {reply.of}"
             yield loaded.fault(f"{key}.replies[{at}].of", problem, "Write topic")
     if stage.replies and all(reply.next in set(DialogueEnd) for reply in stage.replies):
-        remedy = "Let one lead to a stage in which the respondent replies"
+        remedy = "Let one reply lead to a stage in which the respondent replies"
         yield loaded.fault(f"{key}.replies[0].next", "every opening ends the game without a reply", remedy)
 
 
@@ -262,7 +263,7 @@ def _reply_faults(
         yield loaded.fault(
             f"{key}.of",
             f"{reply.say} has no form with content: {wanted}, only with {', '.join(have)}",
-            f"Add one to {LOCUTIONS}, or write another slot",
+            f"Add this form to {LOCUTIONS}, or write another slot",
         )
     if reply.of in {Slot.OPPOSITE, Slot.UNKNOWN} and about == "rule":
         problem = f"a rule has no {'opposite' if reply.of is Slot.OPPOSITE else 'form for not knowing'}"
@@ -272,7 +273,7 @@ def _reply_faults(
             yield _no_such(loaded, f"{key}.{field}", "stage or end", target, targets)
     if reply.last is not None and reply.of not in {Slot.SUPPORT, Slot.ARGUMENT}:
         problem = f"`last` is for the last support of a claim, not for {reply.of}"
-        yield loaded.fault(f"{key}.last", problem, "Delete it, or write of: support or of: argument")
+        yield loaded.fault(f"{key}.last", problem, "Delete the line, or write of: support or of: argument")
 
 
 def _questioned_faults(
@@ -283,8 +284,8 @@ def _questioned_faults(
     if reply.questioned not in names:
         yield _no_such(loaded, f"{key}.questioned", "stage", reply.questioned, names)
     if reply.next in names:
-        problem = "`questioned` is for a refusal that ends the game, but this reply does not end it"
-        yield loaded.fault(f"{key}.questioned", problem, "Delete it, or write an end as next")
+        problem = "`questioned` is for a refusal that ends the game, but this reply does not end the game"
+        yield loaded.fault(f"{key}.questioned", problem, "Delete the line, or write an end as next")
 
 
 def _course_faults(loaded: Loaded[_GameYaml], forms: _Forms) -> Iterator[BadFile]:
@@ -300,7 +301,7 @@ def _course_faults(loaded: Loaded[_GameYaml], forms: _Forms) -> Iterator[BadFile
         here = [position for position in found if position.stage == stage]
         if any(speaker_in(table, position) is None for position in here):
             turn = table.stages[stage].turn
-            problem = f"it can be the {turn}'s turn here although {NO_CLAIM.problem}"
+            problem = f"the {turn} may get the turn here although {NO_CLAIM.problem}"
             yield loaded.fault(f"stages[{place}].turn", problem, f"Write initiator or respondent. {NO_CLAIM.remedy}")
             continue
         for at, reply in enumerate(table.stages[stage].replies):
@@ -312,7 +313,7 @@ def _course_faults(loaded: Loaded[_GameYaml], forms: _Forms) -> Iterator[BadFile
                 refuses_support(table, position, reply, form_of) for position in here
             ):
                 problem = "no refusal here can be questioned, because the reply does not answer a support"
-                remedy = "Delete it, or move the reply to a stage in which the challenger answers `of: support`"
+                remedy = "Delete the line, or move the reply to a stage in which the challenger answers `of: support`"
                 yield loaded.fault(f"stages[{place}].replies[{at}].questioned", problem, remedy)
 
 
@@ -333,12 +334,12 @@ def _stage_faults(loaded: Loaded[_GameYaml], names: Collection[str]) -> Iterator
     while grown := {name for name, targets in after.items() if targets & ending} - ending:
         ending |= grown
     lost = [name for name in names if name not in reached] if reached else []
-    # A stage is not reported if only lost stages lead to it: the first lost stage is the cause.
+    # A stage is not reported if only unreachable stages lead to it: the first unreachable stage is the cause.
     first_lost = [name for name in lost if not any(name in after[other] for other in lost)] or lost[:1]
     for place, stage in enumerate(written.stages):
         if stage.name in first_lost:
             yield loaded.fault(
-                f"stages[{place}].name", f"no reply leads to the stage {stage.name}", "Add one, or delete the stage"
+                f"stages[{place}].name", f"no reply leads to the stage {stage.name}", "Add a reply, or delete the stage"
             )
         elif stage.replies and stage.name not in ending:
             yield loaded.fault(
@@ -353,7 +354,7 @@ def _no_such(
 ) -> BadFile:
     choices = sorted(set(known))
     near = difflib.get_close_matches(name, choices, n=1)
-    remedy = f"The nearest is {near[0]}" if near else f"Write one of: {', '.join(choices) or 'none'}"
+    remedy = f"The nearest name is {near[0]}" if near else f"Write one of: {', '.join(choices) or 'none'}"
     return loaded.fault(key, f"{what} {name} does not exist", remedy)
 
 

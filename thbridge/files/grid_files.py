@@ -28,9 +28,9 @@ OCCUPIED_THRESH = 0.65
 FREE_THRESH = 0.196
 
 LEAST_WALL = 0.05
-"""Share of occupied cells along the edge of the floor. If the share is smaller, walls probably have another shade."""
+"""Least share of occupied cells along the edge of the floor. With less, walls probably have another shade."""
 TINTED, LARGE_SHARE = 0.02, 0.05
-"""Least darkness of floor that is not white, and least share of an image for a shade to count as an area."""
+"""Least darkness of a floor that counts as not white, and least share of the image that counts as a large area."""
 
 POSE = {"unit": "m, m, rad"}
 """Declaration of a field with x, y, yaw."""
@@ -93,7 +93,7 @@ def unseen_walls(cells: Cells, pixels: NDArray[np.uint8], negate: bool) -> Unsee
         return None
     problem = (
         f"{seen:.0%} of the cells around the floor are occupied; the rest is unknown, mostly gray {gray}. Lasers see "
-        "only occupied cells, so robots would be lost"
+        "only occupied cells, so robots would get lost"
     )
     shares = np.bincount(grays[free[1:-1, 1:-1]], minlength=256) / cells.size
     tinted = darkness[(shares >= LARGE_SHARE) & (darkness >= TINTED)]
@@ -121,7 +121,7 @@ def read_grid_file(map_yaml: Path) -> GridFile:
     entry = loaded.value
     if entry.free_thresh > entry.occupied_thresh:
         problem = f"{entry.free_thresh} is above occupied_thresh {entry.occupied_thresh}"
-        raise loaded.fault("free_thresh", problem, "Lower it; map_saver writes 0.196 and 0.65")
+        raise loaded.fault("free_thresh", problem, "Write a lower value; map_saver writes 0.196 and 0.65")
     if problem := fault_of_path(entry.image):
         raise loaded.fault("image", problem, "Name the image, next to map.yaml or with its full path")
     image = _image_of(map_yaml, entry.image)
@@ -138,7 +138,7 @@ def read_grid_file(map_yaml: Path) -> GridFile:
         if unknown.any():
             share = 100.0 * float(unknown.mean())
             problem = f"gray {UNKNOWN_GREY}, map savers' shade for unknown, is free here ({share:.0f} % of the image)"
-            remedy = f"Write free_thresh: {FREE_THRESH}, unless it is free; map_server and Nav2 also treat it as free"
+            remedy = f"Write free_thresh: {FREE_THRESH}, unless this gray is free; map_server and Nav2 treat it as free"
             doubts.append(loaded.fault("free_thresh", problem, remedy))
     if entry.mode != "raw" and (unseen := unseen_walls(cells, pixels, entry.negate == 1)) is not None:
         remedy = (

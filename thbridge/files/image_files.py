@@ -13,7 +13,7 @@ from thbridge.files.errors import BadFile
 MOST_PIXELS = 32_000_000
 """Largest number of pixels: 280 m x 280 m at 0.05 m. Localization on such a map takes 32 bytes per cell: a gigabyte."""
 MOST_WORDS = 8_000_000
-"""Largest number of pixels that are written as words (P2), because each takes 40 bytes."""
+"""Largest number of pixels that are written as text (P2), because each takes 40 bytes."""
 LARGEST_IMAGE = 1 << 29
 """Largest file in bytes."""
 
@@ -26,10 +26,10 @@ def read_image(path: Path) -> NDArray[np.uint8]:
 
     Returns:
         (rows, cols) gray or (rows, cols, 3 or 4) colors, row 0 at the top; pixels with more than 8 bits are scaled down
-        to 8 bits, as in the library behind map_server.
+        to 8 bits, as in the image library of map_server.
 
     Raises:
-        BadFile: it is not an image, or a part of it is missing.
+        BadFile: the file is not an image, or a part of the image is missing.
     """
     try:
         data = content_of(path, LARGEST_IMAGE)
@@ -55,7 +55,7 @@ def read_image(path: Path) -> NDArray[np.uint8]:
             mode = mode or ("RGBA" if image.mode in {"RGBA", "RGBa"} else "RGB")
             return np.asarray(image.convert(mode), dtype=np.uint8)
     except (UnidentifiedImageError, Image.DecompressionBombError):
-        raise BadFile(path, "it is not a readable image", "Save it as PGM or PNG") from None
+        raise BadFile(path, "this is not a readable image", "Save it as PGM or PNG") from None
     # Pillow raises many kinds of errors for wrong tags, such as an offset that is a float.
     except (OSError, SyntaxError, ValueError, TypeError, LookupError, ArithmeticError) as error:
         raise BadFile(path, f"the image is damaged ({error})", "Save it again as PGM or PNG") from None
@@ -67,7 +67,7 @@ def _too_large(path: Path, width: int, height: int) -> BadFile:
 
 
 def _with_plain_header(path: Path, data: bytes) -> bytes:
-    """Return a binary PBM or PPM with a header for Pillow, which ends the header at the first byte of a line end."""
+    """Return a binary PBM or PPM with a header for Pillow: Pillow ends the header at the first byte of a line end."""
     kind, count = data[:2], _HEADER_NUMBERS[data[:2]]
     numbers, end = _netpbm_header(path, data, count)
     if numbers[0] * numbers[1] > MOST_PIXELS:
@@ -81,13 +81,13 @@ def _with_plain_header(path: Path, data: bytes) -> bytes:
 def _read_pgm(path: Path, data: bytes) -> NDArray[np.uint8]:
     (width, height, deepest), end = _netpbm_header(path, data, _HEADER_NUMBERS[data[:2]])
     if width < 1 or height < 1:
-        raise BadFile(path, f"the image has {width} x {height} pixels", "Save it again")
+        raise BadFile(path, f"the image has {width} x {height} pixels", "Save the image again")
     if not 1 <= deepest <= 65535:
-        raise BadFile(path, f"the largest value in the header is {deepest}", "Save it with 8 or 16 bit")
+        raise BadFile(path, f"the largest value in the header is {deepest}", "Save the image with 8 or 16 bits")
     if width * height > MOST_PIXELS:
         raise _too_large(path, width, height)
     if data[:2] == b"P2" and width * height > MOST_WORDS:
-        problem = f"{width} x {height} pixels as words are more than {MOST_WORDS}"
+        problem = f"{width} x {height} pixels in text form are more than {MOST_WORDS}"
         raise BadFile(path, problem, "Save the map as a binary PGM (P5), or as PNG")
     if data[:2] == b"P5":
         depth = np.dtype(np.uint8) if deepest < 256 else np.dtype(">u2")
@@ -104,7 +104,7 @@ def _read_pgm(path: Path, data: bytes) -> NDArray[np.uint8]:
             raise _truncated(path, width, height, f"{len(words)} values")
         wrong = next((word for word in words[: width * height] if not word.isdigit() or len(word) > 5), None)
         if wrong is not None:
-            raise BadFile(path, f"{wrong!r} is among the gray values", "Save the image again")
+            raise BadFile(path, f"{wrong!r} is not a gray value", "Save the image again")
         values = np.array(words[: width * height], dtype=np.uint32)
     if values.max() > deepest:
         problem = f"a gray value of {values.max()} is above the header's largest value, {deepest}"
@@ -115,8 +115,8 @@ def _read_pgm(path: Path, data: bytes) -> NDArray[np.uint8]:
 
 
 def _truncated(path: Path, width: int, height: int, found: str) -> BadFile:
-    problem = f"the image is cut off: its header says {width} x {height} pixels, but it has only {found}"
-    return BadFile(path, problem, "Copy or save it again")
+    problem = f"the image is cut off: its header says {width} x {height} pixels, but the file has only {found}"
+    return BadFile(path, problem, "Copy or save the image again")
 
 
 _HEADER_NUMBERS = {b"P2": 3, b"P4": 2, b"P5": 3, b"P6": 3}
@@ -126,7 +126,7 @@ _LINE_END = re.compile(rb"[\r\n]")
 
 
 def _raster_begin(data: bytes, end: int, size: int) -> int:
-    """Return the offset of the first pixel of `size` bytes, after a header with its last number ending at `end`.
+    """Return the offset of the pixels, which have `size` bytes; the last number of the header ends at `end`.
 
     Exactly one blank ends the header; the byte after it is a pixel, even if it looks like a blank. But if an editor has
     written CR LF for each line end, both bytes end the header. A comment right after the number ends with its line.

@@ -117,14 +117,15 @@ def _read(path: Path, english: dict[str, Text]) -> dict[str, Text]:
     """Read a file. If English texts are given, each text must have the same values as the English text."""
     tree = parse(path, read_text(path))
     if not isinstance(tree, Section):
-        raise BadFile(path, "it has no texts", "Write one NAME: TEXT in each line")
+        raise BadFile(path, "the file has no texts", "Write one NAME: TEXT in each line")
     entries: dict[str, Text] = {}
     faults = FaultCollection()
     for name, node in tree.entries:
         key = f"{path.stem}.{name.text}"
         with faults.kept():
             if key in entries:
-                raise BadFile(path, "this name is used above", "Keep one of the two", line=name.line, key=name.text)
+                problem = "this name is already used above"
+                raise BadFile(path, problem, "Keep one of the two", line=name.line, key=name.text)
             if english and key not in english:
                 raise BadFile(path, f"text {key} does not exist", _nearest(key, english), line=name.line, key=name.text)
             entries[key] = _text(path, name, node)
@@ -151,9 +152,9 @@ def _wrong_in(text: Text, english: Text | None) -> Iterator[tuple[str, str]]:
     forms = _forms(text)
     for form in forms:
         if not form.strip() and form == "":
-            yield "the text is empty", "Write one"
+            yield "the text is empty", "Write a text"
         if len(form) > LONGEST_TEXT:
-            yield f"{len(form)} characters are too many", f"Write at most {LONGEST_TEXT}"
+            yield f"{len(form)} characters are too many", f"Write at most {LONGEST_TEXT} characters"
         if english is None:
             continue
         if not isinstance(text, str) and isinstance(english, str):
@@ -165,7 +166,7 @@ def _wrong_in(text: Text, english: Text | None) -> Iterator[tuple[str, str]]:
         missing = sorted(values - {value_of(word) for word in reserved_in(form)} - {COUNT})
         if missing:
             words = " and ".join(f"£{value}£" for value in missing)
-            yield f"this text must contain {words}, as the English one does", f"Write {words} into it"
+            yield f"this text must contain {words}, as the English text does", f"Add {words} to it"
 
 
 def _values(text: Text) -> set[str]:
@@ -178,4 +179,4 @@ def _forms(text: Text) -> tuple[str, ...]:
 
 def _nearest(key: str, known: Iterable[str]) -> str:
     near = difflib.get_close_matches(key, known, n=1)
-    return f"The nearest is {near[0]}" if near else "Compare with the English files"
+    return f"The nearest name is {near[0]}" if near else "Compare with the English files"

@@ -39,7 +39,7 @@ FOOTPRINT: Polygon = WorldParameters().footprint
 LEAST_FLOOR = 0.01
 """Smallest area of a region, square meters; a smaller one is a mistake."""
 MOST_AMISS = 0.75
-"""Share of goals and starts off the floor. From this share on, the image counts as faulty instead of each place."""
+"""If at least this share of goals and starts is off the floor, only the image is reported as faulty."""
 MOST_STARTS = 1000
 """Largest number of start poses in a row; a longer row is a mistake."""
 
@@ -76,7 +76,7 @@ class Map:
         starts: start poses of robot 1, 2, ... in the map frame; at least one.
         costs: the map's own cost file `mapTimes`, which replaces the file of a template folder; None if the map has
             none.
-        language: language of the rooms' names. If None, they count as being in every study's language.
+        language: language of the rooms' names. If None, they are used in every language.
         words: names of the rooms in further languages, by the language and the name in `rooms.yaml`.
         warnings: warnings of the check; a game can be played in spite of them.
     """
@@ -108,7 +108,7 @@ class Map:
 
 @dataclass(frozen=True, slots=True)
 class MapFinding:
-    """A fault of a map. With an error the map does not load, with a warning it does."""
+    """A fault of a map. A map with an error does not load; a map with a warning does."""
 
     severity: Literal["error", "warning"]
     fault: BadFile
@@ -128,7 +128,7 @@ class MapCheck:
 
     @property
     def errors(self) -> tuple[BadFile, ...]:
-        """Faults with which the map does not load."""
+        """Faults that prevent the map from loading."""
         return tuple(finding.fault for finding in self.findings if finding.severity == "error")
 
 
@@ -138,10 +138,10 @@ def read_map(folder: Path, footprint: Polygon = FOOTPRINT, *, with_costs: bool =
     Args:
         folder: the folder of `map.yaml`, its image, `rooms.yaml` and, optionally, `mapTimes`.
         footprint: corners of a robot in its own frame, meters.
-        with_costs: False to leave `mapTimes` unread, so that the map has no costs.
+        with_costs: False to ignore `mapTimes`; the map then has no costs.
 
     Raises:
-        BadFile: the map has a fault; or, as BadFiles, all its faults as far as they can be found together.
+        BadFile: the map has a fault. Several faults are raised together, as BadFiles.
     """
     check = check_map(folder, footprint, with_costs=with_costs)
     if check.map is None or check.errors:
@@ -257,7 +257,7 @@ def check_map(folder: Path, footprint: Polygon = FOOTPRINT, *, with_costs: bool 
 
 
 def _read_words(folder: Path, names: Sequence[str], findings: list[MapFinding]) -> dict[str, Mapping[str, str]]:
-    """Read the names of rooms in further languages. A name for no room may belong to a room that was renamed."""
+    """Read the names of rooms in further languages. A name without a room may belong to a room that was renamed."""
     words: dict[str, Mapping[str, str]] = {}
     for language in languages_beside(folder, (WORDS,)):
         path = folder / language / WORDS
@@ -276,7 +276,7 @@ def _read_words(folder: Path, names: Sequence[str], findings: list[MapFinding]) 
 
 
 def missing_room_names(place: Map, folder: Path, language: str) -> Iterator[BadFile]:
-    """Yield the fault of room names that a map lacks in a language, if the map's names are in another language.
+    """Yield a fault if a map is in another language, and some of its rooms have no name in this language.
 
     Args:
         place: the map.
@@ -287,7 +287,7 @@ def missing_room_names(place: Map, folder: Path, language: str) -> Iterator[BadF
     unnamed = [name for name in place.room_names.named.values() if name not in words]
     if place.language not in {None, language} and unnamed:
         problem = f"the map is in {place.language}, but these rooms have no name in {language}: {', '.join(unnamed)}"
-        yield BadFile(folder / language / WORDS, problem, "Write them under rooms", key="rooms")
+        yield BadFile(folder / language / WORDS, problem, "Write the names under rooms", key="rooms")
 
 
 def _attempt(read: Callable[[], T], findings: list[MapFinding]) -> T | None:
@@ -319,7 +319,7 @@ def _room(entry: _RoomEntry) -> MapRoom:
 
 
 def _starts(entry: _StartsEntry) -> Iterator[tuple[str, Pose2]]:
-    """Yield key path and pose of every start: first the poses, then the rows, each from its first end.
+    """Yield the key path and pose of every start: first the poses, then the rows, each row from its first end.
 
     Rows that are too long are left out.
     """
@@ -338,7 +338,7 @@ def _faults_of_rooms(loaded: Loaded[_RoomsYaml]) -> Iterator[BadFile]:
     """Yield faults that can be found without the grid, in numbers, names and shapes."""
     rooms = loaded.value.rooms
     if not rooms:
-        yield loaded.fault("rooms", "the map has no rooms", "Add at least one")
+        yield loaded.fault("rooms", "the map has no rooms", "Add at least one room")
     by_number: dict[int, int] = {}
     by_name: dict[str, int] = {}
     for index, entry in enumerate(rooms):
@@ -355,10 +355,10 @@ def _faults_of_rooms(loaded: Loaded[_RoomsYaml]) -> Iterator[BadFile]:
         room = _room(entry)
         if len(entry.region) < 2 or area(room.region) < LEAST_FLOOR:
             remedy = "Write two opposite corners of a box, or three or more corners in order"
-            yield loaded.fault(f"{key}.region", "these corners enclose no floor", remedy)
+            yield loaded.fault(f"{key}.region", "these corners enclose no area", remedy)
         elif crosses_itself(room.region):
             remedy = "Write the corners in order around the room"
-            yield loaded.fault(f"{key}.region", "its sides cross each other", remedy)
+            yield loaded.fault(f"{key}.region", "the sides of the region cross each other", remedy)
         elif not room.holds(room.goal.x, room.goal.y):
             problem = f"({room.goal.x:g}, {room.goal.y:g}) is not in the room's region"
             yield loaded.fault(f"{key}.goal", problem, "Move the goal into the region, or correct the region")
@@ -370,9 +370,9 @@ def _faults_of_rooms(loaded: Loaded[_RoomsYaml]) -> Iterator[BadFile]:
     for index, (first, last) in enumerate(starts.rows):
         if elementary.hypot(last[0] - first[0], last[1] - first[1]) > MOST_STARTS * starts.spacing:
             problem = f"more than {MOST_STARTS} starts in a row"
-            yield loaded.fault(f"starts.rows[{index}]", problem, "Shorten the row, or widen starts.spacing")
+            yield loaded.fault(f"starts.rows[{index}]", problem, "Shorten the row, or increase starts.spacing")
     if not starts.poses and not starts.rows:
-        yield loaded.fault("starts", "the map has no start poses", "Add at least one to starts.poses")
+        yield loaded.fault("starts", "the map has no start poses", "Add at least one pose to starts.poses")
 
 
 @dataclass(frozen=True, slots=True)
@@ -385,7 +385,7 @@ class _Place:
 
 
 def _findings_on_floor(image: GridFile, loaded: Loaded[_RoomsYaml], footprint: Polygon) -> Iterator[MapFinding]:
-    """Yield faults that need the grid: walls in the way, overlapping rooms, robots that block each other."""
+    """Yield faults found with the grid: robots too close to walls or each other, overlapping rooms, missing paths."""
     rooms = [_room(entry) for entry in loaded.value.rooms]
     goals = [_Place(f"rooms[{index}].goal", room.goal, str(room.room)) for index, room in enumerate(rooms)]
     starts = [
@@ -410,7 +410,7 @@ def _findings_on_floor(image: GridFile, loaded: Loaded[_RoomsYaml], footprint: P
 
 
 def _doubt_of_image(image: GridFile, floor: TraversabilityMap, places: list[_Place]) -> BadFile | None:
-    """Return a fault of the image if nearly all places are off its floor, because then the places are not to blame."""
+    """Return a fault of the image if most places are off its floor, because then the image is probably wrong."""
     grid = floor.grid
     values = [grid.value_at(place.pose.x, place.pose.y) for place in places]
     amiss = sum(value != FREE for value in values)
@@ -427,7 +427,7 @@ def _doubt_of_image(image: GridFile, floor: TraversabilityMap, places: list[_Pla
 
 
 def _has_room(floor: TraversabilityMap, place: _Place) -> bool:
-    """Return True if a robot can turn on the spot."""
+    """Return True if a robot at this place can turn on the spot."""
     return floor.clearance_at(place.pose) > floor.circumscribed
 
 
@@ -439,7 +439,7 @@ def _too_narrow(loaded: Loaded[_RoomsYaml], floor: TraversabilityMap, places: li
                 f"at ({place.pose.x:g}, {place.pose.y:g}) the nearest cell that is not free is {clearance:.2f} m away; "
                 f"a robot needs more than {floor.circumscribed:.2f} m to turn"
             )
-            yield MapFinding("error", loaded.fault(place.key, problem, "Move it away from the wall"))
+            yield MapFinding("error", loaded.fault(place.key, problem, "Move this pose away from the wall"))
 
 
 def _too_close(loaded: Loaded[_RoomsYaml], floor: TraversabilityMap, starts: list[_Place]) -> Iterator[MapFinding]:
@@ -449,10 +449,10 @@ def _too_close(loaded: Loaded[_RoomsYaml], floor: TraversabilityMap, starts: lis
             if distance <= 2 * floor.circumscribed:
                 problem = (
                     f"{start.what} is {distance:.2f} m from {other.what}; "
-                    f"they need more than {2 * floor.circumscribed:.2f} m"
+                    f"robots need more than {2 * floor.circumscribed:.2f} m"
                 )
                 yield MapFinding(
-                    "error", loaded.fault(start.key, problem, "Move one of the two, or widen starts.spacing")
+                    "error", loaded.fault(start.key, problem, "Move one of the two, or increase starts.spacing")
                 )
 
 
@@ -469,14 +469,14 @@ def _findings_of_regions(loaded: Loaded[_RoomsYaml], floor: TraversabilityMap) -
         outside = (corners < -slack).any(axis=1) | (corners > np.array([width, height]) + slack).any(axis=1)
         if outside.any():
             x, y = room.region[int(outside.argmax())]
-            problem = f"its corner ({x:g}, {y:g}) is outside the map, which is {width:g} m x {height:g} m"
+            problem = f"the corner ({x:g}, {y:g}) is outside the map, which is {width:g} m x {height:g} m"
             yield MapFinding("error", loaded.fault(key, problem, "Correct the region, or the origin or resolution"))
         box, held = floor.held_by(room.region)
         own = owner[box]
         shared = own[held & (own > 0)]
         if shared.size:
             area = shared.size * grid.resolution * grid.resolution
-            problem = f"it overlaps the region of room {shared[0]} by {area:.2f} m^2"
+            problem = f"this region overlaps the region of room {shared[0]} by {area:.2f} m^2"
             yield MapFinding("error", loaded.fault(key, problem, "Move the regions apart"))
         own[held] = entry.number
 
@@ -491,7 +491,7 @@ def _findings_of_ways(
         floor: floor for the robot's footprint.
         goals: goals of all rooms.
         starts: starts of all robots.
-        crowded: True to look for starts that are shut in when all robots stand at their starts.
+        crowded: True to look for starts that are enclosed when all robots stand at their starts.
     """
     goals = [place for place in goals if _has_room(floor, place)]
     standing = [place for place in starts if _has_room(floor, place)]
@@ -502,7 +502,7 @@ def _findings_of_ways(
     cut_off = [place for place in goals + standing if not reach[floor.grid.cell_of(place.pose.x, place.pose.y)]]
     for place in cut_off:
         problem = f"no path that is {2 * floor.inscribed:g} m wide leads from {first.what} to {place.what}"
-        yield MapFinding("error", loaded.fault(place.key, problem, "Widen a door, or move it"))
+        yield MapFinding("error", loaded.fault(place.key, problem, "Widen a door, or move this pose"))
     if cut_off or not crowded or standing != starts:
         return
     crowded_floor = CrowdedFloor(floor, [start.pose for start in starts])

@@ -1,4 +1,4 @@
-"""Plug-ins: programs of labs that replace a part of a session, found by the names of their entry points."""
+"""Plug-ins: programs of labs that replace a part of a session, found by their entry points."""
 
 import difflib
 import sys
@@ -26,7 +26,7 @@ class PluginKind:
     what: str
 
     def key(self, name: str) -> str:
-        """Return the key of a name among recorded versions, such as `thbridge.strategies:polite`."""
+        """Return the key under which the version of a plug-in is recorded, such as `thbridge.strategies:polite`."""
         return f"{self.group}:{name}"
 
     def names(self) -> tuple[str, ...]:
@@ -39,7 +39,7 @@ class PluginKind:
         return f"{entry.value}, of the package {_package(entry)}"
 
     def package(self, name: str) -> str:
-        """Return the package and version of a name, such as `lab 1.0`. Raises BadFile if it is not installed."""
+        """Return the package and version of an installed name, such as `lab 1.0`. Otherwise raise BadFile."""
         return _package(self._entry(name))
 
     def load(self, name: str) -> Callable[..., Any]:  # type: ignore[explicit-any]  # of others
@@ -69,17 +69,17 @@ class PluginKind:
             takes: arguments of the factory, in words.
 
         Raises:
-            BadFile: it cannot be made, or lacks a method.
+            BadFile: the product cannot be made, or lacks a method.
         """
         remedy = f"Name a class or function with the arguments {takes}; its result needs a method `{methods[0]}`"
         try:
             with printing_aside():
                 product = make()
         except RAISED as error:
-            raise self.fault(name, f"it cannot be made: {told_error(error)}", remedy) from error
+            raise self.fault(name, f"making the object failed: {told_error(error)}", remedy) from error
         lacking = next((method for method in methods if not callable(getattr(product, method, None))), None)
         if lacking is not None:
-            raise self.fault(name, f"it makes a {type(product).__name__}, which has no method {lacking}", remedy)
+            raise self.fault(name, f"the result is a {type(product).__name__}, which has no method {lacking}", remedy)
 
     def fault(self, name: str, problem: str, remedy: str) -> BadFile:
         """Return a fault of a plug-in, with its package."""
@@ -89,8 +89,8 @@ class PluginKind:
         found = {each.name: each for each in entry_points(group=self.group)}
         if name not in found:
             near = difflib.get_close_matches(name, found, n=1)
-            installed = f"Installed are: {', '.join(sorted(found))}" if found else "None is installed"
-            remedy = f"The nearest is {near[0]}" if near else installed
+            installed = f"Installed are: {', '.join(sorted(found))}" if found else "No such plug-in is installed"
+            remedy = f"The nearest name is {near[0]}" if near else installed
             raise BadFile(Path(self.group), f"no {self.what} {name} is installed", remedy, key=name)
         return found[name]
 

@@ -64,7 +64,7 @@ class Resources:
             return self.root / kind / wanted
         near = difflib.get_close_matches(wanted, names, n=1)
         remedy = f"The nearest name is {near[0]}" if near else f"The names are: {self._listed(kind)}"
-        remedy += f"; a path of your own needs a slash, as in ./{wanted or 'folder'}"
+        remedy += f"; write a slash in your own path, as in ./{wanted or 'folder'}"
         raise BadFile(self.root / kind, f"no {word} has this name", remedy, key=wanted or None)
 
     def _listed(self, kind: ResourceKind) -> str:

@@ -32,7 +32,7 @@ class AnswersYaml:
     treasure: tuple[str, str] | None = None
 
     def by_scenario(self) -> dict[Scenario, tuple[str, str]]:
-        """Return the answers to questions, for the scenarios that have some."""
+        """Return the answers to questions, for the scenarios that have answers."""
         answers = {
             Scenario.SPECIFIC_ROOM: self.room,
             Scenario.DONT_KNOW: self.room,
@@ -143,14 +143,14 @@ def _faults(loaded: Loaded[_WordsYaml], treasures: TreasureList) -> Iterator[Bad
             yield loaded.fault(f"{key}.name", f"{each.name!r} has two entries", "write all its words in one entry")
         if each.said and f"£{each.name}£" not in each.said:
             remedy = f"write £{each.name}£ in place of the value"
-            yield loaded.fault(f"{key}.said", "it does not contain the value", remedy)
+            yield loaded.fault(f"{key}.said", "this text does not contain the value", remedy)
         known = values_of(of, treasures.kinds)
         for value, said in each.values.items():
             if value not in known:
                 problem = f"{value!r} is not a value of {each.name}"
                 yield loaded.fault(f"{key}.values.{value}", problem, nearest(value, known))
             elif not said.strip():
-                yield loaded.fault(f"{key}.values.{value}", "the word is empty", "write it in this language")
+                yield loaded.fault(f"{key}.values.{value}", "the word is empty", "write the word in this language")
     yield from written.answers.faults(loaded)
 
 
@@ -162,4 +162,4 @@ def languages_beside(folder: Path, names: Collection[str]) -> tuple[str, ...]:
 def nearest(name: str, known: Collection[str]) -> str:
     """Return the remedy for a name that is not known."""
     near = difflib.get_close_matches(name, known, n=1)
-    return f"the nearest is {near[0]}" if near else f"write one of {', '.join(known)}"
+    return f"the nearest name is {near[0]}" if near else f"write one of {', '.join(known)}"

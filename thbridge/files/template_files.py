@@ -2,10 +2,10 @@
 
 A folder has `treasures` as in 2016 or `treasures.yaml`, `DialogueText` and `pictures/`. It may have
 `treasures.participant` for the participant's machine, which must not know which picture belongs to which treasure. It
-may have a `mapTimes` for maps without one. It may have a `set.yaml` with the language of the set, the answers to
-questions, and the name of the only map on which `mapTimes` replaces the map's own costs. A subfolder for each further
-language has its words; see `thbridge.files.set_words`. All files are UTF-8 text; Windows line ends, a byte order mark
-and blank lines are accepted.
+may have a `mapTimes` for maps without travel costs. It may have a `set.yaml` with the language of the set, the answers
+to questions, and the name of the only map on which `mapTimes` replaces the map's own costs. A subfolder for each
+further language has its words; see `thbridge.files.set_words`. All files are UTF-8 text; Windows line ends, a byte
+order mark and blank lines are accepted.
 """
 
 import difflib
@@ -44,7 +44,7 @@ SET = "set.yaml"
 LARGEST_PICTURE = 2_000_000
 """Largest size of an image file in bytes."""
 _IMAGE_BEGINNINGS = (b"\x89PNG", b"\xff\xd8\xff", b"GIF8", b"BM", b"RIFF", b"<")
-"""First bytes of images that windows can show: PNG, JPEG, GIF, BMP, WebP, SVG. Phones make HEIC, whatever the name."""
+"""First bytes of images that windows can show: PNG, JPEG, GIF, BMP, WebP, SVG. Phones save HEIC under any suffix."""
 
 _SECTIONS: Mapping[str, Scenario] = {
     "SpecificRoom:": Scenario.SPECIFIC_ROOM,
@@ -73,7 +73,7 @@ class TemplateSet:
         kinds: treasures with their images.
         dialogue: the scripted questions.
         pictures: the treasures' image files, by name.
-        language: language of its names and questions. If None, they count as being in every study's language.
+        language: language of its names and questions. If None, they are used in every language.
         words: words in further languages, by their names.
         warnings: contents that are allowed, but look like a mistake.
     """
@@ -90,7 +90,7 @@ class TemplateSet:
     warnings: tuple[BadFile, ...] = ()
 
     def in_language(self, language: str) -> SetWords:
-        """Return what participants read in a language; missing words are not translated."""
+        """Return the words that participants read in a language; words without a translation are unchanged."""
         spoken = None if language == self.language else self.words.get(language)
         return SetWords({}, self.properties, self.dialogue) if spoken is None else spoken
 
@@ -174,7 +174,7 @@ def read_template_set(folder: Path, replaced: Mapping[str, bytes] = MappingProxy
 
 
 def _alike(path: Path, kinds: Sequence[TreasureKind]) -> Iterator[BadFile]:
-    """Yield a warning for each treasure that no property distinguishes from another, or that shares a picture."""
+    """Yield a warning for each treasure that has the same properties or the same picture as another treasure."""
     for index, kind in enumerate(kinds):
         found = next((confusion for other in kinds[:index] if (confusion := _confusion(other, kind)) is not None), None)
         if found is not None:
@@ -182,7 +182,7 @@ def _alike(path: Path, kinds: Sequence[TreasureKind]) -> Iterator[BadFile]:
 
 
 def _confusion(one: TreasureKind, other: TreasureKind) -> tuple[str, str] | None:
-    """Return why people can mistake one treasure for another, and the remedy, or None if they cannot."""
+    """Return the reason why people can mistake one treasure for another, and the remedy; None if they cannot."""
     both, same_picture = f"{one.name!r} and {other.name!r}", one.image == other.image is not None
     if all(same_name(value, other.properties[name]) for name, value in one.properties.items()):
         rest = "nothing distinguishes" if same_picture else "only their pictures distinguish"
@@ -207,7 +207,7 @@ def missing_words(templates: TemplateSet, folder: Path, language: str) -> Iterat
 
     def missing(key: str, names: Sequence[str]) -> BadFile:
         problem = f"the set is in {templates.language}, but these have no words in {language}: {', '.join(names)}"
-        return BadFile(path, problem, f"Write them into {key}", key=key)
+        return BadFile(path, problem, f"Write the words into {key}", key=key)
 
     if unnamed := [kind.name for kind in templates.kinds if kind.name not in words.names]:
         yield missing("treasures", unnamed)
@@ -240,14 +240,14 @@ def _check_together(folder: Path, path: Path, treasures: TreasureList, costs: Co
     if costs is not None and treasures.rooms != len(costs.rooms):
         raise BadFile(
             path,
-            f"{treasures.rooms} rooms, but {MAP_TIMES} has {len(costs.rooms) + 1} nodes, "
+            f"the list is for {treasures.rooms} rooms, but {MAP_TIMES} has {len(costs.rooms) + 1} nodes, "
             f"the corridor and {len(costs.rooms)} rooms",
-            f"make both files agree on the rooms, or delete {MAP_TIMES} if the map has its own",
+            f"make both files agree on the rooms, or delete {MAP_TIMES} if the map has its own costs",
             line=1 if path.name == TREASURES else None,
             key="number of rooms" if path.name == TREASURES else "rooms",
         )
     if path.name == TREASURES_YAML and (folder / TREASURES).exists():
-        raise BadFile(folder / TREASURES, f"a {TREASURES_YAML} also exists", "keep one of the two")
+        raise BadFile(folder / TREASURES, f"a {TREASURES_YAML} also exists", "keep one of the two files")
     copy = folder / PARTICIPANT_TREASURES
     if path.name == TREASURES and copy.exists():
         check_copy(copy, treasures)
@@ -273,13 +273,13 @@ def _picture(treasures: Path, name: str, folder: Path, image: str, data: bytes |
             with open_regular(file) as opened:
                 data = opened.read(LARGEST_PICTURE + 1)
     except FileNotFoundError:
-        problem, remedy = f"picture {file.name} does not exist", f"put it into {file.parent} or correct the file name"
+        problem, remedy = f"picture {file.name} does not exist", f"put it into {file.parent}, or correct the name"
         raise BadFile(treasures, problem, remedy, key=name) from None
     except OSError as error:
         raise BadFile(file, f"it cannot be read ({error.strerror})", "check that it is a file") from None
     if len(data) > LARGEST_PICTURE:
         problem = f"the picture is larger than {LARGEST_PICTURE // 1_000_000} MB, and participants would wait for it"
-        raise BadFile(file, problem, "save it smaller; a photo of 1000 x 1000 pixels is enough")
+        raise BadFile(file, problem, "save a smaller picture; 1000 x 1000 pixels are enough")
     if not data.startswith(_IMAGE_BEGINNINGS):
         raise BadFile(file, "windows cannot show this picture", "save it as PNG or JPEG")
     return data
@@ -345,7 +345,7 @@ def scenario_on(text: str, number: int) -> Scenario | None:
 
 
 def _heading_meant(line: str) -> str | None:
-    """Return the heading of a section that a line is meant to be, even if it is misspelt, or None."""
+    """Return the section heading that a line probably means, even if misspelled, or None."""
     if line in _SECTIONS:
         return line
     if line.endswith(":") and len(line.split()) <= 2:

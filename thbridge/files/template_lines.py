@@ -6,7 +6,7 @@ from thbridge.files.disk.text_files import read_text
 from thbridge.files.errors import BadFile
 
 LARGEST_LINES = 1 << 24
-"""Largest file in bytes; files of 2016 have some hundred."""
+"""Largest file in bytes; files of 2016 have a few hundred."""
 
 
 def numbered_lines(path: Path) -> list[tuple[int, str]]:
@@ -21,7 +21,7 @@ def numbered_lines(path: Path) -> list[tuple[int, str]]:
 def first_line(path: Path, lines: list[tuple[int, str]], key: str, wanted: str) -> tuple[int, str]:
     """Return the first line and its number."""
     if not lines:
-        raise BadFile(path, "the file is empty", f"begin it with {wanted}", line=1, key=key)
+        raise BadFile(path, "the file is empty", f"begin the file with {wanted}", line=1, key=key)
     return lines[0]
 
 

@@ -27,7 +27,10 @@ PICTURES = "pictures"
 
 _TREASURE_FORM = "Colour,Footprint,Points,Name,ImageFile"
 _NAME = re.compile(r"[a-z][a-z_]*")
-_UNSAYABLE = ("brackets, colons, commas, quotation marks and pound signs cannot be sent in a line", "leave them out")
+_UNSAYABLE = (
+    "brackets, colons, commas, quotation marks and pound signs cannot be sent in a line",
+    "leave these characters out",
+)
 _ON_THE_WIRE = re.compile(r"[^()\":,£\n]+")
 
 
@@ -50,20 +53,20 @@ class TreasureList:
 @dataclass(frozen=True, slots=True)
 class _PropertyYaml:
     name: str
-    label: str = param("", "heading of its values for people")
+    label: str = param("", "heading of the property's values, for people")
     values: tuple[str, ...] = ()
     told_by: Teller = Teller.ROBOT
     sensor: str = param("", "name of the robot's sensor, for people")
-    cost: float = param(0.0, "energy of sensing it", minimum=0.0, maximum=1e6)
+    cost: float = param(0.0, "energy of sensing the property", minimum=0.0, maximum=1e6)
     drawn: PropertyDrawing = PropertyDrawing.NONE
-    said: str = param("", "wording within a sentence")
+    said: str = param("", "wording of a value within a sentence")
 
 
 @dataclass(frozen=True, slots=True)
 class _TreasureYaml:
     name: str
     image: str
-    points: int = param(0, "points for naming it rightly", minimum=0, maximum=999_999)
+    points: int = param(0, "points for naming the treasure correctly", minimum=0, maximum=999_999)
     values: Mapping[str, str] = dataclasses.field(default_factory=dict)
 
 
@@ -71,7 +74,7 @@ class _TreasureYaml:
 class _TreasuresYaml:
     treasures: tuple[_TreasureYaml, ...]
     properties: tuple[_PropertyYaml, ...] = ()
-    rooms: int = param(8, "number of rooms to fill at another program's server", minimum=1, maximum=1000)
+    rooms: int = param(8, "number of rooms to fill, for servers of other programs", minimum=1, maximum=1000)
 
 
 def read_treasures(path: Path) -> TreasureList:
@@ -132,7 +135,7 @@ def check_copy(path: Path, treasures: TreasureList) -> None:
     """Check the participant's copy of a list of 2016.
 
     Raises:
-        BadFile: it contains the images, or differs otherwise.
+        BadFile: the copy contains the images, or differs in other fields.
     """
     copy = read_treasures(path)
     wanted = TreasureList(treasures.rooms, tuple(replace(kind, image=None) for kind in treasures.kinds))
@@ -143,7 +146,7 @@ def check_copy(path: Path, treasures: TreasureList) -> None:
     if copy != wanted:
         raise BadFile(
             path,
-            f"differs from {TREASURES}",
+            f"this copy differs from {TREASURES}",
             f"copy {TREASURES} here again and delete the last field of every line",
         )
 
@@ -206,10 +209,10 @@ def _property_faults(loaded: Loaded[_TreasuresYaml]) -> Iterator[BadFile]:
             yield loaded.fault(f"{key}.label", *_UNSAYABLE)
         if each.said and f"£{each.name}£" not in each.said:
             remedy = f"write £{each.name}£ in place of the value"
-            yield loaded.fault(f"{key}.said", "it does not contain the value", remedy)
+            yield loaded.fault(f"{key}.said", "this text does not contain the value", remedy)
         if each.told_by is Teller.PERSON and (each.cost or each.sensor):
             wrong = "cost" if each.cost else "sensor"
-            problem, remedy = "people give it free of charge, without a sensor", "delete the line, or write robot"
+            problem, remedy = "a report by people has no cost and no sensor", "delete the line, or write told_by: robot"
             yield loaded.fault(f"{key}.{wrong}", problem, remedy)
         if each.told_by is Teller.PERSON and len(each.values) < 2:
             problem = "people choose among the values, so at least two are needed"
@@ -220,7 +223,7 @@ def _treasure_faults(loaded: Loaded[_TreasuresYaml]) -> Iterator[BadFile]:
     """Yield faults of the treasures."""
     written = loaded.value
     if not written.treasures:
-        yield loaded.fault("treasures", "the list has no treasures", "write a line '- name: ...' for each")
+        yield loaded.fault("treasures", "the list has no treasures", "write a line '- name: ...' for each treasure")
     declared = {each.name: each for each in written.properties}
     for index, kind in enumerate(written.treasures):
         key = f"treasures[{index}]"
@@ -236,7 +239,7 @@ def _treasure_faults(loaded: Loaded[_TreasuresYaml]) -> Iterator[BadFile]:
         for name, value in kind.values.items():
             place, of = f"{key}.values.{name}", declared.get(name)
             if of is None:
-                remedy = "declare it under properties" + (
+                remedy = "declare the property under properties" + (
                     f", or write one of {', '.join(declared)}" if declared else ""
                 )
                 yield loaded.fault(place, f"no property has the name {name!r}", remedy)

@@ -32,7 +32,7 @@ _WORDS_OF_CONTENT: Mapping[ContentKind, tuple[str, ...]] = {
     ContentKind.ARGUMENT: ("conclusion", "support"),
     ContentKind.UNKNOWN: ("content",),
 }
-"""Words for the whole content of a move. All of them are needed if a wording does not name the values themselves."""
+"""Words for the whole content of a move. A wording that does not name the values needs all of these words."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -211,13 +211,13 @@ def _head(
     head, key = headed.value.language, "language.falls_back_on"
     back = head.falls_back_on
     if back in (name, *above):
-        raise headed.fault(key, "languages fall back on one another in a circle", "Write null")
+        raise headed.fault(key, "languages fall back on each other in a circle", "Write null")
     known = sorted({each for folder in folders for each in languages_in(folder)})
     if back is not None and back not in known:
         raise headed.fault(key, f"language {back} does not exist", _nearest(back, known))
     written = next((loaded.value.grammar for loaded in reversed(files) if loaded.value.grammar is not None), None)
     if written is None and back is None:
-        remedy = "Add one, or let it fall back on a language that has one"
+        remedy = "Add a section grammar, or let the language fall back on a language that has one"
         raise headed.fault("language", "this language has no section 'grammar'", remedy)
     if written is not None:
         return LanguageHead(headed.path, head.title, head.plural, back, _grammar(written))
@@ -302,7 +302,7 @@ def _grammar_faults(loaded: Loaded[_WordsYaml], grammar: _GrammarYaml) -> Iterat
         for problem, remedy in _wrong_in(form, words, words.values()):
             yield loaded.fault(f"grammar.{name}", problem, remedy)
     if "1" not in grammar.one_room:
-        yield loaded.fault("grammar.one_room", "the form for a single room needs its number", "Write it with a 1")
+        yield loaded.fault("grammar.one_room", "the form for a single room needs the number 1", "Write 1 in it")
     if grammar.decimal not in {".", ","}:
         yield loaded.fault("grammar.decimal", "not a decimal mark", 'Write "." or ","')
     if not grammar.negations:
@@ -311,7 +311,7 @@ def _grammar_faults(loaded: Loaded[_WordsYaml], grammar: _GrammarYaml) -> Iterat
     for name, listed in (("negations", grammar.negations), ("bound", grammar.bound)):
         for place, word in enumerate(listed):
             if not can_be_found(word.casefold()):
-                remedy = "Write each word alone, without blanks and signs; with a * in front, it is the end of words"
+                remedy = "Write each word alone, without blanks and signs; a * in front means the end of words"
                 yield loaded.fault(f"grammar.{name}[{place}]", f"{word!r} is not one word", remedy)
 
 
@@ -337,11 +337,11 @@ def _phrase_faults(loaded: Loaded[_WordsYaml], key: str, phrase: PhraseWording) 
         for place, wording in enumerate(wordings):
             if wording.rstrip().endswith((".", "?", "!")):
                 problem = "a phrase is a part of a sentence and does not end it"
-                yield loaded.fault(f"{key}.{name}[{place}]", problem, "Delete the sign at its end")
+                yield loaded.fault(f"{key}.{name}[{place}]", problem, "Delete the punctuation mark at its end")
     for place, wording in enumerate(phrase.yes):
         if wording in phrase.no:
             problem = "the same words are used for yes and for no"
-            yield loaded.fault(f"{key}.yes[{place}]", problem, "Deny it in 'no'")
+            yield loaded.fault(f"{key}.yes[{place}]", problem, "Write the negation in 'no'")
 
 
 def _move_faults(
@@ -357,7 +357,7 @@ def _move_faults(
             yield loaded.fault(f"{key}.of", f"predicate {move.of} does not exist", _nearest(move.of, list(PREDICATES)))
             return
         if move.content is ContentKind.RULE:
-            yield loaded.fault(f"{key}.of", "a wording for a rule is for all predicates", "Delete the key")
+            yield loaded.fault(f"{key}.of", "wordings for rules apply to all predicates", "Delete the key")
         if move.robot is not None and predicate.robot is None:
             yield loaded.fault(f"{key}.robot", f"{move.of} is not about a robot", "Delete the key")
         allowed |= reserved_words(predicate.values)
@@ -400,7 +400,7 @@ def _wrong_in(wording: str, allowed: Mapping[str, str], *ways: Collection[str]) 
             "Write one line of printable characters and plain blanks",
         )
     if len(wording) > LONGEST_WORDING:
-        yield f"{len(wording)} characters are too many", f"Write at most {LONGEST_WORDING}"
+        yield f"{len(wording)} characters are too many", f"Write at most {LONGEST_WORDING} characters"
     fault = spelling_fault(wording, allowed)
     if fault is not None:
         yield fault.problem, fault.remedy
@@ -410,11 +410,11 @@ def _wrong_in(wording: str, allowed: Mapping[str, str], *ways: Collection[str]) 
     if missing and all(missing):
         least = min(missing, key=len)
         words = " and ".join(f"£{value}£" for value in least)
-        yield f"this sentence must contain {words}", f"Write {words} into it"
+        yield f"this sentence must contain {words}", f"Add {words} to it"
 
 
 def _no_wording(loaded: Loaded[_WordsYaml], key: str) -> BadFile:
-    return loaded.fault(key, "it has no wording", "Write at least one between [ and ]")
+    return loaded.fault(key, "there is no wording", "Write at least one wording between [ and ]")
 
 
 def _doubles(of_folder: Iterable[Loaded[_WordsYaml]]) -> Iterator[BadFile]:
@@ -442,8 +442,8 @@ def _doubles(of_folder: Iterable[Loaded[_WordsYaml]]) -> Iterator[BadFile]:
 
 
 def _lacking(folder: Path, language: Language, locutions: Sequence[Locution]) -> Iterator[BadFile]:
-    """Yield faults of words that a language and all that it falls back on lack."""
-    or_fall_back = "or let the language fall back on another one"
+    """Yield faults of words that a language and its fallback languages lack."""
+    or_fall_back = "or let the language fall back on another language"
     for name, predicate in PREDICATES.items():
         robots = (None,) if predicate.robot is None else tuple(AboutRobot)
         for holds in (True, False):
@@ -457,7 +457,7 @@ def _lacking(folder: Path, language: Language, locutions: Sequence[Locution]) ->
         for side in Side:
             if not language.move(name, content, side, holds=False) or not language.move(name, content, side):
                 written = f"{{move: {name}, content: {content}, speaker: {side}, say: [...]}}"
-                problem = f"{name} with a {content} has no wording for every case, said by the {side}"
+                problem = f"some cases of {name} with a {content}, said by the {side}, have no wording"
                 yield BadFile(folder, problem, f"Add to moves: {written}, {or_fall_back}", key="moves")
     for key, line in LINES.items():
         if not language.line(key):
@@ -468,4 +468,4 @@ def _lacking(folder: Path, language: Language, locutions: Sequence[Locution]) ->
 def _nearest(name: str, known: Iterable[str]) -> str:
     choices = sorted(known)
     near = difflib.get_close_matches(name, choices, n=1)
-    return f"The nearest is {near[0]}" if near else f"Write one of: {', '.join(choices)}"
+    return f"The nearest name is {near[0]}" if near else f"Write one of: {', '.join(choices)}"

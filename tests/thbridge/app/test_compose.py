@@ -223,7 +223,7 @@ def test_dialogue_games_of_a_study_are_checked_before_anything_starts(tmp_path: 
     read_setting(written.value, tmp_path, written=written)
     game = tmp_path / "games" / "persuasion.yaml"
     game.write_text(game.read_text().replace("next: countered", "next: counterd"))
-    with pytest.raises(BadFile, match=r"games/persuasion\.yaml, line 15, .*The nearest is countered"):
+    with pytest.raises(BadFile, match=r"games/persuasion\.yaml, line 15, .*The nearest name is countered"):
         read_setting(written.value, tmp_path, written=written)
 
 
@@ -237,7 +237,7 @@ def test_words_of_a_study_are_checked_before_anything_starts(tmp_path: Path) -> 
     setting = read_setting(written.value, tmp_path, written=written)
     assert setting.language.line(LineKey.BACK) == ("Terug.",)
     language.write_text(language.read_text().replace("key: back", "key: bakc"))
-    with pytest.raises(BadFile, match=r"words/nl/ours\.yaml, line 2, lines\[0\]\.key: .*The nearest is back"):
+    with pytest.raises(BadFile, match=r"words/nl/ours\.yaml, line 2, lines\[0\]\.key: .*The nearest name is back"):
         read_setting(written.value, tmp_path, written=written)
     language.write_text("lines: []\n")
     language.rename(language.parent.parent / "ours.yaml")
@@ -247,7 +247,7 @@ def test_words_of_a_study_are_checked_before_anything_starts(tmp_path: Path) -> 
 
 def test_a_language_that_is_not_there_is_told_with_the_line_of_the_study(tmp_path: Path) -> None:
     written = load_study_text(tmp_path, "dialogue:\n  language: dee\n")
-    told = r"study\.yaml, line 2, dialogue\.language: .*language dee does not exist\. The nearest is de"
+    told = r"study\.yaml, line 2, dialogue\.language: .*language dee does not exist\. The nearest name is de"
     with pytest.raises(BadFile, match=told):
         read_setting(written.value, tmp_path, written=written)
 

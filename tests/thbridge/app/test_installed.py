@@ -85,7 +85,7 @@ def test_what_programs_of_others_print_stays_out_of_results(capsys: pytest.Captu
 @pytest.mark.parametrize(
     ("name", "told"),
     [
-        ("polit", r"no author of wordings polit is installed. The nearest is polite"),
+        ("polit", r"no author of wordings polit is installed. The nearest name is polite"),
         ("x", r"Installed are: lost, number, polite"),
         ("number", r"lab_of_tests:SEVEN is not a function"),
         ("lost", r"lab_of_tests:lost cannot be imported: AttributeError"),
@@ -105,16 +105,16 @@ def test_an_installed_strategy_is_told_of_the_manner_and_a_seed() -> None:
 @pytest.mark.parametrize(
     ("name", "told"),
     [
-        ("stuborn", r"no strategy stuborn is installed. The nearest is stubborn"),
+        ("stuborn", r"no strategy stuborn is installed. The nearest name is stubborn"),
         (
             "fussy",
-            r"fussy: package lab-of-tests 1.0: it cannot be made: TypeError: .* arguments? but 2 were given",
+            r"fussy: package lab-of-tests 1.0: making the object failed: TypeError: .* arguments? but 2 were given",
         ),
         (
             "sick",
             r"sick: package lab-of-tests 1.0: it .* not today \(lab_of_tests.py, line \d+\). Name a class",
         ),
-        ("mute", r"mute: package lab-of-tests 1.0: it makes a str, which has no method choose. Name a class"),
+        ("mute", r"mute: package lab-of-tests 1.0: the result is a str, which has no method choose. Name a class"),
     ],
 )
 def test_a_strategy_that_is_not_there_or_cannot_be_made_is_told(name: str, told: str) -> None:
@@ -165,7 +165,7 @@ def test_a_study_names_a_strategy_for_all_robots_or_for_one(tmp_path: Path) -> N
     [
         (
             "dialogue:\n  strategy: stuborn\n",
-            "line 2, dialogue.strategy: thbridge.strategies: no strategy stuborn .* The nearest is stubborn",
+            "line 2, dialogue.strategy: thbridge.strategies: no strategy stuborn .* The nearest name is stubborn",
         ),
         (
             "dialogue:\n  manner:\n    strategy: x\n",
@@ -173,7 +173,7 @@ def test_a_study_names_a_strategy_for_all_robots_or_for_one(tmp_path: Path) -> N
         ),
         (
             "dialogue:\n  strategy: stubborn\n  each:\n    2: {strategy: mute}\n",
-            "line 4, dialogue.each.2.strategy: .* it makes a str",
+            "line 4, dialogue.each.2.strategy: .* the result is a str",
         ),
     ],
 )

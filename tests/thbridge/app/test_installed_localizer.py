@@ -141,8 +141,8 @@ def test_a_request_that_fails_is_told_with_the_next_estimate() -> None:
 @pytest.mark.parametrize(
     ("name", "told"),
     [
-        ("fixd", "no localizer fixd is installed. The nearest is fixed"),
-        ("bare", "package lab-of-places 1.0: it makes a Bare, which has no method start. Name a class"),
+        ("fixd", "no localizer fixd is installed. The nearest name is fixed"),
+        ("bare", "package lab-of-places 1.0: the result is a Bare, which has no method start. Name a class"),
     ],
 )
 def test_a_study_with_a_localizer_that_cannot_work_is_refused(name: str, told: str) -> None:

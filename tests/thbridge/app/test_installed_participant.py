@@ -131,9 +131,9 @@ def test_a_fault_is_among_what_the_participant_says() -> None:
         ("secnod", "line 2, participant.strategy: .secnod. is not a valid choice. Write suggestion, .*, second,"),
         (
             "wrong-arguments",
-            r"line 2, participant.strategy: .* package lab-of-people 1.0: it cannot be made: Type",
+            r"line 2, participant.strategy: .* package lab-of-people 1.0: making the object failed: Type",
         ),
-        ("makes-none", "line 2, participant.strategy: .* it makes a NoneType, which has no method requests. Name a"),
+        ("makes-none", "line 2, participant.strategy: .* the result is a NoneType, which has no method requests"),
     ],
 )
 def test_a_study_with_a_participant_that_cannot_play_is_refused(tmp_path: Path, strategy: str, told: str) -> None:

@@ -145,8 +145,8 @@ def test_no_path_is_an_answer() -> None:
 @pytest.mark.parametrize(
     ("name", "told"),
     [
-        ("lab/detuor", "no global planner lab/detuor is installed. The nearest is lab/detour"),
-        ("lab/odd", "lab/odd: package lab-of-paths 1.0: it cannot be made: TypeError"),
+        ("lab/detuor", "no global planner lab/detuor is installed. The nearest name is lab/detour"),
+        ("lab/odd", "lab/odd: package lab-of-paths 1.0: making the object failed: TypeError"),
     ],
 )
 def test_a_study_with_a_planner_that_cannot_plan_is_refused(name: str, told: str) -> None:

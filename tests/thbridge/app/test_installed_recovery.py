@@ -150,8 +150,8 @@ def test_commands_without_room_to_stop_are_not_carried_out() -> None:
 @pytest.mark.parametrize(
     ("name", "told"),
     [
-        ("bakc", r"no recovery behavior bakc is installed. The nearest is back"),
-        ("odd", r"odd: package lab-of-recovery 1.0: it cannot be made: TypeError"),
+        ("bakc", r"no recovery behavior bakc is installed. The nearest name is back"),
+        ("odd", r"odd: package lab-of-recovery 1.0: making the object failed: TypeError"),
     ],
 )
 def test_a_study_with_a_behavior_that_cannot_run_is_refused(name: str, told: str) -> None:
@@ -196,6 +196,6 @@ def test_the_command_finds_what_differs_in_another_process() -> None:
 def test_the_command_lists_what_is_installed_and_checks_what_is_named() -> None:
     listed = invoke("plugins", "list")
     assert "recovery behavior back: lab_of_recovery:Back, of the package lab-of-recovery 1.0" in listed.output
-    for arguments, told in (([], "nothing to check"), (["--recovery", "bakc"], "The nearest is back")):
+    for arguments, told in (([], "nothing to check"), (["--recovery", "bakc"], "The nearest name is back")):
         done = invoke("plugins", "check", *arguments)
         assert done.exit_code == 2 and told in done.output

@@ -55,7 +55,7 @@ def test_facts_may_share_a_line_and_have_comments(tmp_path: Path) -> None:
         (
             "a.tgf",
             "a\na b\n",
-            ["line 2: the argument a is defined twice, first in line 1. Delete one of them; attacks"],
+            ["line 2: the argument a is defined twice, first in line 1. Delete one of the two; write"],
         ),
         ("a.tgf", "arg(a).\n", ["line 1: 'arg(a).' is not a name of an argument."]),
         ("a.af", "1 2\n", ["line 1: '1 2' does not give the number of arguments. Begin with p af"]),
@@ -69,7 +69,7 @@ def test_facts_may_share_a_line_and_have_comments(tmp_path: Path) -> None:
                 for number, text in enumerate(["1 3", "0 1", "1 2 3", "p af 2", "1 \uff12"], 2)
             ],
         ),
-        ("a.txt", "arg(a).", ["its name does not show its format."]),
+        ("a.txt", "arg(a).", ["the suffix does not show the format."]),
     ],
 )
 def test_every_fault_has_its_line(tmp_path: Path, name: str, text: str, told: list[str]) -> None:

@@ -31,15 +31,15 @@ FAULTS = [
     # Words.
     (PERSUASION, "turn: respondent", "turn: respondant", "line 11, stages[1].turn: 'respondant' is not a valid choice"),
     (PERSUASION, "of: topic", "of: topics", "line 9, stages[0].replies[0].of: 'topics' is not a valid choice"),
-    (PERSUASION, "say: challenge", "say: chalenge", "locution chalenge does not exist. The nearest is challenge"),
+    (PERSUASION, "say: challenge", "say: chalenge", "locution chalenge does not exist. The nearest name is challenge"),
     (PERSUASION, "next: countered", "next: counterd", "line 15, stages[1].replies[2].next: stage or end counterd does"),
-    (PERSUASION, "last: agreement", "last: agree", "stage or end agree does not exist. The nearest is agreement"),
+    (PERSUASION, "last: agreement", "last: agree", "stage or end agree does not exist. The nearest name is agreement"),
     (PERSUASION, "about: literal", "about: thing", "line 3, about: 'thing' is not a valid choice"),
     (PERSUASION, "opening: opening", "opening: start", "line 4, opening: stage start does not exist"),
     (PERSUASION, "name: persuasion", "name:", "line 2, name: no value"),
     (PERSUASION, "name: persuasion", "name: ' '", "line 2, name: ' ' is not a valid name"),
     (PERSUASION, "name: announced", "name: ''", "stages[4].name: '' is not a valid name"),
-    (PERSUASION, "name: announced", "name: agreement", "agreement is the name of an end"),
+    (PERSUASION, "name: announced", "name: agreement", "agreement is already the name of an end"),
     (PERSUASION, "name: announced", "name: challenged", "two stages have the name challenged"),
     (PERSUASION, "next: announced, last: agreement}", "next: announced, final: agreement}", "final: unknown key"),
     (PERSUASION, "name: persuasion", "name: persuasion\nmost_turns: 1", "most_turns: 1 is out of range"),
@@ -65,15 +65,15 @@ FAULTS = [
         "propose has no form with",
     ),
     # Openings.
-    (PERSUASION, "of: topic", "of: claim", "a game is opened with its topic, not claim"),
-    (PERSUASION, "turn: initiator", "turn: respondent", "line 7, stages[0].turn: the initiator opens a game"),
+    (PERSUASION, "of: topic", "of: claim", "the first move must be about the topic, not claim"),
+    (PERSUASION, "turn: initiator", "turn: respondent", "line 7, stages[0].turn: the initiator must open the game"),
     (PERSUASION, OPENING, "{say: assert, of: topic, next: agreement}", "every opening ends the game without a reply"),
     (PERSUASION, f"\n      - {OPENING}", " []", "this stage has no replies"),
     # Ways through a table.
     (PERSUASION, f"      - {OPPOSITE}\n", "", "no reply leads to the stage countered"),
     (INQUIRY, OFFERED, "{say: accept, of: support, next: offered}", "the stage challenged leads to no end"),
-    (SEEKING, "turn: respondent", "turn: challenger", "line 11, stages[1].turn: it can be the challenger's turn here"),
-    (SEEKING, "turn: respondent", "turn: defender", "line 11, stages[1].turn: it can be the defender's turn here"),
+    (SEEKING, "turn: respondent", "turn: challenger", "line 11, stages[1].turn: the challenger may get the turn here"),
+    (SEEKING, "turn: respondent", "turn: defender", "line 11, stages[1].turn: the defender may get the turn here"),
     # Replies that no play makes legal.
     (
         PERSUASION,
@@ -163,8 +163,8 @@ FAULTS = [
     (INQUIRY, "about: rule", "about: literal", "which it replaces, is about a rule"),
     # Locutions.
     (LOCUTIONS, "argued, news]", "arged, news]", "line 11, locutions[0].before[1]: condition arged does not exist"),
-    (LOCUTIONS, "after: [claimed,", "after: [claimd,", "effect claimd does not exist. The nearest is claimed"),
-    (LOCUTIONS, "before: [held, argued", "before: [held, not held, argued", "held and not held never hold together"),
+    (LOCUTIONS, "after: [claimed,", "after: [claimd,", "effect claimd does not exist. The nearest name is claimed"),
+    (LOCUTIONS, "before: [held, argued", "before: [held, not held, argued", "held and not held exclude each other"),
     (LOCUTIONS, "content: literal", "content: litteral", "'litteral' is not a valid choice"),
     (LOCUTIONS, "content: unknown", "content: literal", "locutions[2]: assert of a literal is defined twice"),
     (LOCUTIONS, "of: support", "of: claim", "locutions[8].of: 'claim' is not a valid choice"),
@@ -220,7 +220,7 @@ def test_a_folder_needs_games_or_locutions(tmp_path: Path) -> None:
 def test_locutions_with_which_a_shipped_game_cannot_be_played_are_at_fault_themselves(tmp_path: Path) -> None:
     path = tmp_path / LOCUTIONS
     path.write_text("locutions:\n  - {name: assert, content: literal, after: [shown]}\n")
-    with pytest.raises(BadFile, match=r"with it the game [a-z-]+ cannot be played") as caught:
+    with pytest.raises(BadFile, match=r"with these locutions the game [a-z-]+ cannot be played") as caught:
         read_rulebook((SHIPPED_GAMES, tmp_path))
     assert caught.value.path == path
 

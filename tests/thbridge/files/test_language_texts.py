@@ -62,10 +62,10 @@ def test_a_study_rewords_a_text_of_a_language_that_comes_with_the_project(tmp_pa
 @pytest.mark.parametrize(
     ("text", "line", "problem"),
     [
-        ("last: ' i '\npionts: a\n", 2, "text words.pionts does not exist. The nearest is words.points"),
-        ("percent: procent\n", 1, "this text must contain £number£, as the English one does"),
+        ("last: ' i '\npionts: a\n", 2, "text words.pionts does not exist. The nearest name is words.points"),
+        ("percent: procent\n", 1, "this text must contain £number£, as the English text does"),
         ("percent: £numer£ %\n", 1, "unknown reserved word £numer£. Write £number£"),
-        ("last: ' i '\nlast: ' i '\n", 2, "this name is used above"),
+        ("last: ' i '\nlast: ' i '\n", 2, "this name is already used above"),
         ("last: [' i ', ' a ']\n", 1, "this text has no plural forms in English"),
         ("last: {a: b}\n", 1, "neither a text nor a list of texts"),
         ("points: ''\n", 1, "the text is empty"),

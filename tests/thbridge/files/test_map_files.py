@@ -164,7 +164,7 @@ class TestImages:
 
     def test_a_picture_that_is_a_program_for_another_program_is_none(self, tmp_path: Path) -> None:
         Image.new("L", (3, 2)).save(tmp_path / "a.png", "EPS")
-        with pytest.raises(BadFile, match="it is not a readable image"):
+        with pytest.raises(BadFile, match="this is not a readable image"):
             grid_of_image(tmp_path, "a.png")
 
 
@@ -218,18 +218,18 @@ BROKEN: dict[str, tuple[Callable[[Path], object], str]] = {
     "a resolution of nothing": (edit("map.yaml", "0.1", "0"), "line 2, resolution: 0 is out of range."),
     "an image cut off": (
         image(b"P5\n80 40\n255\n" + bytes(1000)),
-        "map.pgm: the image is cut off: its header says 80 x 40 pixels, but it has only 12 rows.",
+        "map.pgm: the image is cut off: its header says 80 x 40 pixels, but the file has only 12 rows.",
     ),
-    "a text image cut off": (image(b"P2\n80 40\n255\n0 0 0\n"), "80 x 40 pixels, but it has only 3 values."),
+    "a text image cut off": (image(b"P2\n80 40\n255\n0 0 0\n"), "80 x 40 pixels, but the file has only 3 values."),
     "a damaged header": (image(b"P5\n80 x\n"), "map.pgm: the PGM header is damaged."),
     "a header without end": (image(b"P5 80 # 40"), "map.pgm: the PGM header is damaged."),
     "an image of no size": (image(b"P5 0 40 255\n"), "map.pgm: the image has 0 x 40 pixels."),
-    "a large image in words": (image(b"P2 3000 3000 255\n"), "map.pgm: 3000 x 3000 pixels as words are more than"),
+    "a large image in words": (image(b"P2 3000 3000 255\n"), "map.pgm: 3000 x 3000 pixels in text form are more than"),
     "a gigantic image": (image(b"P5 999999 999999 255\n"), "map.pgm: 999999 x 999999 pixels are more than 32000000."),
     "a strange depth": (image(b"P5 1 1 70000\n"), "map.pgm: the largest value in the header is 70000."),
     "too bright a pixel": (image(b"P5 1 1 100\n\xff"), "a gray value of 255 is above the header's largest value, 100."),
-    "words among the pixels": (image(b"P2 1 2 255 0 x"), "b'x' is among the gray values."),
-    "no picture at all": (image(b"hello"), "map.pgm: it is not a readable image. Save it as PGM or PNG."),
+    "words among the pixels": (image(b"P2 1 2 255 0 x"), "b'x' is not a gray value."),
+    "no picture at all": (image(b"hello"), "map.pgm: this is not a readable image. Save it as PGM or PNG."),
     "a goal outside its room": (
         edit("rooms.yaml", "[1.5, 2, 0]", "[3.5, 2, 0]"),
         "rooms.yaml, line 5, rooms[0].goal: (3.5, 2) is not in the room's region.",
@@ -237,7 +237,7 @@ BROKEN: dict[str, tuple[Callable[[Path], object], str]] = {
     "a goal at the wall": (
         edit("rooms.yaml", "[1.5, 2, 0]", "[0.35, 2, 0]"),
         "rooms.yaml, line 5, rooms[0].goal: at (0.35, 2) the nearest cell that is not free is 0.30 m away; "
-        "a robot needs more than 0.35 m to turn. Move it away from the wall.",
+        "a robot needs more than 0.35 m to turn. Move this pose away from the wall.",
     ),
     "a goal in unknown space": (
         draw(slice(18, 23), slice(13, 18), UNKNOWN),
@@ -253,19 +253,19 @@ BROKEN: dict[str, tuple[Callable[[Path], object], str]] = {
     ),
     "a region beyond the map": (
         edit("rooms.yaml", "[8, 0], [8, 4]", "[9, 0], [9, 4]"),
-        "rooms.yaml, line 8, rooms[1].region: its corner (9, 0) is outside the map, which is 8 m x 4 m.",
+        "rooms.yaml, line 8, rooms[1].region: the corner (9, 0) is outside the map, which is 8 m x 4 m.",
     ),
     "regions that overlap": (
         edit("rooms.yaml", "[3, 4]]", "[6, 4]]"),
-        "rooms.yaml, line 8, rooms[1].region: it overlaps the region of room 1 by 4.00 m^2. Move the regions apart.",
+        "rooms[1].region: this region overlaps the region of room 1 by 4.00 m^2. Move the regions apart.",
     ),
     "a region that is a line": (
         edit("rooms.yaml", "[3, 4]]", "[3, 0]]"),
-        "rooms.yaml, line 4, rooms[0].region: these corners enclose no floor.",
+        "rooms.yaml, line 4, rooms[0].region: these corners enclose no area.",
     ),
     "a region like an hourglass": (
         edit("rooms.yaml", "[8, 0], [8, 4], [5, 4]", "[8, 4], [8, 0], [5, 3]"),
-        "rooms.yaml, line 8, rooms[1].region: its sides cross each other.",
+        "rooms.yaml, line 8, rooms[1].region: the sides of the region cross each other.",
     ),
     "a number twice": (
         edit("rooms.yaml", "number: 2", "number: 1"),
@@ -307,7 +307,7 @@ BROKEN: dict[str, tuple[Callable[[Path], object], str]] = {
     "starts that overlap": (
         edit("rooms.yaml", "[[4, 1, 0]]", "[[4, 1, 0], [4.1, 2, 0]]"),
         "rooms.yaml, line 12, starts.rows[0]: the start of robot 3 is 0.22 m from the start of robot 2; "
-        "they need more than 0.71 m. Move one of the two, or widen starts.spacing.",
+        "robots need more than 0.71 m. Move one of the two, or increase starts.spacing.",
     ),
     "costs for other rooms": (
         lambda folder: (folder / "mapTimes").write_text("2\n99 5\n99 99\n", encoding="ascii"),
@@ -340,7 +340,7 @@ class TestNamesInFurtherLanguages:
         (missing,) = missing_room_names(drawn, folder, "de")
         assert str(missing) == (
             f"{folder}/de/words.yaml, rooms: the map is in en, but these rooms have no name in de: West. "
-            "Write them under rooms."
+            "Write the names under rooms."
         )
         assert list(missing_room_names(drawn, folder, "en")) == []
 
@@ -349,7 +349,7 @@ class TestNamesInFurtherLanguages:
         (folder / "de" / "words.yaml").write_text("rooms:\n  Eastt: Osten\n")
         (finding,) = check_map(folder).findings
         assert finding.severity == "warning"
-        assert "line 2, rooms.Eastt: no room has the name 'Eastt'. The nearest is East." in str(finding.fault)
+        assert "line 2, rooms.Eastt: no room has the name 'Eastt'. The nearest name is East." in str(finding.fault)
 
 
 class TestBroken:

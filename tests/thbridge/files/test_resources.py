@@ -33,8 +33,8 @@ def test_a_path_is_taken_from_beside_the_file_that_names_it(resources: Resources
 @pytest.mark.parametrize(
     ("wanted", "told"),
     [
-        ("hal", r"maps, hal: no map has this name. The nearest name is hall; a path of your own needs a slash"),
-        ("cellar", r"The names are: attic, hall; a path of your own needs a slash, as in ./cellar"),
+        ("hal", r"maps, hal: no map has this name. The nearest name is hall; write a slash in your own path"),
+        ("cellar", r"The names are: attic, hall; write a slash in your own path, as in ./cellar"),
         ("notes", r"no map has this name"),
         ("", r"no map has this name"),
         ("./cellar", r"cellar: there is no such folder. Give the path of a map, or one of: attic, hall"),

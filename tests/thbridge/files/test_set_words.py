@@ -80,16 +80,16 @@ def test_answers_that_a_language_lacks_are_those_of_the_language_and_not_of_the_
     [
         (
             "treasures: {barel: Fass}",
-            "line 1, treasures.barel: no treasure has the name 'barel'. The nearest is barrel",
+            "line 1, treasures.barel: no treasure has the name 'barel'. The nearest name is barrel",
         ),
         ("treasures: {barrel: ' '}", "line 1, treasures.barrel: the name is empty"),
-        ("properties: [{name: color}]", "properties[0].name: no property has the name 'color'. The nearest is colour"),
+        ("properties: [{name: color}]", "[0].name: no property has the name 'color'. The nearest name is colour"),
         ("properties: [{name: size}, {name: size}]", "properties[1].name: 'size' has two entries"),
         (
             "properties:\n- {name: size, values: {smal: klein}}",
             "line 2, properties[0].values.smal: 'smal' is not a value",
         ),
-        ("properties: [{name: size, said: groß}]", "properties[0].said: it does not contain the value. Write £size£"),
+        ("properties: [{name: size, said: groß}]", "[0].said: this text does not contain the value. Write £size£"),
         ("answers: {room: [Ja, ja]}", "answers.room: people cannot distinguish these answers"),
         ("treasure: {barrel: Fass}", "treasure: unknown key. The nearest name is treasures"),
     ],

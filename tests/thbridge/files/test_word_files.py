@@ -28,7 +28,7 @@ def lab(folder: Path, text: str, language: str = "en", name: str = "ours.yaml") 
 
 
 BROKEN = {
-    "phrases: [{of: nxt, yes: [x]}]": ("line 1, phrases[0].of", "predicate nxt does not", "The nearest is next"),
+    "phrases: [{of: nxt, yes: [x]}]": ("line 1, phrases[0].of", "predicate nxt does not", "The nearest name is next"),
     "phrases: [{of: visited, yes: ['£rom£ is done']}]": ("phrases[0].yes[0]", "£rom£", "Write £room£"),
     "phrases: [{of: visited, yes: ['it is done']}]": ("must contain £room£", "Write £room£ into it"),
     "phrases: [{of: plan, no: ['no £robot£ £room£ £rooms£']}]": ("must contain £energy£",),
@@ -36,7 +36,7 @@ BROKEN = {
     "phrases: [{of: visited, robot: self, yes: ['£room£']}]": ("visited is not about a robot", "Delete"),
     "phrases: [{of: visited, yes: ['£room£ is done.']}]": ("does not end it", "Delete the sign"),
     "phrases: [{of: visited, yes: ['£room£'], no: ['£room£']}]": ("the same words", "Deny it"),
-    "phrases: [{of: visited}]": ("it has no wording", "at least one"),
+    "phrases: [{of: visited}]": ("there is no wording", "at least one"),
     "phrases: [{of: visited, yes: ['']}]": ("the wording is empty",),
     'phrases: [{of: visited, yes: ["a\\nb £room£"]}]': ("a line break or control sign, U+000A",),
     'phrases: [{of: visited, yes: ["£room£\u00a0!"]}]': ("no-break space, U+00A0", "plain blanks"),
@@ -47,10 +47,10 @@ BROKEN = {
     ),
     "moves: [{move: chalenge, speaker: human, say: ['£content£']}]": (
         "locution chalenge does not",
-        "nearest is challenge",
+        "nearest name is challenge",
     ),
     "moves: [{move: challenge, speaker: human, say: ['Why?']}]": ("must contain £content£",),
-    "moves: [{move: challenge, speaker: human, say: []}]": ("it has no wording",),
+    "moves: [{move: challenge, speaker: human, say: []}]": ("there is no wording",),
     "moves: [{move: challenge, speaker: human, of: next, say: ['Why £room£?']}]": ("must contain £content£",),
     "moves: [{move: challenge, speaker: human, of: next, holds: true, say: ['Why £room£?']}]": (
         "must contain £content£",
@@ -70,10 +70,10 @@ BROKEN = {
     "moves: [{move: accept, speaker: human, say: ['£content£']}, {move: accept, speaker: human, say: ['£content£']}]": (
         "the same case is already in ours.yaml, line 1",
     ),
-    "lines: [{key: mishered, say: [Hello]}]": ("line mishered does not", "The nearest is misheard"),
+    "lines: [{key: mishered, say: [Hello]}]": ("line mishered does not", "The nearest name is misheard"),
     "lines: [{key: misheard, say: ['Hello £seconds£']}]": ("£seconds£", "£heard£"),
     "lines: [{key: back, say: ['Hello £seconds£']}]": ("£seconds£", "Write it without"),
-    "lines: [{key: back, say: []}]": ("it has no wording",),
+    "lines: [{key: back, say: []}]": ("there is no wording",),
     "lines: [{key: back, say: [Back]}, {key: back, say: [Zurück]}]": ("the same case is already in",),
     "lines: [{say: [Back]}]": ("lines[0].key", "missing"),
     "frases: []": ("unknown key", "phrases"),
@@ -104,7 +104,7 @@ GRAMMAR = (SHIPPED_LANGUAGES / "en" / "language.yaml").read_text(encoding="utf-8
     [
         ("to_room: to room £number£", "to_room: to room", "must contain £number£"),
         ("corridor: the corridor", "corridor: the £number£", "unknown reserved word £number£"),
-        ("one_room: 1 room", "one_room: a room", "Write it with a 1"),
+        ("one_room: 1 room", "one_room: a room", "Write 1 in it"),
         ('decimal: "."', 'decimal: "x"', 'Write "." or ","'),
         ('last_or: " or "', r'last_or: "\n"', "the wording is empty"),
         ("{bottle: a bottle}", "{bottle: a £thing£}", "unknown reserved word £thing£"),
@@ -169,7 +169,7 @@ def test_a_language_of_its_own_needs_a_grammar(tmp_path: Path) -> None:
 
 
 def test_a_language_that_is_not_there_is_told_with_the_nearest(tmp_path: Path) -> None:
-    with pytest.raises(BadFile, match=r"language dee does not exist\. The nearest is de"):
+    with pytest.raises(BadFile, match=r"language dee does not exist\. The nearest name is de"):
         read_language(name="dee")
     with pytest.raises(BadFile, match="this folder has no language"):
         check_words(tmp_path)

@@ -171,7 +171,7 @@ BROKEN = {
         "game: {energy: 52,5, picture_cost: 1}",
         "study.yaml, line 1, game.energy: '52,5' is not a number. Write a point: 52.5.",
     ),
-    "a comma for thousands": ("seed: 1,000", "seed: '1,000' is not a number. Write it without a comma."),
+    "a comma for thousands": ("seed: 1,000", "seed: '1,000' is not a number. Write the number without a comma."),
     "truth for a number": ("robots: true", "study.yaml, line 1, robots: 'true' is not a number."),
     "quotes": ("robots: '2'", "robots: '2' in quotes is text, not a number. Delete the quotes."),
     "infinite": ("game: {energy: .inf}", "game.energy: .inf is not a finite number."),
@@ -378,8 +378,8 @@ class TestFiles:
                 "WINDOWS-1252",
             ),
             ("utf-16", "ö", "line 1: byte 0xff is not UTF-8; it was probably saved as UTF-16. ", "UTF-16"),
-            ("utf-16-le", "ö", "line 1: it is not UTF-8; it was probably saved as UTF-16LE. ", "UTF-16LE"),
-            ("utf-16-be", "ö", "line 1: it is not UTF-8; it was probably saved as UTF-16BE. ", "UTF-16BE"),
+            ("utf-16-le", "ö", "line 1: the text is not UTF-8; it was probably saved as UTF-16LE. ", "UTF-16LE"),
+            ("utf-16-be", "ö", "line 1: the text is not UTF-8; it was probably saved as UTF-16BE. ", "UTF-16BE"),
         ],
     )
     def test_another_encoding(self, tmp_path: Path, encoding: str, letters: str, told: str, iconv: str) -> None:

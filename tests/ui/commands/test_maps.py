@@ -141,7 +141,7 @@ class TestCheck:
         assert done.exit_code == 2
         (fault,) = json.loads(done.stdout)["findings"]
         assert (fault["file"], fault["line"], fault["key"]) == ("two/rooms.yaml", 5, "rooms[0].goal")
-        assert fault["remedy"] == "Move it away from the wall"
+        assert fault["remedy"] == "Move this pose away from the wall"
 
     @pytest.mark.parametrize("suffix", ["png", *slow("svg", "pdf")])
     def test_it_is_drawn_also_with_faults_and_always_the_same(self, here: Path, suffix: str) -> None:
@@ -314,7 +314,7 @@ class TestPlans:
         image.point(lambda shade: max(shade, 127)).save("plan.png")
         done = invoke("maps", "new", "plan.png", "--width", "32.5", "--no-times")
         assert done.exit_code == 2
-        told = "mostly gray 127. Lasers see only occupied cells, so robots would be lost. Write a map.yaml next to it"
+        told = "mostly gray 127. Lasers see only occupied cells, so robots would get lost. Write a map.yaml next to it"
         assert told in done.stderr
         assert "`resolution: 0.05`" in done.stderr and "`occupied_thresh: 0.452`" in done.stderr
 

@@ -148,7 +148,7 @@ def test_what_texts_of_a_language_are_missing_or_wrong_is_told(tmp_path: Path) -
     assert "texts are missing and are shown in English, first " in told
     assert "language de" not in told
     (tmp_path / "nl" / "texts" / "words.yaml").write_text("lest: ' en '\n")
-    assert "text words.lest does not exist. The nearest is words.last" in talk("check", tmp_path, code=2)
+    assert "text words.lest does not exist. The nearest name is words.last" in talk("check", tmp_path, code=2)
 
 
 def test_a_no_may_be_questioned_and_the_dialogue_that_has_ended_goes_on() -> None:
@@ -188,7 +188,7 @@ def test_faults_of_all_folders_are_told_with_their_lines(tmp_path: Path) -> None
         file.write_text(file.read_text().replace("turn: initiator", f"turn: {word}"))
     told = talk("check", tmp_path / "a", tmp_path / "b", code=2)
     assert f"{tmp_path}/a/inquiry.yaml, line 7, stages[0].turn: 'iniator' is not a valid choice." in told
-    assert f"{tmp_path}/b/inquiry.yaml, line 7, stages[0].turn: the initiator opens a game." in told
+    assert f"{tmp_path}/b/inquiry.yaml, line 7, stages[0].turn: the initiator must open the game." in told
     (fault,) = json.loads(talk("check", tmp_path / "b", "--json", code=2))["folders"][0]["faults"]
     assert (fault["line"], fault["remedy"]) == (7, "Write initiator")
 
@@ -228,7 +228,7 @@ def test_a_strategy_that_is_installed_is_checked(tmp_path: Path, monkeypatch: py
     (fault,) = told["strategy"]["faults"]
     assert not told["ok"] and fault["problem"] == "a NoneType is no move" and "legal(number)" in fault["remedy"]
     done = invoke("talk", "check", "--strategy", "sillent")
-    assert done.exit_code == 2 and "The nearest is silent" in done.output
+    assert done.exit_code == 2 and "The nearest name is silent" in done.output
 
 
 AUTHORS = """
@@ -264,4 +264,4 @@ def test_an_author_that_is_installed_is_checked(tmp_path: Path, monkeypatch: pyt
     assert "liar: a sentence is refused (other-values) (" in refused and "it has to say, in this order: not" in refused
     assert "gave different ones" in talk("check", "--author", "fickle", "--conversations", 1, code=2)
     done = invoke("talk", "check", "--author", "lier")
-    assert done.exit_code == 2 and "The nearest is liar" in done.output
+    assert done.exit_code == 2 and "The nearest name is liar" in done.output

@@ -33,7 +33,7 @@ def read_edited(path: Path) -> TextOnDisk:
     """Read the file.
 
     Raises:
-        BadFile: it cannot be read, or is not UTF-8.
+        BadFile: the file cannot be read, or is not UTF-8.
     """
     if not path.exists():
         if not path.parent.is_dir():
@@ -49,10 +49,10 @@ def read_edited(path: Path) -> TextOnDisk:
 
 
 def write_edited(path: Path, text: str, marked: bool) -> TextOnDisk:
-    """Replace the file by a text in one step, keeping links and permissions.
+    """Replace the content of the file in one step; links and permissions do not change.
 
     Raises:
-        BadFile: it cannot be written, and is unchanged.
+        BadFile: the file cannot be written; its content is unchanged.
     """
     try:
         data = ((_MARK if marked else "") + text).encode()

@@ -22,15 +22,14 @@ def path_inside(folder: Path, *names: str) -> Path:
         names: one untrusted name for each level below the folder.
 
     Raises:
-        BadFile: a name is empty, blank, `.` or `..`, too long, or has a slash, a backslash or a control character; or
-            a link leads out of the folder.
+        BadFile: a name is not valid (see `fault_of_name`), or a link leads out of the folder.
     """
     for name in names:
         if problem := fault_of_name(name):
             raise BadFile(folder, problem, _REMEDY, key=repr(name))
     path = folder.joinpath(*names)
     if not Path(os.path.realpath(path)).is_relative_to(os.path.realpath(folder)):
-        raise BadFile(path, f"a link leads out of {folder}", "Delete the link, or replace it by what it leads to")
+        raise BadFile(path, f"a link leads out of {folder}", "Delete the link, or replace the link by its target")
     return path
 
 
@@ -46,7 +45,7 @@ def relative_inside(folder: Path, path: str) -> Path:
 
 
 def fault_of_path(path: str) -> str:
-    """Return the fault, as a clause, of a path that may lead anywhere, for example in a study file; empty if valid."""
+    """Return the fault, as a clause, of a path that may lead out of its folder; empty if the path is valid."""
     if not path.strip():
         return "this path is empty" if not path else "this path has only blanks"
     if visible(path) != path:
@@ -57,7 +56,7 @@ def fault_of_path(path: str) -> str:
 
 
 def fault_of_name(name: str) -> str:
-    """Return the fault of a name of one file or folder, as a clause; empty if it is valid."""
+    """Return the fault, as a clause, of the name of one file or folder; empty if the name is valid."""
     if not name.strip():
         return "this name is empty" if not name else "this name has only blanks"
     if name in (".", ".."):

@@ -20,12 +20,12 @@ def read_json(path: Path, type_: type[T], damage: str, remedy: str, largest: int
     Args:
         path: the file.
         type_: type of the content; msgspec checks it.
-        damage: problem of a file with other content, as a clause.
+        damage: problem to report for content of another type, as a clause.
         remedy: remedy for every problem, as a clause.
         largest: largest size in bytes.
 
     Raises:
-        BadFile: it is not a file, cannot be read, is larger, or has other content.
+        BadFile: the path is no file, or the file cannot be read, is too large, or has content of another type.
     """
     try:
         return msgspec.json.decode(content_of(path, largest), type=type_)

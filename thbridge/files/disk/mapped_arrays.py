@@ -18,7 +18,7 @@ def mapped(arrays: Iterable[NDArray[np.float32]], size: int) -> list[NDArray[np.
 
     Args:
         arrays: the arrays; they are read one at a time.
-        size: approximate size of all of them, bytes.
+        size: approximate total size of the arrays, bytes.
 
     Raises:
         OSError: the disk is full.

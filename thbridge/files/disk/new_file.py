@@ -18,11 +18,11 @@ def new_file(path: Path, source: Path, overwrite: bool) -> Iterator[Path]:
 
     Args:
         path: path of the finished file.
-        source: the file that it is made from; it is never overwritten.
+        source: file from which the new file is made; it is never overwritten.
         overwrite: True to replace an existing file.
 
     Raises:
-        BadFile: the file already exists, it cannot be written, or a link of another account leads to its folder.
+        BadFile: the file already exists or cannot be written, or a link of another account leads to its folder.
     """
     if path.exists() and source.exists() and path.samefile(source):
         raise BadFile(path, "this is the recording itself", "choose another file with --to")
@@ -39,7 +39,7 @@ def new_file(path: Path, source: Path, overwrite: bool) -> Iterator[Path]:
         put_in_place(part, path)
     except OSError as error:
         problem = f"it cannot be written ({reason_of(error)})"
-        raise BadFile(path, problem, "choose another place with --to, or free some space") from error
+        raise BadFile(path, problem, "choose another path with --to, or free some space") from error
     finally:
         with suppress(OSError):  # a folder without write permission has no such file
             part.unlink(missing_ok=True)

@@ -1,8 +1,7 @@
 """Links on the path of an output: only links of this account or of root are followed.
 
-Linux refuses links of other accounts in folders such as /tmp (fs.protected_symlinks), but only when it follows them
-itself. It does not refuse them when a program resolves a path and then writes to the result. The rule of this module
-applies in every folder.
+Linux refuses links of other accounts in folders such as /tmp (fs.protected_symlinks). This does not help if a program
+resolves the links itself and then writes to the result. The rule of this module applies in every folder.
 """
 
 import os
@@ -19,7 +18,8 @@ def own_target(path: Path) -> Path:
     """Return the path of an output with its links resolved; parts that do not exist yet are unchanged.
 
     Raises:
-        BadFile: a link on the path belongs to another account, there are too many links, or the path has a NUL.
+        BadFile: a link on the path belongs to another account, there are too many links, or the path contains a NUL
+            character.
     """
     trusted = {0, os.geteuid()}
     real, left, links = Path("/"), _reversed_parts(path.absolute()), 0
@@ -36,10 +36,10 @@ def own_target(path: Path) -> Path:
                 continue
             target = link.readlink()
         except ValueError:
-            raise BadFile(path, "the name of a file cannot have a NUL", "Check the name") from None
+            raise BadFile(path, "the name of a file cannot contain a NUL character", "Check the name") from None
         except OSError as error:
             if isinstance(error, FileNotFoundError | NotADirectoryError | PermissionError):
-                real = link  # opening it will report the error
+                real = link  # opening the file will report the error
                 continue
             raise BadFile(path, f"it cannot be written ({reason_of(error)})", "Choose another name") from None
         if found.st_uid not in trusted:
@@ -47,7 +47,7 @@ def own_target(path: Path) -> Path:
             raise BadFile(path, problem, f"If you trust it, name its target: {target}")
         links += 1
         if links > MOST_LINKS:
-            raise BadFile(path, "its links lead in a circle", "Choose another name")
+            raise BadFile(path, "the links of this path lead in a circle", "Choose another name")
         real = Path("/") if target.is_absolute() else real
         left += _reversed_parts(target)
     return real

@@ -16,7 +16,7 @@ _KINDS = {
 
 
 def is_regular(path: Path) -> bool:
-    """Return True for a file that exists and can be accessed; False also for impossible names."""
+    """Return True for a file that exists and can be accessed. For an invalid name, return False."""
     try:
         return path.is_file()
     except (OSError, ValueError):
@@ -24,7 +24,7 @@ def is_regular(path: Path) -> bool:
 
 
 def as_on_disk(path: Path) -> Path:
-    """Return the path of an existing file or folder in the spelling of the disk; unchanged if there is none.
+    """Return the path of an existing file or folder, spelled as on the disk; other paths are unchanged.
 
     Letters with marks, such as "ä", are one character (NFC) when people type them, and may be two (NFD) in names that
     were made on macOS. Linux treats these as different names.
@@ -55,16 +55,16 @@ def size_of(path: Path) -> int:
     """Return the size of a file in bytes, without opening it.
 
     Raises:
-        BadFile: it is a pipe, a socket or a device, or its name has a NUL.
-        OSError: it does not exist, or cannot be accessed.
+        BadFile: the path is a pipe, a socket or a device, or contains a NUL character.
+        OSError: the file does not exist, or cannot be accessed.
     """
     try:
         found = path.stat()
     except ValueError:
-        raise BadFile(path, "the name of a file cannot have a NUL", "Check the name") from None
+        raise BadFile(path, "the name of a file cannot contain a NUL character", "Check the name") from None
     kind = stat.S_IFMT(found.st_mode)
     if kind in _KINDS:
-        raise BadFile(path, f"it is {_KINDS[kind]}, not a file", "Save its output to a file, and name that file")
+        raise BadFile(path, f"this is {_KINDS[kind]}, not a file", "Save its output to a file, and name that file")
     return found.st_size
 
 
@@ -73,7 +73,7 @@ def open_regular(path: Path) -> BinaryIO:
 
     Raises:
         BadFile: as for `size_of`.
-        OSError: it cannot be opened.
+        OSError: the file cannot be opened.
     """
     size_of(path)
     return path.open("rb")
@@ -83,11 +83,11 @@ def content_of(path: Path, largest: int | None = None) -> bytes:
     """Return the content of a file.
 
     Raises:
-        BadFile: as for `open_regular`, or it is larger than `largest` bytes.
-        OSError: it cannot be read.
+        BadFile: as for `open_regular`, or the file is larger than `largest` bytes.
+        OSError: the file cannot be read.
     """
     with open_regular(path) as file:
         data = file.read() if largest is None else file.read(largest + 1)
     if largest is not None and len(data) > largest:
-        raise BadFile(path, f"it is larger than {largest} bytes", "Check that it is the right file")
+        raise BadFile(path, f"the file is larger than {largest} bytes", "Check that this is the right file")
     return data

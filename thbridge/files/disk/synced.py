@@ -38,7 +38,7 @@ def make_folder(folder: Path) -> None:
 
     Raises:
         BadFile: a link of another account leads to it.
-        OSError: it cannot be created.
+        OSError: the folder cannot be created.
     """
     own_target(folder)
     new = [each for each in (folder, *folder.parents) if not each.exists()]
@@ -48,10 +48,10 @@ def make_folder(folder: Path) -> None:
 
 
 def put_in_place(part: Path, path: Path) -> None:
-    """Give a written file its name in the same folder, in one step; an existing file of that name is replaced.
+    """Rename a written file within its folder, in one step; an existing file of the new name is replaced.
 
     Raises:
-        OSError: it cannot be synced or renamed.
+        OSError: the file cannot be synced or renamed.
     """
     sync_file(part)
     part.replace(path)
@@ -59,15 +59,15 @@ def put_in_place(part: Path, path: Path) -> None:
 
 
 def put_in_free_place(part: Path, path: Path) -> None:
-    """Give a written file its name in the same folder, in one step, unless a file of that name exists.
+    """Rename a written file within its folder, in one step, unless a file of the new name exists.
 
     Raises:
         FileExistsError: a file of that name exists.
-        OSError: it cannot be synced or renamed.
+        OSError: the file cannot be synced or renamed.
     """
     sync_file(part)
     try:
-        # If several programs do this at once, one of them wins.
+        # If several programs do this at the same time, only one succeeds.
         path.hardlink_to(part)
     except FileExistsError:
         raise

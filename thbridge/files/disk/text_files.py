@@ -8,7 +8,7 @@ from thbridge.files.disk.regular_files import as_on_disk, content_of
 from thbridge.files.errors import BadFile
 
 LARGEST_FILE = 1 << 20
-"""Largest file in bytes; files written by people have some thousand bytes."""
+"""Largest file in bytes; files written by people have a few thousand bytes."""
 
 
 _UNDEFINED_IN_WINDOWS = frozenset(b"\x81\x8d\x8f\x90\x9d")
@@ -18,10 +18,10 @@ _NAMES_OF_ICONV = {"Windows-1252": "WINDOWS-1252", "Latin-1": "ISO-8859-1"}
 def read_text(path: Path, largest: int = LARGEST_FILE) -> str:
     """Read the text of a file that people write.
 
-    It is composed (NFC), so that names are equal even if they were typed differently.
+    The text is composed (NFC), so that names are equal even if they were typed differently.
 
     Raises:
-        BadFile: it does not exist, is not a file, is larger than `largest` bytes, or is not UTF-8.
+        BadFile: the file does not exist, is larger than `largest` bytes, or is not UTF-8; or the path is no file.
     """
     return unicodedata.normalize("NFC", text_of(path, read_bytes(path, largest)))
 
@@ -30,7 +30,7 @@ def read_bytes(path: Path, largest: int = LARGEST_FILE) -> bytes:
     """Read the bytes of a file that people write.
 
     Raises:
-        BadFile: it does not exist, is not a file, or is larger than `largest` bytes.
+        BadFile: the file does not exist, or is larger than `largest` bytes; or the path is no file.
     """
     try:
         return content_of(as_on_disk(path), largest)
@@ -44,12 +44,13 @@ def text_of(path: Path, data: bytes) -> str:
     """Return the text of a file's bytes, without a byte order mark.
 
     Raises:
-        BadFile: they are not UTF-8; the fault names the probable encoding.
+        BadFile: the bytes are not UTF-8; the message names the probable encoding.
     """
     utf16 = _utf16_of(data)
     if b"\0" in data and not utf16:
         line = data.count(b"\n", 0, data.index(b"\0")) + 1
-        raise BadFile(path, "it has a NUL byte", "Check that it is a text file, and delete the byte", line=line)
+        remedy = "Check that it is a text file, and delete the byte"
+        raise BadFile(path, "the file contains a NUL byte", remedy, line=line)
     try:
         if utf16:
             raise UnicodeDecodeError("utf-8", data, 0, 1, utf16)
@@ -57,9 +58,9 @@ def text_of(path: Path, data: bytes) -> str:
     except UnicodeDecodeError as error:
         line = data.count(b"\n", 0, error.start) + 1
         encoding = utf16 or _byte_encoding_of(data)
-        problem = f"byte 0x{data[error.start]:02x} is not UTF-8; it was probably saved as {encoding}"
+        problem = f"byte 0x{data[error.start]:02x} is not UTF-8; the file was probably saved as {encoding}"
         if utf16 and data[0] < 0x80:
-            problem = f"it is not UTF-8; it was probably saved as {encoding}"
+            problem = f"the text is not UTF-8; it was probably saved as {encoding}"
         remedy = "Save the file with the encoding UTF-8 in an editor"
         if encoding != _UNKNOWN:
             iconv = _NAMES_OF_ICONV.get(encoding, encoding)
@@ -71,7 +72,7 @@ _UNKNOWN = "an encoding of another system"
 
 
 def _utf16_of(data: bytes) -> str:
-    """Return the probable kind of UTF-16, by its mark or by every second byte being 0; empty if it is not UTF-16."""
+    """Return the probable kind of UTF-16, by the byte order mark or by zeros at every second byte; empty if none."""
     if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
         return "UTF-16"
     for name, zeros, letters in (("UTF-16LE", data[1::2], data[::2]), ("UTF-16BE", data[::2], data[1::2])):
@@ -81,6 +82,6 @@ def _utf16_of(data: bytes) -> str:
 
 
 def _byte_encoding_of(data: bytes) -> str:
-    """Return the probable encoding with one byte per letter: Latin-1 has no letters from 0x80 to 0x9f."""
+    """Return the probable encoding with one byte per character. Latin-1 has no characters from 0x80 to 0x9f."""
     controls = {byte for byte in data if 0x80 <= byte < 0xA0}
     return _UNKNOWN if controls & _UNDEFINED_IN_WINDOWS else "Windows-1252" if controls else "Latin-1"

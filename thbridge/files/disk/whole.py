@@ -28,18 +28,18 @@ def whole_file(
     mode: int | None = None,
     synced: bool = True,
 ) -> Iterator[IO[bytes]]:
-    """Yield a file to write; if the block ends without an error, it is on the disk under its name.
+    """Yield a file to write. If the block ends without an error, the file is on the disk under its name.
 
     An existing file of that name is replaced in one step; links and permissions are kept. Devices and pipes are written
     directly. Links are followed if they belong to this account or to root.
 
     Args:
         path: path of the file.
-        remedy: remedy if it cannot be written, as a clause.
+        remedy: remedy if the file cannot be written, as a clause.
         exclusive: True to keep an existing file and raise an error.
-        folders: True to create missing folders above it.
+        folders: True to create missing folders above the file.
         mode: permissions of the file. If None, it keeps those of the existing file, or gets the usual permissions.
-        synced: False to let the system decide when it reaches the disk.
+        synced: False to let the system decide when the file reaches the disk.
 
     Raises:
         FileExistsError: the file exists, and `exclusive` is True.
@@ -80,14 +80,14 @@ def write_whole(path: Path, data: bytes, remedy: str = REMEDY, *, mode: int | No
     """Create or replace the file in one step; see `whole_file`.
 
     Raises:
-        BadFile: it cannot be written; an existing file is unchanged.
+        BadFile: the file cannot be written; an existing file is unchanged.
     """
     with whole_file(path, remedy, mode=mode, synced=synced) as file:
         file.write(data)
 
 
 def clear_parts(path: Path) -> None:
-    """Delete unfinished versions of a file that killed programs have left; no program may be writing the file."""
+    """Delete unfinished versions of a file, left by killed programs. No program may be writing the file."""
     for part in path.parent.glob(f".{glob.escape(path.name)}.*{PART}"):
         part.unlink(missing_ok=True)
 
@@ -102,7 +102,7 @@ def new_folder(folder: Path, remedy: str = "choose another folder", *, empty: bo
         empty: True to also fill an existing folder that is empty.
 
     Raises:
-        BadFile: the folder already exists, or it cannot be written; then nothing is left of the new one.
+        BadFile: the folder already exists, or cannot be written; the unfinished folder is then deleted.
     """
     own_target(folder)
     there = folder.is_dir() and empty
@@ -139,5 +139,5 @@ def new_folder(folder: Path, remedy: str = "choose another folder", *, empty: bo
 
 
 def _part_of(path: Path) -> Path:
-    """Return a path next to another one that no other program or thread uses."""
+    """Return a path in the same folder that no other program or thread uses."""
     return path.with_name(f".{path.name}.{os.urandom(4).hex()}{PART}")

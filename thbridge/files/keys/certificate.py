@@ -39,11 +39,11 @@ def certificate_of(folder: Path, now: str) -> Certificate:
     """Return the certificate in a folder of keys, creating it if it does not exist.
 
     Args:
-        folder: folder of the keys; created if it does not exist.
+        folder: folder of the keys; created if missing.
         now: time of day, UTC, such as 2026-03-01T12:00:00Z, at which a new certificate becomes valid.
 
     Raises:
-        BadFile: it cannot be read or written, it is damaged, or other accounts may read its private key.
+        BadFile: the file cannot be read or written, or is damaged; or other accounts may read its private key.
     """
     path = folder / CERTIFICATE
     if not path.exists():
@@ -54,11 +54,12 @@ def certificate_of(folder: Path, now: str) -> Certificate:
         ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER).load_cert_chain(path, password="")
     except ssl.SSLError as error:
         problem = f"certificate and private key are not usable ({error.reason or error})"
-        raise BadFile(path, problem, "copy both into it again; or delete it, and a new one is created") from None
+        raise BadFile(path, problem, "copy both into this file again; or delete the file to get a new one") from None
     except ValueError:
-        raise BadFile(path, "it has no certificate in PEM format", "copy it again, with its private key") from None
+        remedy = "copy certificate and private key into this file again"
+        raise BadFile(path, "the file has no certificate in PEM format", remedy) from None
     except OSError as error:
-        remedy = "put a certificate there, with its private key; or delete it, and a new one is created"
+        remedy = "put a certificate with its private key here; or delete the file to get a new one"
         raise BadFile(path, f"it cannot be read ({reason_of(error)})", remedy) from None
     return Certificate(path, hashlib.sha256(der).hexdigest())
 
@@ -73,7 +74,7 @@ def _first(content: bytes) -> str:
 
 
 def _make(path: Path, now: str) -> None:
-    # Imported here because it loads slowly and is only needed once.
+    # This library loads slowly and is only needed once, so it is imported here.
     from cryptography import x509  # noqa: PLC0415
     from cryptography.hazmat.primitives import hashes, serialization  # noqa: PLC0415
     from cryptography.hazmat.primitives.asymmetric import ec  # noqa: PLC0415

@@ -16,16 +16,16 @@ class ClientKey:
     """Key of a client.
 
     Attributes:
-        secret: the secret that it shows.
-        fingerprint: SHA-256 of the session's certificate, hexadecimal. If None, a public authority must vouch for the
-            session.
+        secret: secret that the client presents.
+        fingerprint: SHA-256 of the session's certificate, hexadecimal. If None, a public certificate authority must
+            have signed the certificate.
     """
 
     secret: str
     fingerprint: str | None = None
 
     def __repr__(self) -> str:
-        return "ClientKey(...)"  # It may be logged.
+        return "ClientKey(...)"  # This text may be logged.
 
 
 def key_text(secret: str, fingerprint: str) -> str:
@@ -37,12 +37,12 @@ def read_key(path: Path) -> ClientKey:
     """Read a file with a key: the secret in the first line, and a fingerprint in the second line, which may be missing.
 
     Raises:
-        BadFile: it cannot be read, other accounts may read it, or it has no key.
+        BadFile: the file cannot be read or has no key, or other accounts may read it.
     """
     check_private(path)
     lines = [line.strip() for line in read_text(path).splitlines()]
     if not lines or not lines[0]:
-        raise BadFile(path, "there is no key in this line", "write a key, some random letters, into it", line=1)
+        raise BadFile(path, "there is no key in this line", "write a key of random letters into this line", line=1)
     if len(lines) < 2 or not lines[1]:
         return ClientKey(lines[0])
     found = _FINGERPRINT.fullmatch(lines[1].lower())

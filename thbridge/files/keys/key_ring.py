@@ -1,4 +1,4 @@
-"""Ring of keys with which people are admitted: names, rights and digests. Only these people have the secrets."""
+"""Key ring: names, rights and digests of the keys that admit people. Only these people have the secrets."""
 
 import contextlib
 import fcntl
@@ -40,10 +40,10 @@ class KeyEntry(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_def
         name: name of the person or program that has it.
         rights: rights that it gives; intervening includes watching, and admin includes everything.
         digest: SHA-256 of the secret, which itself has 256 bits and cannot be guessed.
-        created: time of day, UTC.
-        expires: time of day from which it is invalid. If None, it does not expire.
-        revoked: time of day at which it was revoked. If None, it was not revoked.
-        game: the one game for which a participant's key is valid. If None, the next game that it is used in.
+        created: date and time, UTC.
+        expires: date and time from which it is invalid. If None, it does not expire.
+        revoked: date and time at which it was revoked. If None, it was not revoked.
+        game: the only game for which a participant's key is valid. If None, this will be the next game that uses it.
     """
 
     name: str
@@ -55,7 +55,7 @@ class KeyEntry(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_def
     game: str | None = None
 
     def why_not(self, now: str) -> str | None:
-        """Return why the key is invalid at a time of day, as a clause, or None if it is valid."""
+        """Return the reason why the key is invalid at a date and time, as a clause, or None if it is valid."""
         if self.revoked is not None:
             return f"the key {self.name} was revoked"
         if self.expires is not None and now >= self.expires:
@@ -68,7 +68,7 @@ class KeyRing:
 
     Args:
         folder: folder of the ring; it does not have to exist yet.
-        clock: returns the time of day, UTC, in the ring's format.
+        clock: returns the date and time, UTC, in the ring's format.
 
     Raises:
         BadFile: the ring is damaged, or other accounts may read it.
@@ -89,7 +89,7 @@ class KeyRing:
         return self._entries
 
     def holder(self, secret: str) -> KeyEntry | str:
-        """Return the key with a secret, or why it is invalid, as a clause. Raises BadFile."""
+        """Return the key with this secret, or the reason, as a clause, why it is invalid. Raises BadFile."""
         digest = _digest(secret)
         for entry in self.entries:
             if entry.digest == digest:
@@ -97,7 +97,7 @@ class KeyRing:
         return "the key is wrong"
 
     def why_not(self, name: str) -> str | None:
-        """Return why a key is no longer valid, or None if it is valid. Raises BadFile."""
+        """Return the reason why a key is no longer valid, or None if it is valid. Raises BadFile."""
         entry = next((entry for entry in self.entries if entry.name == name), None)
         return f"there is no key {name}" if entry is None else entry.why_not(self._clock())
 
@@ -122,8 +122,8 @@ class KeyRing:
                 with whole_file(path, "choose another folder", exclusive=True, mode=0o600) as file:
                     file.write(key_text(secret, certificate.fingerprint).encode())
             except FileExistsError:
-                problem = f"this file exists, but no key {name}: it was not finished, or it belongs to another program"
-                raise BadFile(path, problem, "move it elsewhere, then try again") from None
+                problem = f"this file exists, but no key {name}: it is unfinished, or belongs to another program"
+                raise BadFile(path, problem, "move the file to another folder, then try again") from None
             try:
                 self._write((*self._entries, KeyEntry(name, tuple(rights), _digest(secret), self._clock(), expires)))
             except BadFile:
@@ -141,7 +141,7 @@ class KeyRing:
             self._replace(msgspec.structs.replace(entry, revoked=entry.revoked or self._clock()))
 
     def enter(self, name: str, game: str, *, over: bool = False) -> str | None:
-        """Use a participant's key for a game. From then on it is valid for this game and no other.
+        """Use a participant's key for a game. From then on the key is valid only for this game.
 
         Args:
             name: name of the key.
@@ -149,7 +149,7 @@ class KeyRing:
             over: True if the game is over; then an unused key is kept for the next game.
 
         Returns:
-            The reason why it is not valid for this game, as a clause, or None if it is valid.
+            The reason why the key is not valid for this game, as a clause, or None if it is valid.
 
         Raises:
             BadFile: the ring cannot be read or written.

@@ -12,7 +12,7 @@ _OTHERS = 0o077
 
 
 def check_private(path: Path) -> None:
-    """Check that no other account may read or write a file. On file systems without modes nothing is checked.
+    """Check that no other account may read or write a file. Files on file systems without permissions are not checked.
 
     Raises:
         BadFile: other accounts may read or write it. A missing file is not reported here, but by its reader.

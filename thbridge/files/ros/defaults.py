@@ -61,7 +61,7 @@ def ros_defaults(
 
 
 def sentences_of(defaults: Sequence[RosDefault]) -> Iterator[str]:
-    """Yield a sentence for each section with such parameters, and one for the parameters that both costmaps share."""
+    """Yield a sentence for each section with these parameters, and a sentence for parameters of both costmaps."""
     lists: dict[str, list[str]] = {}
     shared = _shared(defaults)
     for default in defaults:
@@ -71,7 +71,7 @@ def sentences_of(defaults: Sequence[RosDefault]) -> Iterator[str]:
         title = " and ".join(COSTMAPS) if own in shared and section in COSTMAPS else section
         lists.setdefault(title, []).append(f"{own} {_shown(default.value)} ({_shown(default.hunts)})")
     for title, items in lists.items():
-        yield f"{title}: left out, so ROS's default holds (hunts' in brackets): {', '.join(items)}"
+        yield f"{title}: parameters left out, with ROS's defaults (the values of hunts in brackets): {', '.join(items)}"
 
 
 def _shared(defaults: Sequence[RosDefault]) -> set[str]:

@@ -1,4 +1,4 @@
-"""Message definitions for bags and ROS graphs: our own texts, or those of an installed ROS 1, with its comments."""
+"""Message definitions for bags and ROS graphs: our own texts, or the texts of an installed ROS 1, with comments."""
 
 from collections.abc import Sequence
 from functools import cache

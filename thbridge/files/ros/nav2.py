@@ -261,9 +261,10 @@ class _Translation:
             remedy = f"name a file with {', '.join(_NODES[:-1])} or {_NODES[-1]}"
             raise BadFile(self._path, "no node of this file of ROS 2 has a counterpart here", remedy)
         if others:
-            self._add_notice(f"nodes of ROS 2 without a counterpart here: {', '.join(sorted(set(others)))}")
+            self._add_notice(f"these nodes of ROS 2 have no counterpart here: {', '.join(sorted(set(others)))}")
         if self._strange:
-            self._add_notice(f"no effect, because there is no counterpart here: {', '.join(self._strange)}")
+            strange = ", ".join(self._strange)
+            self._add_notice(f"these parameters have no effect, because they have no counterpart here: {strange}")
         return Section(tree.line, entries)
 
     def _add_notice(self, sentence: str) -> None:
@@ -289,7 +290,7 @@ class _Translation:
         left_out = {name: value for name, value in defaults.items() if name not in written}
         if left_out:
             values = ", ".join(f"{name}: {value}" for name, value in left_out.items())
-            self._add_notice(f"{node} leaves out parameters with these defaults of Nav2: {values}")
+            self._add_notice(f"{node} leaves out these parameters, so they have Nav2's defaults: {values}")
         return [(_scalar(names.get(name, name), line), _scalar(value, line)) for name, value in left_out.items()]
 
     def _amcl(self, node: Scalar, parameters: Section) -> Section:
@@ -367,7 +368,7 @@ class _Translation:
 
     def _source(self, place: str, source: Section) -> Section:
         if all(key.text != "max_obstacle_height" for key, _ in source.entries):
-            height = "0 m in Nav2, so that it marks nothing higher; here heights are ignored"
+            height = "0 m in Nav2, so that nothing higher is marked; here heights are ignored"
             self._add_notice(f"{place} leaves out max_obstacle_height, which is {height}")
         entries: list[Entry] = []
         for key, child in source.entries:
@@ -406,7 +407,7 @@ class _Translation:
         if found is None and not {"planner_plugins", "GridBased"} & {key.text for key, _ in parameters.entries}:
             found = _scalar("GridBased", parameters.line), Section(parameters.line, [])
         if found is None:
-            self._add_notice("the global planner is navfn, because none of those in planner_plugins exists here")
+            self._add_notice("the global planner is navfn, because no planner in planner_plugins exists here")
             return
         key, own = found
         rest = Section(own.line, [entry for entry in own.entries if entry[0].text != "plugin"])
@@ -446,7 +447,7 @@ class _Translation:
         entries = [*self._renamed(key.text, rest, _DWB, _DWB_DEFAULTS)]
         if stands := [name for name in _DWB_STANDS if all(entry[0].text != name for entry in written)]:
             self._add_notice(
-                f"{key.text} leaves out {', '.join(stands)}, which are 0 in Nav2; here they are as in ROS 1"
+                f"{key.text} leaves out {', '.join(stands)}, which are 0 in Nav2; here they have the values of ROS 1"
             )
         # In Nav2 the goal checker decides when the robot has arrived.
         entries = [
@@ -456,7 +457,7 @@ class _Translation:
         yield _scalar("DWAPlannerROS", key.line), Section(own.line, entries)
 
     def _checker(self, parameters: Section, kind: str) -> tuple[str, Section]:
-        """Return the first checker of a kind, or Nav2's default one without parameters. The others are reported."""
+        """Return the first checker of a kind, or Nav2's default checker without parameters. The others are reported."""
         inner = {key.text: child for key, child in parameters.entries}
         listing = inner.get(f"{kind}_plugins")
         names = (

@@ -38,9 +38,9 @@ class RosYamlNormalizer:
     notices: list[str]
 
     def section(self, node: Node) -> Section:
-        """Return the normalized tree of a file. Raises BadFile if it is not a section, or a value is invalid."""
+        """Return the normalized tree of a file. Raises BadFile if the file is not a section, or a value is invalid."""
         if not isinstance(node, Section):
-            problem = "it is not a section with lines 'name: value'"
+            problem = "this file is not a section with lines 'name: value'"
             raise BadFile(self.path, problem, "name a YAML file of ROS parameters", line=node.line)
         cleaned = self.node(node)
         return cleaned if isinstance(cleaned, Section) else Section(node.line, [])
@@ -61,9 +61,7 @@ class RosYamlNormalizer:
                         written[name.text] = before, Section(known.line, [*known.entries, *inner.entries])
                         continue
                     if known is not None:
-                        notice = (
-                            f"{name.text} appears twice, first in line {before.line}; the later one is used, as in ROS"
-                        )
+                        notice = f"{name.text} appears twice, first in line {before.line}; ROS also uses the later value"
                         self.notices.append(f"{self.path}, line {name.line}: {notice}")
                     written[name.text] = name, inner
                 return Section(line, list(written.values()))

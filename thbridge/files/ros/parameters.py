@@ -63,7 +63,7 @@ LAYERS = {
 """Layers of a costmap, with the words by which they are recognized in a plugin's type or name."""
 
 _PERIOD = "the time between commands, which always follows from move_base's controller_frequency here"
-_UNREAD = "ROS does not read it there; probably meant is "
+_UNREAD = "ROS does not read it there; you probably mean "
 _SIDEWAYS = "ROS does not read it there; the sideways speeds are TrajectoryPlannerROS's y_vels"
 WITHOUT_EFFECT: Mapping[str, Mapping[str, str]] = {
     "move_base": {"recovery_behaviour_enabled": f"{_UNREAD}recovery_behavior_enabled"},
@@ -90,7 +90,7 @@ WITHOUT_EFFECT: Mapping[str, Mapping[str, str]] = {
 LAYERS_WITHOUT_EFFECT: Mapping[str, str] = {
     "robot_radius": f"{_UNREAD}the costmap's",
     "footprint": f"{_UNREAD}the costmap's",
-    "publish_observations": "it belongs to a layer that does not exist here",
+    "publish_observations": "this parameter belongs to a layer that does not exist here",
 }
 """Parameters of costmap layers that no ROS package reads, with a remark for each."""
 OF_THE_GRAPH = frozenset(
@@ -265,8 +265,9 @@ def _of_one_robot(path: Path, tree: Section) -> Section:
     if not robots or any(key.text in SECTIONS for key, _ in tree.entries):
         return tree
     if len(robots) > 1:
-        problem = f"it has the parameters of several robots: {', '.join(key.text for key, _ in robots)}"
-        raise BadFile(path, problem, "write those of one robot to a separate file: `rosparam dump FILE NAMESPACE`")
+        problem = f"the file has the parameters of several robots: {', '.join(key.text for key, _ in robots)}"
+        remedy = "write the parameters of one robot to a separate file: `rosparam dump FILE NAMESPACE`"
+        raise BadFile(path, problem, remedy)
     others = [entry for entry in tree.entries if entry[0].text != robots[0][0].text]
     return _of_one_robot(path, Section(tree.line, [*others, *robots[0][1].entries]))
 
@@ -339,13 +340,13 @@ class _Sorter:
     def homes(self, flat: list[Entry], by_node: bool) -> dict[str, list[Entry]]:
         """Assign sections to parameters without one.
 
-        Parameters get the section that has most of them. The rest get any section that has them.
+        Parameters get the section that has most of these parameters. The rest get any section that has them.
 
-        Unknown sections are under an empty name.
+        The result has unknown sections under an empty name.
 
         Args:
             flat: the parameters.
-            by_node: True if other parameters of the file have sections, so that an unknown one belongs to no node.
+            by_node: True if other parameters of the file have sections. Unknown parameters then belong to no node.
         """
         homes: dict[str, list[Entry]] = {}
         for key, _ in flat:
@@ -411,7 +412,7 @@ class _Sorter:
         return [entry for entry in layer.entries if entry[0].text not in LAYERS_WITHOUT_EFFECT]
 
     def unlisted(self, name: str) -> bool:
-        """Return True for a layer that ROS does not load, because the lists of plugins name others."""
+        """Return True for a layer that ROS does not load, because the lists of plugins do not name it."""
         names = [field.name for field in dataclasses.fields(CostmapParameters)]
         return bool(self.layers) and not difflib.get_close_matches(name, [*names, *self.layers], cutoff=0.8)
 

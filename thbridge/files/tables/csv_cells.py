@@ -1,8 +1,8 @@
 """Text cells of CSV files that look like formulas to spreadsheets, marked so that they stay texts.
 
 A cell looks like a formula if it begins with = + - @, a tab or a carriage return and is not a number. Such a cell gets
-an apostrophe in front. A cell that already has apostrophes before such a sign gets one more. Readers restore the text
-by removing one apostrophe.
+an apostrophe in front. A cell that already has apostrophes before one of these characters gets one more apostrophe.
+Readers restore the text by removing one apostrophe.
 
 Source: OWASP, CSV Injection.
 """

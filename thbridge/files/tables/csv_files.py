@@ -27,7 +27,7 @@ def read_columns(path: Path, columns: Sequence[str]) -> FloatArray:
         (rows, columns) finite numbers, with columns in the requested order; at least one row.
 
     Raises:
-        BadFile: it cannot be read or has another header; or, as BadFiles, its first faults.
+        BadFile: the file cannot be read, has another header, or has faults; the first faults are raised as BadFiles.
     """
     wanted = ",".join(columns)
     text = read_text(path, LARGEST_TABLE)
@@ -64,13 +64,13 @@ def read_columns(path: Path, columns: Sequence[str]) -> FloatArray:
         raise BadFiles(tuple(faults))
     if not rows:
         remedy = f"write {wanted} in the first line and a row of numbers in each line after it"
-        raise BadFile(path, "it has no rows of numbers", remedy)
+        raise BadFile(path, "the table has no rows of numbers", remedy)
     return np.array(rows)[:, [header.index(column) for column in columns]]
 
 
 def _numbers(path: Path, line: int, header: Sequence[str], cells: Sequence[str]) -> list[float] | BadFile:
     if len(cells) != len(header):
-        problem = f"{len(cells)} values where the header has {len(header)}"
+        problem = f"{len(cells)} values, but the header has {len(header)} names"
         return BadFile(
             path, problem, f"write {len(header)} numbers, with the same separators as in the header", line=line
         )

@@ -1,4 +1,4 @@
-"""Rows of numbers over time, kept in a temporary file except for the most recent."""
+"""Rows of numbers over time, kept in a temporary file except for the most recent rows."""
 
 from array import array
 from collections.abc import Iterable

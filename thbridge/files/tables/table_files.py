@@ -28,7 +28,7 @@ _PAGE_BYTES = 1 << 18
 """Size of a page in bytes: a quarter of the usual size, because every open file keeps a page of each column in
 memory."""
 _ELEMENTS_AT_ONCE = 1 << 17
-"""Elements of a column of lists in a row group, because every open file keeps some 10 bytes for each."""
+"""Largest number of list elements in a row group, because every open file keeps about 10 bytes for each."""
 
 
 class TableFormat(StrEnum):
@@ -47,7 +47,7 @@ class Column:
         kind: type of its values: "float64", "string", "float32[]", "bytes", ...
         unit: unit such as "m", or "" if it has none or it is unknown.
         meaning: a phrase for people, or "" if it is unknown.
-        frame_column: name of the column, of this table or of its parent table, with the frame of the values; or "".
+        frame_column: name of the column with the frame of the values, in this table or its parent table; or "".
     """
 
     name: str
@@ -59,7 +59,7 @@ class Column:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ListColumn:
-    """Values of a column of arrays: the length of each, and the elements of all of them, concatenated."""
+    """Values of a column of arrays: the length of each array, and the elements of all arrays, concatenated."""
 
     lengths: NDArray[np.int64]
     elements: "Array | list[str]"
@@ -70,7 +70,7 @@ class OptionalColumn:
     """Values of a column of numbers or booleans with missing values.
 
     Attributes:
-        values: all values; missing ones are arbitrary.
+        values: all values, with any value in place of a missing value.
         known: False for missing values.
     """
 

@@ -28,7 +28,7 @@ from thbridge.files.yaml.tree import Listing, Node, Scalar, Section, parse, quot
 from thbridge.hunt.refusals import RequestRefused
 
 Names = Callable[[str], Sequence[str]]
-"""Function from the path of a section to its keys, in the order in which a file should have them."""
+"""Function that returns the keys of a section, given its path, in the order in which a file should have them."""
 
 _COMMENT_BEHIND = re.compile(r"[ ]*(#[^\r\n]*)?")
 _PLAIN_KEY = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_/.-]*")

@@ -72,8 +72,8 @@ class Loaded(Generic[T]):
 def load(path: Path, into: type[T]) -> Loaded[T]:
     """Read a YAML file into a dataclass, with fields that are declared with `sim.parameters.param` or without it.
 
-    If a field has a dataclass as its default, a section in the file changes only the values that it has. The names in a
-    class's `ros_only` are accepted, with a notice; names in its `renamed` are read as their present names.
+    If a field has a dataclass as its default, a section in the file changes only the values that it contains. The names
+    in a class's `ros_only` are accepted, with a notice; names in its `renamed` are read as their present names.
 
     Fields may be bool, int, float, str, Literal, StrEnum, Path, tuples, dataclasses, and any of these or None. A field
     without a default must be in the file. An empty section keeps its defaults. A field may also be a mapping from
@@ -81,7 +81,7 @@ def load(path: Path, into: type[T]) -> Loaded[T]:
     name. A mapping from text to text accepts any names.
 
     Raises:
-        BadFiles: all faults of the file; or one BadFile if it cannot be read at all.
+        BadFiles: all faults of the file; or one BadFile if the file cannot be read at all.
     """
     return load_text(path, read_text(path), into)
 
@@ -192,7 +192,7 @@ class _Reader:
         if _LEADING_ZERO.fullmatch(text):
             return self.wrong(node.line, key, f"{text} begins with 0, which can mean octal", "Delete the leading 0")
         if _COMMA.fullmatch(text):
-            remedy = f"Write a point: {text.replace(',', '.')}" if kind is float else "Write it without a comma"
+            remedy = f"Write a point: {text.replace(',', '.')}" if kind is float else "Write the number without a comma"
             return self.wrong(node.line, key, f"{text!r} is not a number", remedy)
         if kind is int and not _WHOLE.fullmatch(text):
             what = "not a whole number" if _NUMBER.fullmatch(text) else "not a number"
@@ -250,7 +250,7 @@ class _Reader:
                 yield dataclasses.replace(name, text=present), child
             else:
                 place = f"{key}.{name.text}" if key else name.text
-                notice = f"{place} has no effect here: it is an old name of {present}, which is also there"
+                notice = f"{place} has no effect here: it is an old name of {present}, which is also written"
                 self.notices.append(f"{self.path}, line {name.line}: {notice}")
 
     def section(self, node: Node, into: type, key: str, defaults: "DataclassInstance | None" = None) -> object:

@@ -90,8 +90,7 @@ def parse(path: Path, text: str, ros: bool = False) -> Node:
         ros: True to accept aliases, each as the tree of its anchor, and tags of scalars, as in files for ROS.
 
     Raises:
-        BadFile: it is not YAML, or has anchors, tags or several documents, which a plain list of settings does not
-            need.
+        BadFile: the text is not YAML, or has anchors, tags or several documents, which settings do not need.
     """
     source = _Source(text, ros, path)
     return _kept_tree(source) if len(text) <= KEPT_LETTERS else _tree_of(source)
@@ -233,7 +232,11 @@ class _Anchors:
         self._count += size
         if self._count > LARGEST_TREE:
             raise BadFile(
-                self._path, f"more than {LARGEST_TREE} values through aliases (*)", "Write less", line=line, key=name
+                self._path,
+                f"more than {LARGEST_TREE} values through aliases (*)",
+                "Use fewer aliases",
+                line=line,
+                key=name,
             )
         return node
 

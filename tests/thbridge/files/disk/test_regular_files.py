@@ -42,7 +42,7 @@ def test_a_device_that_never_ends_is_refused(read: Callable[[Path], object]) -> 
 
 @pytest.mark.parametrize("read", READERS)
 def test_a_nul_in_a_name_is_a_fault_of_the_name(read: Callable[[Path], object]) -> None:
-    with pytest.raises(BadFile, match="cannot have a NUL"):
+    with pytest.raises(BadFile, match="cannot contain a NUL"):
         read(Path("a\0b"))
 
 
@@ -77,7 +77,7 @@ def test_a_nul_in_a_text_is_told_with_its_line(tmp_path: Path) -> None:
     file = tmp_path / "a"
     file.write_bytes(b"one\ntwo\0")
     for read in (read_text, numbered_lines):
-        with pytest.raises(BadFile, match=r"line 2: it has a NUL"):
+        with pytest.raises(BadFile, match=r"line 2: the file contains a NUL"):
             read(file)
 
 

@@ -125,7 +125,7 @@ def test_navfn_keeps_its_parameters_and_other_nodes_are_named(tmp_path: Path) ->
     found = read(tmp_path, PLANNER)
     navfn = found.value.NavfnROS
     assert (navfn.use_astar, navfn.allow_unknown, navfn.default_tolerance) == (True, False, 0.5)
-    assert "without a counterpart here: bt_navigator" in told(found)
+    assert "have no counterpart here: bt_navigator" in told(found)
 
 
 @pytest.mark.parametrize("costmap", ["local_costmap", "global_costmap"])
@@ -171,7 +171,7 @@ def test_checkers_that_are_left_out_are_those_of_nav2(tmp_path: Path) -> None:
     assert (move_base.oscillation_distance, move_base.oscillation_timeout) == (0.5, 10.0)
     assert (planner.xy_goal_tolerance, planner.yaw_goal_tolerance) == (0.25, 0.25)
     assert planner.latch_xy_goal_tolerance
-    assert "goal_checker leaves out parameters with these defaults of Nav2" in told(found)
+    assert "goal_checker leaves out these parameters, so they have Nav2's defaults" in told(found)
 
 
 def test_of_several_checkers_the_first_holds(tmp_path: Path) -> None:
@@ -267,8 +267,8 @@ global_costmap:
 @pytest.mark.parametrize(
     ("plugin", "reason"),
     [
-        ("nav2_smac_planner/SmacPlannerHybrid", "none of those in planner_plugins"),
-        ("", "none of those in planner_plug"),
+        ("nav2_smac_planner/SmacPlannerHybrid", "no planner in planner_plugins"),
+        ("", "no planner in planner_plug"),
     ],
 )
 def test_a_planner_that_is_not_here_is_named_also_alone_in_its_file(tmp_path: Path, plugin: str, reason: str) -> None:

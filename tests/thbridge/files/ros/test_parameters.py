@@ -262,7 +262,7 @@ def test_names_that_ros_does_not_read_either(tmp_path: Path) -> None:
         ("amcl: {kld_err: '0.1'}\n", "in quotes is text, not a number"),
         ("NavfnROS: {allow_unknown: 1}\n", "neither true nor false"),
         ("robot_descriptoin: {a: 1}\n", "/0.yaml, line 1, robot_descriptoin: unknown key"),
-        ("- a\n- b\n", "it is not a section with lines 'name: value'"),
+        ("- a\n- b\n", "this file is not a section with lines 'name: value'"),
         ("amcl: {kld_err: !thing 3}\n", "this tag (!) is unknown"),
         ("amcl: {update_min_a: deg(x)}\n", "'x' is not an angle"),
         ("amcl: {update_min_a: rad(1/0)}\n", "is not an angle"),
@@ -423,8 +423,8 @@ def test_the_defaults_that_hunts_do_not_have_are_told_by_section(tmp_path: Path)
         "move_base",
     ]
     assert told[0] == (
-        "amcl: left out, so ROS's default holds (hunts' in brackets): max_particles 5000 (1000), kld_err 0.01 (0.05),"
-        " laser_max_beams 30 (60), laser_sigma_hit 0.2 (0.1)"
+        "amcl: parameters left out, with ROS's defaults (the values of hunts in brackets): max_particles 5000 (1000),"
+        " kld_err 0.01 (0.05), laser_max_beams 30 (60), laser_sigma_hit 0.2 (0.1)"
     )
     assert "track_unknown_space false (true)" in told[1]
     assert "height 10.0 (4.0)" in told[3]
@@ -556,7 +556,7 @@ def test_a_dump_of_a_robot_with_a_namespace_is_of_that_robot(tmp_path: Path, tex
 def test_a_dump_of_several_robots_is_a_fault(tmp_path: Path, robots: tuple[str, str]) -> None:
     text = "".join(f"{robot}: {NODES_OF_A_ROBOT}\n" for robot in robots)
     names = ", ".join(robot.rpartition("/")[2] for robot in robots)
-    assert f"it has the parameters of several robots: {names}. Write those of one" in fault(tmp_path, text)
+    assert f"the file has the parameters of several robots: {names}. Write the parameters" in fault(tmp_path, text)
 
 
 @pytest.mark.parametrize(

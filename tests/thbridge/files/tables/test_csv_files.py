@@ -32,14 +32,14 @@ def test_rows_come_in_the_order_asked_for(tmp_path, text):
 @pytest.mark.parametrize(
     ("text", "told"),
     [
-        ("", "it has no rows of numbers"),
-        ("x,y,yaw\n", "it has no rows of numbers"),
+        ("", "the table has no rows of numbers"),
+        ("x,y,yaw\n", "the table has no rows of numbers"),
         ("x,y\n1,2\n", "line 1: the header is 'x,y'. Write x,y,yaw"),
         ("x y yaw\n1 2 3\n", "line 1: the header is 'x y yaw'"),
         ("x;y\n1;2\n", "line 1: the header is 'x,y'. Write x,y,yaw"),
-        ("x;y;yaw\n1;2\n", "line 2: 2 values where the header has 3. Write 3 numbers, with the same separators"),
+        ("x;y;yaw\n1;2\n", "line 2: 2 values, but the header has 3 names. Write 3 numbers, with the same separators"),
         ("1,2,3\n", "line 1: the header is '1,2,3'"),
-        ("x,y,yaw\n1,2\n", "line 2: 2 values where the header has 3"),
+        ("x,y,yaw\n1,2\n", "line 2: 2 values, but the header has 3 names"),
         ("x,y,yaw\n1,2,3\n\n1,two,3\n", "line 4, y: 'two' is not a number"),
         ("x,y,yaw\n1,,3\n", "line 2, y: '' is not a number"),
         ("x,y,yaw\n1,nan,3\n", "line 2, y: nan is not a finite number"),

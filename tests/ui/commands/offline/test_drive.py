@@ -174,6 +174,6 @@ def test_defaults_of_ros_are_told(tmp_path: Path) -> None:
     assert outcome["notices"] == []
     done = drive(*CORRIDOR, "--goal", "0.5", "0", "--params", str(file))
     assert (
-        "amcl: left out, so ROS's default holds (hunts' in brackets): max_particles 5000 (1000)"
+        "amcl: parameters left out, with ROS's defaults (the values of hunts in brackets): max_particles 5000 (1000)"
         in done.stderr.replace("\n", " ")
     )

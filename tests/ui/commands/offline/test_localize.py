@@ -54,7 +54,7 @@ def test_what_files_leave_out_is_as_in_ros_and_told(folder: Path, tmp_path: Path
     names = [default["name"] for default in result["ros_defaults"]]
     assert names == ["amcl.kld_err", "amcl.laser_max_beams", "amcl.laser_sigma_hit"]
     assert any("max_vel_y has no effect" in notice for notice in result["notices"])
-    assert "amcl: left out, so ROS's default holds" in done.stderr
+    assert "amcl: parameters left out, with ROS's defaults" in done.stderr
     plain = json.loads(run(folder, *start(), "--json").stdout)
     assert "ros_defaults" not in plain
     assert plain["final_pose"] == result["final_pose"]

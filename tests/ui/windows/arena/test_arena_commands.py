@@ -93,7 +93,7 @@ def test_another_name_keeps_the_times_and_closing_without_a_change_says_nothing(
     assert run(lambda window: None, "edit", "three").stdout == ""
     told = run(rename, "edit", "three").stdout
     assert "Checked: 0 errors, 1 warnings" in told
-    assert "no room has the name 'Middle'. The nearest is Middle office." in " ".join(told.split())
+    assert "no room has the name 'Middle'. The nearest name is Middle office." in " ".join(told.split())
     assert (folder / "mapTimes").exists()
     saved = read_map(folder)
     assert (saved.rooms[1].name, saved.language, saved.words) == ("Middle office", "en", {"de": {"Middle": "Mitte"}})
