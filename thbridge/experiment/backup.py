@@ -1,6 +1,6 @@
-"""Backups of a study: its verified log, its files and recordings, even while a program runs the study.
+"""Backups of a study: its verified log, its files and recordings. A backup is possible while a program runs the study.
 
-A backup is itself a study folder, without exports: every command for a study also works on it.
+A backup is a study folder without exports. Every command for a study also works with a backup.
 """
 
 import os
@@ -19,26 +19,30 @@ from thbridge.recording.recordings import digest_of
 
 
 def back_up(study: ExperimentFolder, to: Path) -> tuple[str, ...]:
-    """Write a backup, or bring one up to date. The study remembers the backup's folder.
+    """Write a new backup, or update an existing backup. The study stores the path of the backup's folder.
 
-    Recordings of people in the log are never deleted from the backup. Recordings of people who withdrew are deleted.
-    Links that lead out of the study are not followed, except the folder of recordings itself.
+    The backup keeps all recordings of people in the log. It deletes recordings of people who withdrew. Links to places
+    outside the study are not followed, except a link as the folder of recordings.
 
     Returns:
-        Sentences about what is not in the backup, and about its recordings that differ from the log.
+        Sentences about files that are not in the backup, and about its recordings that differ from the log.
 
     Raises:
-        BadFile: the study's log is damaged, the folder has other files, a program runs the study there, or
-            it cannot be written.
+        BadFile: the study's log is damaged, the backup's folder contains other files, a program uses the backup as a
+            study, or the backup cannot be written.
     """
     copy, real = ExperimentFolder(to), to.resolve()
     if any(real.is_relative_to(own.resolve()) for own in (study.root, study.recordings)):
-        raise BadFile(to, "a backup in the study's own folder would be lost with it", "Name another folder with --to")
+        raise BadFile(
+            to,
+            "a backup inside the study's folder would be lost together with the study",
+            "Name another folder with --to",
+        )
     try:
         # After a power cut, a backup may have only the folder of its log.
         if to.exists() and not copy.log.exists() and any(path.name != STORE for path in to.iterdir()):
             raise BadFile(
-                to, "this folder has files that do not belong to a backup", "Name a new or an empty folder with --to"
+                to, "this folder has files that do not belong to a backup", "Name a new or empty folder with --to"
             )
         make_folder(copy.log.parent)
         with lock_log(copy.log):
@@ -56,7 +60,9 @@ def back_up(study: ExperimentFolder, to: Path) -> tuple[str, ...]:
             return (*left_out, *missing_recordings(copy))
     except OSError as error:
         raise BadFile(
-            to, f"it cannot be written ({reason_of(error)})", "Free some space there, or name another folder with --to"
+            to,
+            f"the backup cannot be written ({reason_of(error)})",
+            "Free some space there, or name another folder with --to",
         ) from None
 
 
@@ -65,13 +71,13 @@ def _events(entries: Iterable[LogEntry]) -> Iterator[LoggedEvent]:
 
 
 def copy_folder(folder: Path, to: Path, within: Path, without: set[Path]) -> Iterator[str]:
-    """Copy the files below a folder, except those in some folders, and yield sentences about what is left out.
+    """Copy a folder with its subfolders, and yield sentences about files that are not copied.
 
     Args:
-        folder: the folder.
-        to: its copy.
-        within: the resolved folder that links may lead to; such links are copied as links.
-        without: resolved folders to leave out.
+        folder: folder to copy.
+        to: path of the copy.
+        within: resolved folder. Links to targets in this folder are copied as links.
+        without: resolved folders that are not copied.
     """
     for path in sorted(folder.iterdir()):
         other, real = to / path.name, Path(os.path.realpath(path))
@@ -82,11 +88,11 @@ def copy_folder(folder: Path, to: Path, within: Path, without: set[Path]) -> Ite
         if path.is_symlink() and not is_recordings:
             if not real.is_relative_to(within):
                 yield (
-                    f"{path} is a link to a place outside the study and is not in the backup. Replace it by what it "
-                    f"leads to."
+                    f"{path} is a link to a target outside the study and is not in the backup. Replace the link by a "
+                    "copy of its target."
                 )
             elif other.is_dir() and not other.is_symlink():
-                yield f"{path} is a link, but {other} is a folder of the backup. Delete that folder."
+                yield f"{path} is a link, but the backup has a folder {other}. Delete this folder of the backup."
             else:
                 _copy_link(os.path.relpath(real, folder.resolve()), other)
         elif path.is_dir():
@@ -100,7 +106,7 @@ def copy_folder(folder: Path, to: Path, within: Path, without: set[Path]) -> Ite
 
 
 def _copy_link(target: str, to: Path) -> None:
-    """Make a link, unless it already exists."""
+    """Make a link, unless the same link already exists."""
     if to.is_symlink() and str(to.readlink()) == target:
         return
     make_folder(to.parent)
@@ -112,7 +118,7 @@ def _copy_link(target: str, to: Path) -> None:
 
 
 def _copy(path: Path, to: Path) -> None:
-    """Copy a file whole, unless it was copied before and has not changed since."""
+    """Copy a complete file, unless the copy has the same size and time."""
     now, there = path.stat(), None if to.is_symlink() or not to.exists() else to.stat()
     if there is not None and (there.st_size, there.st_mtime_ns) == (now.st_size, now.st_mtime_ns):
         return
@@ -129,8 +135,8 @@ def missing_recordings(copy: ExperimentFolder) -> Iterator[str]:
             continue
         try:
             if digest_of(copy.bag_named(data["bag"])) != data.get("sha256"):
-                yield f"{data['bag']} is not what was recorded."
+                yield f"{data['bag']} was changed after recording: its hash differs from the log."
         except BadFile as fault:
             yield str(fault)
         except OSError:
-            yield f"{data['bag']} is missing: neither the study nor the backup has it."
+            yield f"{data['bag']} is missing in both the study and the backup."

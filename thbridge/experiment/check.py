@@ -1,4 +1,4 @@
-"""Check of an experiment before people take part. It refuses faults that would stop later commands or spoil data."""
+"""Check of an experiment before people take part. It finds faults that would stop later commands or spoil data."""
 
 from collections.abc import Mapping
 
@@ -11,9 +11,9 @@ from thbridge.files.errors import BadFile, FaultCollection
 
 
 def read_for_people(folder: ExperimentFolder) -> ExperimentDesign:
-    """Read an experiment that people will take part in, with all files that its games need.
+    """Read an experiment for a run with people, with all files that its games need.
 
-    Once people have taken part, the study must continue unchanged. It is then read even if `soundness` finds faults.
+    If people have already taken part, the study must continue. Then faults that `soundness` finds are accepted.
 
     Raises:
         BadFile: the experiment has faults. BadFiles reports all faults at once.
@@ -27,14 +27,14 @@ def read_for_people(folder: ExperimentFolder) -> ExperimentDesign:
 def check_experiment(
     folder: ExperimentFolder, versions: Mapping[str, str]
 ) -> tuple[ExperimentDesign, tuple[BadFile, ...]]:
-    """Read an experiment, and all files that its games, freezing, rehearsals and power estimates need.
+    """Read an experiment, with all files for its games, its fingerprint, rehearsals and power estimates.
 
     Args:
         folder: folder of the experiment.
-        versions: versions of the programs that run it.
+        versions: versions of the programs that run the experiment.
 
     Returns:
-        The experiment, and the faults that are tolerated because people have already taken part.
+        The experiment, and the faults that are accepted because people have already taken part.
 
     Raises:
         BadFile: the experiment has faults. BadFiles reports all faults at once.

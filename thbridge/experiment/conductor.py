@@ -1,7 +1,7 @@
-"""The conductor of an experiment: gives people their places and steps, and logs each event before the next one.
+"""The conductor of an experiment: it assigns people to places and steps, and logs each event before the next event.
 
-All of its state is in the log. A program that opens the same log later, after a crash or on another machine, resumes
-where the log ends.
+Its complete state is in the log. A program can later open the same log, after a crash or on another machine. Then it
+continues after the last event in the log.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -27,20 +27,20 @@ from thbridge.experiment.store.events import (
 )
 
 LETTERS = "23456789ABCDEFGHJKMNPQRSTVWXYZ"
-"""Letters and digits of ids and codes, without those that look alike."""
+"""Letters and digits of ids and codes. Characters that look alike are not included."""
 
 Draw = Callable[[int], int]
-"""Source of random whole numbers: from 0 to one less than the argument."""
+"""Function that returns a random whole number from 0 to one less than its argument."""
 
 
 class Conductor:
-    """Program that runs one experiment.
+    """Runner of an experiment: it assigns places, begins and ends steps, and logs all events.
 
     Args:
         design: the experiment.
-        log: its log.
-        clocks: return the current time outside of a trial.
-        draw: source of random ids and codes; these must not depend on the experiment's seed.
+        log: log of the experiment.
+        clocks: function that returns the current time outside of a trial.
+        draw: source of random ids and codes, which must not depend on the experiment's seed.
 
     Raises:
         BadFile: the log cannot be read.
@@ -54,10 +54,10 @@ class Conductor:
         self.progress = Progress(design).after(log.read())
         """Progress of all people."""
         self.listeners: list[Callable[[LoggedEvent], None]] = []
-        """Functions that are called with each event once it is in the log and in `progress`."""
+        """Functions that receive each event after it was added to the log and to `progress`."""
 
     def admit(self, external_id: str = "") -> Run | NoPlace:
-        """Begin the run of the next person if a place is free.
+        """Begin the run of the next person if a place is free; otherwise return the reason.
 
         Args:
             external_id: the person's id at a recruiting service; may be empty.
@@ -73,10 +73,10 @@ class Conductor:
         return self.progress.runs[participant]
 
     def begin(self, participant: str) -> PlannedStep | None:
-        """Begin a person's next step, or resume the current one. Return None if all steps are done.
+        """Begin a person's next step, or resume the current step. Return None if all steps are done.
 
-        Steps that the person's answers do not call for are skipped. A step that must not resume after a crash ends the
-        run.
+        Steps that need another condition or other answers are skipped. If a step must not resume after a crash, the run
+        ends.
         """
         while (step := self.progress.next_step(participant)) is not None:
             run = self.progress.runs[participant]
@@ -111,15 +111,15 @@ class Conductor:
     def tell(
         self, kind: EventKind, participant: str, step: PlannedStep, data: Mapping[str, JsonValue], actor: Actor
     ) -> LoggedEvent:
-        """Log an event of a step, such as an item that was shown, touched, changed or given."""
+        """Log an event of a step, for example that an item was shown, changed or answered."""
         return self._of_step(kind, actor, participant, step, data)
 
     def tell_of_run(self, kind: EventKind, participant: str, data: Mapping[str, JsonValue], actor: Actor) -> None:
-        """Log an event of a person's run that belongs to no step."""
+        """Log an event of a person's run that does not belong to a step."""
         self._append(kind, actor, participant, data=data)
 
     def end(self, participant: str, step: PlannedStep) -> StepOutcome:
-        """End a step that a person has done; the answers given decide the outcome of a check."""
+        """End a step that a person has finished. Return its outcome, which depends on the answers for a check."""
         outcome = StepOutcome.DONE
         if step.entry.step is StepKind.CHECK and not self._passed(participant, step):
             outcome = StepOutcome.FAILED
@@ -127,17 +127,17 @@ class Conductor:
         return outcome
 
     def leave(self, participant: str, reason: str, *, declined: bool = False, actor: Actor = "participant") -> None:
-        """End a run early: the person did not consent, left, or was stopped by the experimenter."""
+        """End a run early because the person declined or left, or because the experimenter stopped the run."""
         outcome = RunState.DECLINED if declined else RunState.LEFT
         data: dict[str, JsonValue] = {"outcome": outcome, "reason": reason}
         self._append(EventKind.RUN_ENDED, actor, participant, data=data)
 
     def exclude(self, participant: str, reason: str) -> None:
-        """Exclude a run: it does not count, and its place is free again."""
+        """Exclude a run: it no longer counts, and its place becomes free."""
         self._append(EventKind.RUN_EXCLUDED, "experimenter", participant, data={"reason": reason})
 
     def rehearse(self, seed: int) -> None:
-        """Log that simulated people take part from now on, and their random seed."""
+        """Log that simulated people take part from now on, with their random seed."""
         self._append(EventKind.REHEARSED, "program", "", data={"seed": seed})
 
     def note(self, text: str, participant: str = "") -> None:
@@ -145,10 +145,10 @@ class Conductor:
         self._append(EventKind.NOTE, "experimenter", participant, data={"text": text})
 
     def withdraw(self, participant: str) -> None:
-        """Delete everything that the log has of a person, and notes that name them.
+        """Delete all events of a person from the log, and all notes that contain the person's id.
 
-        All other events of other people stay unchanged. For example, a run stays excluded when another person
-        withdraws.
+        All other events stay unchanged. For example, if a person withdraws, excluded runs of other people stay
+        excluded.
         """
         self._log.delete(sequences_of(self._log.read(), participant), self._clocks())
         entries = self._log.read()
@@ -156,7 +156,7 @@ class Conductor:
         self._notify(entries[-1])
 
     def form(self, step: PlannedStep) -> Form:
-        """Return the form of a step that has one."""
+        """Return the form of a step. The step must have a form."""
         return self._design.forms[step.index]
 
     def _passed(self, participant: str, step: PlannedStep) -> bool:
@@ -185,7 +185,7 @@ class Conductor:
         data: Mapping[str, JsonValue] | None = None,
     ) -> LoggedEvent:
         event = NewEvent(kind, actor, self._clocks(), participant, step, condition, data=data)
-        # An event that cannot follow must not enter the log.
+        # An event that is invalid at this point must not enter the log.
         progress = self.progress.after([LoggedEvent(self.progress.sequence + 1, event)])
         (logged,) = self._log.append([event])
         self.progress = progress
@@ -207,7 +207,7 @@ class Conductor:
 
 
 def _too_slow(run: Run, most_lag: float | None) -> str | None:
-    """Return the reason to exclude a run because the machine was too slow for one of its games, or None."""
+    """Return the reason to exclude a run if the machine was too slow for one of its games, or None."""
     if most_lag is None or run.slowest is None:
         return None
     step, lag = run.slowest
@@ -217,7 +217,7 @@ def _too_slow(run: Run, most_lag: float | None) -> str | None:
 
 
 def sequences_of(entries: Iterable[LogEntry], participant: str) -> list[int]:
-    """Return the numbers of all events of a participant, and of notes that name them."""
+    """Return the numbers of all events of a participant, and of all notes that contain the participant's id."""
     return [
         entry.sequence
         for entry in entries

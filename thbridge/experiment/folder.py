@@ -1,4 +1,4 @@
-"""The folder of an experiment: its file and the files it names, the store, recordings and exports."""
+"""The folder of an experiment: its file, the files that it names, the store, recordings and exports."""
 
 import shutil
 from dataclasses import dataclass
@@ -16,11 +16,11 @@ from thbridge.files.errors import BadFile
 EXPERIMENT = "experiment.yaml"
 STORE, RECORDINGS, EXPORTS, FREEZE = "store", "recordings", "exports", "freeze.json"
 REPLACED = "replaced-"
-"""Prefix of the folders in the store that keep the files a backup replaced."""
+"""Prefix of the names of folders in the store. These folders contain files that a restore replaced."""
 EXAMPLE = Path(__file__).parent / "example"
-"""Folder of the example experiment, from which a new experiment is made."""
+"""Folder of the example experiment. A new experiment is a copy of the example."""
 _EXAMPLE_IN = Path(__file__).parent / "example_languages"
-"""A folder for each other language, with the example's files that participants read."""
+"""Folder with one subfolder per further language. Each has translations of the example's texts for participants."""
 _LANGUAGE = "dialogue.language: "
 
 
@@ -51,7 +51,7 @@ class ExperimentFolder:
 
     @property
     def people(self) -> Path:
-        """The optional file that describes the simulated people of rehearsals."""
+        """Optional file that describes the simulated people of rehearsals."""
         return self.root / "rehearsal.yaml"
 
     @property
@@ -61,7 +61,7 @@ class ExperimentFolder:
 
     @property
     def freeze(self) -> Path:
-        """The fingerprint of what was registered beforehand."""
+        """File with the fingerprint of the registered experiment."""
         return self.root / FREEZE
 
     @property
@@ -76,12 +76,12 @@ class ExperimentFolder:
 
     @property
     def origins(self) -> KnownFolders:
-        """The list of folders in which a backup's study was, the most recent last."""
+        """For a backup: the list of folders of its study, the most recent folder last."""
         return KnownFolders(self.root / STORE / "origins.json", self.root, "studies")
 
     @property
     def pending_withdrawals(self) -> PendingWithdrawals:
-        """The list of withdrawals that are not finished."""
+        """The list of unfinished withdrawals."""
         return PendingWithdrawals(self.root / STORE / "withdrawal.json")
 
     @property
@@ -95,14 +95,14 @@ class ExperimentFolder:
         return self.root / STORE / "restoring"
 
     def replaced(self) -> list["ExperimentFolder"]:
-        """Return the folders that keep what `study restore` has replaced, ordered by number; each is a study folder."""
+        """Return the study folders with files that `study restore` has replaced, ordered by number."""
         return [
             ExperimentFolder(path) for path in sorted((self.root / STORE).glob(f"{REPLACED}[0-9]*")) if path.is_dir()
         ]
 
     @property
     def recordings(self) -> Path:
-        """The folder of recordings; each person has a folder in it."""
+        """The folder of recordings, with one subfolder per person."""
         return self.root / RECORDINGS
 
     def recordings_of(self, participant: str) -> Path:
@@ -125,12 +125,12 @@ class ExperimentFolder:
         """Return a recording by its path in an event of the log, relative to the study's folder.
 
         Raises:
-            BadFile: it is not the path of a recording; see `relative_inside`.
+            BadFile: the name is not the path of a recording; see `relative_inside`.
         """
         # The folder of the recordings may be a link to another disk.
         folder, slash, path = name.partition("/") if isinstance(name, str) else ("", "", "")
         if folder != RECORDINGS or not slash:
-            problem = "an event names this as a recording, but it is not in the folder of recordings"
+            problem = "an event names a recording that is not in the folder of recordings"
             raise BadFile(self.log, problem, restore_remedy(self.log), key=repr(name))
         return relative_inside(self.recordings, path)
 
@@ -149,8 +149,8 @@ class ExperimentFolder:
             BadFile: the folder has no experiment, or the experiment is faulty.
         """
         if not self.file.is_file():
-            remedy = "Name the folder of an experiment, or create one: thbridge study new FOLDER"
-            raise BadFile(self.root, f"it has no {EXPERIMENT}", remedy)
+            remedy = "Name the folder of an experiment, or create an experiment: thbridge study new FOLDER"
+            raise BadFile(self.root, f"the folder has no {EXPERIMENT}", remedy)
         return read_experiment(self.file, with_files=with_files)
 
     def entries(self) -> list[LogEntry]:
@@ -160,6 +160,6 @@ class ExperimentFolder:
             BadFile: the log is damaged or does not exist.
         """
         if not self.log.exists() and not self.log.parent.exists():
-            remedy = f"Start with `thbridge study run {self.root}`, or rehearse it and name the rehearsal's folder"
+            remedy = f"Run `thbridge study run {self.root}`, or rehearse the study and name the rehearsal's folder"
             raise BadFile(self.root, "no one has taken part in this study yet", remedy)
         return read_log(self.log)

@@ -1,4 +1,4 @@
-"""The fingerprint of an experiment for a preregistration, and later differences from it."""
+"""The fingerprint of an experiment for a preregistration, and later changes of the experiment."""
 
 import hashlib
 import json
@@ -18,13 +18,13 @@ from thbridge.files.plugins import package_of
 from thbridge.study.plugins import plugins_of
 
 _DATA = {STORE, RECORDINGS, EXPORTS, FREEZE}
-"""Results of running an experiment. Everything else in its folder was planned."""
+"""Files and folders that the commands write into an experiment's folder. All other files are planned files."""
 
 
 def data_of(folder: str, names: list[str]) -> set[str]:
-    """Return the names in an experiment's folder that are data, so that `shutil.copytree` leaves them out.
+    """Return the names of data in an experiment's folder, which `shutil.copytree` must ignore.
 
-    Broken links are left out as well, and links to a folder above them, because copying these would never end.
+    The result also includes broken links and links to a folder above, because copying such a folder would never end.
     """
     data = {name for name in names if name in _DATA - {FREEZE} and Path(folder, "experiment.yaml").exists()}
     links = [link for name in names if (link := Path(folder, name)).is_symlink()]
@@ -38,7 +38,7 @@ class Fingerprint:
 
     Attributes:
         files: SHA-256 of each planned file, by its path in the folder.
-        versions: versions of the programs that run it.
+        versions: versions of the programs that run the experiment.
     """
 
     files: Mapping[str, str]
@@ -46,7 +46,7 @@ class Fingerprint:
 
     @property
     def digest(self) -> str:
-        """One hash of everything, to be written into a preregistration."""
+        """Hash of all files and versions, for a preregistration."""
         whole = json.dumps([sorted(self.files.items()), sorted(self.versions.items())])
         return hashlib.sha256(whole.encode()).hexdigest()
 
@@ -55,7 +55,7 @@ _LARGEST = 1 << 26
 
 
 class _FreezeFile(msgspec.Struct):
-    """Contents of the file of a fingerprint."""
+    """Contents of the file with the fingerprint."""
 
     digest: str
     files: dict[str, str]
@@ -63,7 +63,7 @@ class _FreezeFile(msgspec.Struct):
 
 
 def fingerprint_of(folder: ExperimentFolder, versions: Mapping[str, str]) -> Fingerprint:
-    """Return the fingerprint of an experiment as it is now, with the packages of the plug-ins that its studies name.
+    """Return the fingerprint of an experiment's present files, with the packages of the plug-ins that its studies name.
 
     Raises:
         BadFile: a file cannot be read.
@@ -76,8 +76,9 @@ def fingerprint_of(folder: ExperimentFolder, versions: Mapping[str, str]) -> Fin
                 with path.open("rb") as file:
                     files[name.as_posix()] = hashlib.file_digest(file, "sha256").hexdigest()
             except OSError as error:
-                raise BadFile(path, f"cannot be read ({reason_of(error)})", "Give the right to read it") from None
-    with suppress(BadFile):  # Faults of the experiment are reported where it is read.
+                remedy = "Give your account the right to read it"
+                raise BadFile(path, f"the file cannot be read ({reason_of(error)})", remedy) from None
+    with suppress(BadFile):  # Other code reports faults of the experiment.
         design = folder.read()
         studies = [study for cell in design.cells for study in cell.studies]
         plugins = {key: package for key in plugins_of(*studies) if (package := package_of(key)) is not None}
@@ -86,13 +87,13 @@ def fingerprint_of(folder: ExperimentFolder, versions: Mapping[str, str]) -> Fin
 
 
 def freeze(folder: ExperimentFolder, versions: Mapping[str, str], wall: str) -> Fingerprint:
-    """Write the fingerprint; an existing fingerprint is not replaced.
+    """Write the fingerprint of an experiment. Never replace an existing fingerprint.
 
     Raises:
         BadFile: the experiment is already frozen, or the folder cannot be written.
     """
     if folder.freeze.exists():
-        remedy = "To register a changed experiment, move this file away first and say so in the registration"
+        remedy = "To register a changed experiment, first move this file away and state this in the registration"
         raise BadFile(folder.freeze, "the experiment is already frozen", remedy)
     found = fingerprint_of(folder, versions)
     contents = {"when": wall, "digest": found.digest, "files": dict(found.files), "versions": dict(found.versions)}
@@ -101,10 +102,10 @@ def freeze(folder: ExperimentFolder, versions: Mapping[str, str], wall: str) -> 
 
 
 def deviations(folder: ExperimentFolder, versions: Mapping[str, str]) -> tuple[str, ...] | None:
-    """Return sentences about changes since the experiment was frozen, or None if it was not frozen.
+    """Return sentences about changes since the experiment was frozen, or None if there is no fingerprint.
 
     Raises:
-        BadFile: the fingerprint cannot be read, or was itself changed.
+        BadFile: the file with the fingerprint cannot be read or was changed.
     """
     if not folder.freeze.exists():
         return None
@@ -114,7 +115,7 @@ def deviations(folder: ExperimentFolder, versions: Mapping[str, str]) -> tuple[s
         if frozen.digest != contents.digest:
             raise ValueError
     except (BadFile, ValueError, RecursionError):
-        raise BadFile(folder.freeze, "is damaged or was changed", "Restore the file that was registered") from None
+        raise BadFile(folder.freeze, "the file is damaged or was changed", "Restore the registered file") from None
     now = fingerprint_of(folder, versions)
     said = [
         f"{name} was {'added' if name not in frozen.files else 'removed' if name not in now.files else 'changed'}"
@@ -122,7 +123,8 @@ def deviations(folder: ExperimentFolder, versions: Mapping[str, str]) -> tuple[s
         if frozen.files.get(name) != now.files.get(name)
     ]
     said += [
-        f"{name} is {now.versions.get(name, 'not installed')} and was {frozen.versions.get(name, 'not installed')}"
+        f"{name}: now {now.versions.get(name, 'not installed')}, when frozen "
+        f"{frozen.versions.get(name, 'not installed')}"
         for name in sorted({*frozen.versions, *now.versions})
         if frozen.versions.get(name) != now.versions.get(name)
     ]

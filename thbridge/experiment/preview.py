@@ -1,4 +1,4 @@
-"""Previews: a separate log in which a person has reached a step, so that it can be shown without earlier steps."""
+"""Previews of single steps: a separate log in which a person has already reached the step."""
 
 import itertools
 from collections.abc import Mapping, Sequence
@@ -14,17 +14,18 @@ PARTICIPANT = "P-PREVIEW"
 
 
 class NoSuchStep(Exception):  # noqa: N818 - people read it as a sentence
-    """A preview of a step, condition or group that the study does not have."""
+    """Request for a preview of a step, condition or group that the study does not have."""
 
 
 def place_of(design: ExperimentDesign, step: str, condition: str, group: str) -> tuple[Place, PlannedStep]:
-    """Return a place where a person reaches a step in a condition, and that step in the person's order.
+    """Return a place where a person reaches a step in a condition, and the step in the plan of this person.
 
     Args:
         design: the study.
         step: name of the step, or its number in the file; if empty, the first step.
-        condition: levels within people, such as `dialogue.condition=supervisor` or `supervisor`; if empty, the first.
-        group: levels between people, in the same form.
+        condition: levels within people, such as `dialogue.condition=supervisor` or `supervisor`; if empty, the first
+            condition.
+        group: levels between people, in the same notation; if empty, the first group.
 
     Raises:
         NoSuchStep: the study has no such step, condition or group.
@@ -39,16 +40,16 @@ def place_of(design: ExperimentDesign, step: str, condition: str, group: str) ->
         named = [planned for planned in plan if step in {"", planned.name, str(planned.index + 1)}]
         if not named:
             names = ", ".join(dict.fromkeys(planned.name for planned in plan))
-            raise NoSuchStep(f"the study has no step {step}. Name one of {names}, or its number in the file")
+            raise NoSuchStep(f"the study has no step {step}. Write one of {names}, or the step's number in the file")
         fitting = [planned for planned in named if planned.condition in {None, wanted}]
         # A step outside of conditions is shown to a person whose first condition is the wanted condition.
         if fitting and (fitting[0].condition is not None or design.orders[place.order][0] == wanted):
             return place, fitting[0]
-    raise NoSuchStep(f"{step} does not come in the condition {condition}")
+    raise NoSuchStep(f"the condition {condition} does not have the step {step}")
 
 
 def _index(what: str, words: str, among: Sequence[Cell | ExperimentCondition]) -> int:
-    """Return the index of a condition or group by its levels in words, or by one level alone."""
+    """Return the index of a condition or group. `words` are all its levels in words, or only one level."""
     for index, each in enumerate(among):
         if words in {"", each.name} or words in each.levels.values():
             return index
@@ -56,11 +57,11 @@ def _index(what: str, words: str, among: Sequence[Cell | ExperimentCondition]) -
 
 
 def _one_of(names: Sequence[str]) -> str:
-    return f"Name one of: {'; '.join(names)}" if any(names) else "There is only one, without a name"
+    return f"Write one of: {'; '.join(names)}" if any(names) else "The study has only one, without a name"
 
 
 def arrive(design: ExperimentDesign, log: ExperimentLog, place: Place, step: PlannedStep, now: Clocks) -> None:
-    """Write into an empty log that a person has reached a step; all earlier steps are skipped."""
+    """Write events into an empty log so that a person has reached a step. All earlier steps are skipped."""
 
     def event(kind: EventKind, number: int, data: Mapping[str, JsonValue]) -> NewEvent:
         return NewEvent(kind, "program", now, PARTICIPANT, number, data=data)

@@ -1,4 +1,4 @@
-"""Incomplete recordings next to those of finished games, left by a crash or an early end."""
+"""Search for incomplete recordings, which a crash or an early end of a game has left."""
 
 import re
 from collections.abc import Iterable, Iterator
@@ -10,19 +10,19 @@ from thbridge.experiment.store.events import EventKind, LogEntry, LoggedEvent, R
 from thbridge.recording.recordings import ACTIVE
 
 _PART = re.compile(r"_[0-9]+(?=\.bag$)")
-"""Number of a file of a split recording, which is added to the recording's name."""
+"""Suffix of the name of a split recording: the number of the file."""
 _STEP = re.compile(r"step-([0-9]+)(-attempt-[0-9]+)?(-[0-9]+)?(_[0-9]+)?\.bag(\.active)?")
 
 
 def moved_aside(bag: Path) -> list[Path]:
-    """Return the files that `make_room` has moved away to make room for a recording, in order."""
+    """Return the files that `make_room` has renamed because a recording needed their name, in order."""
     moved = re.compile(rf"{re.escape(bag.stem)}-[0-9]+(_[0-9]+)?{re.escape(bag.suffix)}({re.escape(ACTIVE)})?")
     there = bag.parent.iterdir() if bag.parent.is_dir() else ()
     return sorted(path for path in there if moved.fullmatch(path.name))
 
 
 def told_leftovers(study: ExperimentFolder, progress: Progress, entries: Iterable[LogEntry]) -> Iterator[str]:
-    """Yield a sentence about each recording of people in the log that is not the complete recording of a played game.
+    """Yield a sentence about each incomplete recording of a person in the log.
 
     Args:
         study: the experiment's folder.
@@ -44,8 +44,8 @@ def told_leftovers(study: ExperimentFolder, progress: Progress, entries: Iterabl
             continue
         kind = why.get((person, path.name)) or why.get((person, path.name.removesuffix(ACTIVE)))
         if kind == EventKind.RECORDING_CUT_OFF:
-            yield f"{name} was cut off when the program ended; the game resumed from there and its recording is whole."
+            yield f"{name} ends where the program stopped. The game was resumed, and its new recording is complete."
         elif kind is not None:
-            yield f"{name} is from a game that was broken off; another game was started in its place."
+            yield f"{name} is from an interrupted game. Another game was started instead."
         elif run.state is not RunState.UNDER_WAY or run.step != int(match[1]):
-            yield f"{name} is from a game that the log does not have: the run ended in the middle of the game."
+            yield f"{name} is from an unfinished game that is not in the log, because the run ended during the game."

@@ -1,8 +1,8 @@
-"""Restore of a study from a backup: its log, recordings and files. Nothing that the study had is lost.
+"""Restore of a study from a backup: its log, recordings and files. No earlier file of the study is lost.
 
-Everything that is replaced is kept in the store, in a study folder `replaced-N`. If a restore is killed, it has either
-replaced nothing, or the study is refused until the restore is run again. A participant who withdrew after the backup
-was made stays withdrawn: the digests of their deleted events identify them in the backup.
+The study folder `replaced-N` in the store keeps all replaced files. If a restore is killed, either no file was
+replaced, or all commands refuse the study until the restore is run again. If a participant withdrew after the backup,
+the restore also deletes their data: the digests of deleted events identify this participant in the backup.
 """
 
 import json
@@ -33,7 +33,7 @@ from thbridge.files.disk.whole import write_whole
 from thbridge.files.errors import BadFile, reason_of
 
 _LARGEST = 1000
-"""Largest size in bytes of the file that exists during a restore; it contains one name."""
+"""Largest size, in bytes, of the file that exists during a restore. This file contains one name."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,11 +42,11 @@ class RestorePlan:
 
     Attributes:
         backup: the backup.
-        study: the folder that the backup replaces.
+        study: the study that the backup replaces.
         events: number of events in the backup.
-        damage: reason why the study's own log cannot be used; empty if it is whole or does not exist.
-        newer: number of events that a whole log of the study has, and the backup does not.
-        withdrawn: participants in the backup who have withdrawn since.
+        damage: reason why the study's own log cannot be used; empty if this log is intact or does not exist.
+        newer: number of events in an intact log of the study that are not in the backup.
+        withdrawn: participants in the backup who withdrew after the backup.
     """
 
     backup: ExperimentFolder
@@ -58,18 +58,18 @@ class RestorePlan:
 
 
 def plan_restore(backup: Path, to: Path | None) -> RestorePlan:
-    """Return what a restore will do.
+    """Return the plan of a restore.
 
     Args:
         backup: the backup's folder.
         to: the folder of the study. If None, it is the folder that was backed up.
 
     Raises:
-        BadFile: there is no whole backup, or the backup cannot be restored to `to`.
+        BadFile: the folder has no complete backup, or the backup cannot be restored to `to`.
     """
     copy = ExperimentFolder(backup)
     if not copy.file.is_file() or not copy.log.exists():
-        raise BadFile(backup, "not a backup of a study", "Name the folder that `thbridge study backup` wrote")
+        raise BadFile(backup, "this is not a backup of a study", "Name the folder that `thbridge study backup` wrote")
     entries, digests = read_log(copy.log), log_digests(copy.log)
     study = ExperimentFolder(_origin(copy) if to is None else to)
     _check_place(copy, study)
@@ -100,23 +100,25 @@ def plan_restore(backup: Path, to: Path | None) -> RestorePlan:
 
 
 def restore(plan: RestorePlan) -> tuple[Path | None, tuple[str, ...]]:
-    """Restore a study. Afterwards, withdrawals since the backup are pending; see `finish_withdrawals`.
+    """Restore a study. Afterwards, withdrawals that are newer than the backup are pending; see `finish_withdrawals`.
 
     Args:
-        plan: what to do, just returned by `plan_restore`.
+        plan: result of `plan_restore`.
 
     Returns:
-        The folder that keeps what was replaced, or None if nothing was; and sentences about what the backup lacks.
+        The folder with the replaced files, or None if no file was replaced. And sentences about files that are missing
+        in the backup.
 
     Raises:
-        BadFile: a program runs the study, the study has changed since the plan was made, or it cannot be written.
+        BadFile: a program runs the study, the study has changed since the plan was made, or the study cannot be
+            written.
     """
     backup, study = plan.backup, plan.study
     try:
         make_folder(study.log.parent)
         with lock_log(study.log):
             if plan_restore(backup.root, study.root) != plan:
-                raise BadFile(study.root, "the study has changed in the meantime", "Run the command again")
+                raise BadFile(study.root, "the study was changed during the command", "Run the command again")
             kept = _begun(study) or _keep(study)
             shutil.rmtree(study.restoring, ignore_errors=True)
             make_folder(study.restoring)
@@ -135,58 +137,60 @@ def restore(plan: RestorePlan) -> tuple[Path | None, tuple[str, ...]]:
             restoring_path(study.log).unlink()
             sync_folder(study.log.parent)
     except OSError as error:
-        remedy = "Free some space there, or give the right to write it, and run the command again"
-        raise BadFile(study.root, f"it cannot be written ({reason_of(error)})", remedy) from None
+        remedy = "Free some space there, or give your account the right to write there. Then run the command again"
+        raise BadFile(study.root, f"the study cannot be written ({reason_of(error)})", remedy) from None
     return (kept.root if kept.root.exists() else None), (*lacking, *missing_recordings(study))
 
 
 def _origin(copy: ExperimentFolder) -> Path:
     places = copy.origins.paths()
     if not places:
-        raise BadFile(copy.root, "this backup does not record where its study was", "Name the folder with --to")
+        raise BadFile(
+            copy.root, "this backup does not contain the path of its study", "Name the study's folder with --to"
+        )
     return places[-1]
 
 
 def _check_place(copy: ExperimentFolder, study: ExperimentFolder) -> None:
-    """Raise BadFile if a backup cannot be restored to a place."""
+    """Raise BadFile if a backup cannot be restored to the folder of this study."""
     one, other = copy.root.resolve(), study.root.resolve()
     if one.is_relative_to(other) or other.is_relative_to(one):
-        problem = f"this folder and the backup {copy.root} are inside each other"
-        raise BadFile(study.root, problem, "Name another with --to")
+        problem = f"this folder is the backup {copy.root}, or one of the two is inside the other"
+        raise BadFile(study.root, problem, "Name another folder with --to")
     if study.root.exists() and not study.root.is_dir():
-        raise BadFile(study.root, "not a folder", "Name the folder of the study with --to")
+        raise BadFile(study.root, "this is not a folder", "Name the folder of the study with --to")
     is_study = study.file.exists() or study.log.exists() or restoring_path(study.log).exists()
     if study.root.is_dir() and not is_study and any(path.name != STORE for path in study.root.iterdir()):
         problem = "this folder has files that do not belong to a study"
-        raise BadFile(study.root, problem, "Name the folder of the study, or a new or an empty one, with --to")
+        raise BadFile(study.root, problem, "Name the folder of the study, or a new or empty folder, with --to")
 
 
 class _RestoringFile(msgspec.Struct):
     """Content of the file that exists during a restore.
 
     Attributes:
-        kept: name of the folder that keeps what is replaced.
+        kept: name of the folder that keeps the replaced files.
     """
 
     kept: str
 
 
 def _begun(study: ExperimentFolder) -> ExperimentFolder | None:
-    """Return the folder that keeps what an interrupted restore has replaced, or None if none was interrupted."""
+    """Return the folder with the files that an interrupted restore replaced, or None if no restore was interrupted."""
     path = restoring_path(study.log)
     try:
         name = msgspec.json.decode(content_of(path, _LARGEST), type=_RestoringFile).kept
     except FileNotFoundError:
         return None
     except BadFile as fault:
-        raise BadFile(path, fault.problem, "Delete it, and run the command again") from None
+        raise BadFile(path, fault.problem, "Delete this file, and run the command again") from None
     except (ValueError, RecursionError):
         name = ""
     return next((kept for kept in study.replaced() if kept.root.name == name), None) or _keep(study)
 
 
 def _keep(study: ExperimentFolder) -> ExperimentFolder:
-    """Copy the log and the planned files of a study into a new folder that keeps them, either all or none."""
+    """Copy the log and the planned files of a study into a new folder `replaced-N`. If this fails, no copy remains."""
     shutil.rmtree(study.restoring, ignore_errors=True)
     part = study.restoring / "kept"
     make_folder(part / STORE)
@@ -207,7 +211,7 @@ def _keep(study: ExperimentFolder) -> ExperimentFolder:
 
 
 def _keep_files(backup: ExperimentFolder, study: ExperimentFolder, kept: ExperimentFolder) -> None:
-    """Move replaced files, and recordings that the backup lacks, to the folder that keeps them."""
+    """Move replaced files, and recordings that the backup lacks, to the folder for replaced files."""
     for path in [*_files(study)]:
         name = path.relative_to(study.root)
         there = backup.root / name
@@ -217,7 +221,7 @@ def _keep_files(backup: ExperimentFolder, study: ExperimentFolder, kept: Experim
             continue
         other = kept.root / name
         if other.exists():
-            # Either `_keep` copied it, or an interrupted restore moved it.
+            # Either `_keep` copied this file, or an interrupted restore moved it.
             path.unlink()
         else:
             make_folder(other.parent)

@@ -65,7 +65,7 @@ def test_links_are_copied_as_links_and_those_out_of_the_study_left_out(study: Ex
     }
     assert not any(b"secret" in content for content in copied.values() if isinstance(content, bytes))
     for name in ("out", "key", "recordings/others"):
-        assert f"{study.root / name} is a link to a place outside the study and is not in the backup" in told
+        assert f"{study.root / name} is a link to a target outside the study and is not in the backup" in told
         assert name not in copied
     assert f"{study.root / 'pipe'} is not a regular file" in told
     assert len(back_up(study, to)) == 4

@@ -99,7 +99,7 @@ def test_people_who_would_read_two_languages_are_told_of(tmp_path: Path) -> None
     text = replaced("{dialogue.condition: [", "{dialogue.language: [en, de], dialogue.condition: [")
     advice, *of_the_set = advice_on(accepted(folder_of(tmp_path, text)))
     assert advice.startswith(
-        "The pages of the study are in en, but games are in de: participants would read two languages."
+        "The pages of the study are in en, but games are in de. Participants would read several languages."
     )
     assert all("original-2016/de/" in each for each in of_the_set) and of_the_set
     text = replaced("base: {", "base: {dialogue.language: de, templates: everyday-things, ")
@@ -137,7 +137,7 @@ def test_forms_of_the_program_are_in_the_language_of_the_study_or_it_is_told(tmp
     (tmp_path / "words" / "nl" / "ours.yaml").write_text("language: {title: Nederlands, falls_back_on: en}\n")
     text = replaced("base: {", "base: {dialogue.language: nl, dialogue.words: words, ", text)
     assert any(
-        advice.startswith("preference: this form has no translation into nl, so it is shown in English.")
+        advice.startswith("preference: there is no translation of this form into nl, so")
         for advice in advice_on(accepted(folder_of(tmp_path, text)))
     )
 
@@ -364,13 +364,13 @@ def test_no_table_has_a_column_that_a_factor_may_be_called(tmp_path: Path) -> No
     ("old", "new", "told"),
     [
         ("{participant.shows.answers: false}", "{robots: 2}", "may bias their answers to feelings"),
-        ("  - {step: debrief, text: debrief.txt}\n", "", "Participants do not read what the study was about"),
-        ("  - {step: practice, name: practice}\n", "", "No practice comes before the first trial"),
-        ("quota: 4", "quota: 3", "The quota, 3, is not a multiple of the 2 orders"),
-        ("quota: 4", "quota: 4\norder: fixed", "All people meet the conditions in the same order"),
+        ("  - {step: debrief, text: debrief.txt}\n", "", "No step explains the purpose of the study afterwards"),
+        ("  - {step: practice, name: practice}\n", "", "There is no practice before the first trial"),
+        ("quota: 4", "quota: 3", "The quota, 3, is not a multiple of the number of orders, 2"),
+        ("quota: 4", "quota: 4\norder: fixed", "All people play the conditions in the same order"),
         ("quota: 4", "quota: 4\nseeds: [5, 5]", "Two trials have the same seed"),
-        ("attempts: 2, repeat: practice", "attempts: 1", "understood: one wrong answer excludes a person at once"),
-        ("recruitment: People came from the campus and were paid.\n", "", "nothing is written under recruitment."),
+        ("attempts: 2, repeat: practice", "attempts: 1", "understood: a single wrong answer excludes a person"),
+        ("recruitment: People came from the campus and were paid.\n", "", "these keys have no text: recruitment."),
         ("12).\nsample_size_reason: As many", "[Write it]).\nsample_size_reason: As many", "written under ethics."),
     ],
 )
@@ -394,11 +394,11 @@ def test_what_a_reviewer_would_ask_is_advice(tmp_path: Path, old: str, new: str,
             "feelings",
             "easy, text: It was easy.",
             "easy, text: I feel calm.",
-            "feelings: calm, easy: these items ask the same",
+            "feelings: calm, easy: these items have the same text",
         ),
         ("feelings", ", reverse: true", "", "feelings: no item of the score calm is reversed"),
-        ("feelings", "It was easy.", "It was easy., subscale: ease", "feelings: the score ease has one item"),
-        ("understood", ", shuffle: true", "", "understood: the first answer is always the right one"),
+        ("feelings", "It was easy.", "It was easy., subscale: ease", "feelings: the score ease has only one item"),
+        ("understood", ", shuffle: true", "", "understood: the right answer is always the first option"),
     ],
 )
 def test_what_a_reviewer_would_ask_of_a_form_is_advice(

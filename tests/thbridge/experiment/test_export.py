@@ -160,7 +160,7 @@ def test_a_fingerprint_tells_what_has_changed_since(tmp_path: Path) -> None:
     assert deviations(folder, {**VERSIONS, "thbridge": "1.1"}) == (
         "debrief.md was removed",
         "welcome.md was changed",
-        "thbridge is 1.1 and was 1.0",
+        "thbridge: now 1.1, when frozen 1.0",
     )
     with pytest.raises(BadFile, match="already frozen"):
         freeze(folder, VERSIONS, "2026-01-03T12:00:00Z")

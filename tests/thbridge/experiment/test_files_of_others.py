@@ -113,7 +113,7 @@ def test_a_restore_does_not_rely_on_what_an_interrupted_one_left(tmp_path: Path,
     study = ExperimentFolder(tmp_path / "study")
     ODD[odd](restoring_path(study.log))
     if odd in {"a pipe", "a device", "huge", "deep"}:
-        with pytest.raises(BadFile, match="Delete it, and run the command again"):
+        with pytest.raises(BadFile, match="Delete this file, and run the command again"):
             restore(plan_restore(tmp_path / "backup", study.root))
         restoring_path(study.log).unlink()
     kept, _ = restore(plan_restore(tmp_path / "backup", study.root))

@@ -239,7 +239,7 @@ def test_tables_of_recorded_games_and_recordings_that_are_gone_or_changed(tmp_pa
     assert [str(trial.recording) for trial in records.trials] == ["missing", "changed"]
     notes = [*game_tables(records)]
     assert "is missing" in str(notes[0])
-    assert "is not what was recorded" in str(notes[1])
+    assert "was changed after recording" in str(notes[1])
     assert len(notes) == 2
 
 

@@ -46,9 +46,9 @@ def test_leftovers_are_told_and_whole_recordings_are_not(tmp_path: Path) -> None
             return [each.removeprefix("recordings/") for each in told_leftovers(folder, progress, read_log(folder.log))]
 
         cut, broken = told()
-        assert cut.startswith(f"{first}/step-1-1.bag.active was cut off")
-        assert broken.startswith(f"{first}/step-1-2.bag.active is from a game that was broken off"), "as it was written"
+        assert cut.startswith(f"{first}/step-1-1.bag.active ends where")
+        assert broken.startswith(f"{first}/step-1-2.bag.active is from an interrupted game"), "as it was written"
         conductor.leave(second, "went home")
         progress = conductor.progress
         (ended,) = (each for each in told() if each.startswith(second))
-        assert "step-1.bag.active is from a game that the log does not have" in ended
+        assert "step-1.bag.active is from an unfinished game" in ended

@@ -43,9 +43,9 @@ def test_a_new_study_may_be_in_german(tmp_path: Path) -> None:
 
 def test_a_quota_that_leaves_orders_uneven_is_told(folder: Path) -> None:
     file = folder / "experiment.yaml"
-    assert "some orders come more often" not in output_of("study", "check", folder)
+    assert "some orders occur more often" not in output_of("study", "check", folder)
     file.write_text(file.read_text().replace("quota: 4", "quota: 3"))
-    assert "some orders come more often" in output_of("study", "check", folder)
+    assert "some orders occur more often" in output_of("study", "check", folder)
 
 
 def test_nothing_is_left_of_somebody_who_withdraws(folder: Path, tmp_path: Path) -> None:
@@ -67,12 +67,12 @@ def test_nothing_is_left_of_somebody_who_withdraws(folder: Path, tmp_path: Path)
 @pytest.mark.parametrize(
     ("arguments", "problem"),
     [
-        (("check",), "it has no experiment.yaml"),
-        (("status",), "it has no experiment.yaml"),
-        (("freeze",), "it has no experiment.yaml"),
-        (("rehearse", "--to", "x"), "it has no experiment.yaml"),
-        (("export", "--to", "x"), "it has no experiment.yaml"),
-        (("run",), "it has no experiment.yaml"),
+        (("check",), "the folder has no experiment.yaml"),
+        (("status",), "the folder has no experiment.yaml"),
+        (("freeze",), "the folder has no experiment.yaml"),
+        (("rehearse", "--to", "x"), "the folder has no experiment.yaml"),
+        (("export", "--to", "x"), "the folder has no experiment.yaml"),
+        (("run",), "the folder has no experiment.yaml"),
     ],
 )
 def test_a_folder_that_is_no_experiment(tmp_path: Path, arguments: tuple[str, ...], problem: str) -> None:

@@ -294,4 +294,4 @@ def test_an_odd_freeze_is_refused(study: Path, content: str) -> None:
     done = invoke("study", "status", study)
     assert isinstance(done.exception, SystemExit), done.exception
     assert done.exit_code == 2
-    assert "freeze.json: is damaged or was changed" in done.output
+    assert "freeze.json: the file is damaged or was changed" in done.output

@@ -101,7 +101,7 @@ def test_a_restore_is_refused_where_it_would_do_harm(study: Path, tmp_path: Path
     (tmp_path / "photos").mkdir()
     (tmp_path / "photos" / "one.jpg").write_bytes(b"x")
     assert "do not belong to a study" in refusal_of("study", "restore", backup, "--to", tmp_path / "photos")
-    assert "inside each other" in refusal_of("study", "restore", backup, "--to", backup / "study")
+    assert "inside the other" in refusal_of("study", "restore", backup, "--to", backup / "study")
     assert "not a backup of a study" in refusal_of("study", "restore", tmp_path / "photos", "--to", study)
     with ExperimentLog(study / "store" / "log"):
         assert "another program runs this study" in refusal_of("study", "restore", backup, "--to", study)

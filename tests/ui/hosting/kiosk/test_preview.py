@@ -86,9 +86,9 @@ def test_all_steps_are_shown_if_none_is_named_and_the_study_keeps_nothing(tmp_pa
 @pytest.mark.parametrize(
     ("arguments", "reason"),
     [
-        (("nothing",), "the study has no step nothing. Name one of consent_1, practice"),
-        (("first", "adviser"), "the study has no condition adviser. Name one of: dialogue.condition=supervisor; "),
-        (("first", "", "3"), "the study has no group 3. Name one of: robots=1; robots=2"),
+        (("nothing",), "the study has no step nothing. Write one of consent_1, practice"),
+        (("first", "adviser"), "the study has no condition adviser. Write one of: dialogue.condition=supervisor; "),
+        (("first", "", "3"), "the study has no group 3. Write one of: robots=1; robots=2"),
     ],
 )
 def test_what_the_study_does_not_have_is_refused(tmp_path: Path, arguments: tuple[str, ...], reason: str) -> None:
