@@ -1,6 +1,6 @@
-"""Progress of an experiment: the step of each person, the runs that count, and the free places.
+"""Progress of an experiment: the present step of each person, the runs that count, and the free places.
 
-It is computed from the log's events alone, so a program that restarts after a crash only needs to read the log.
+The progress depends only on the events in the log. So a program that restarts after a crash only needs to read the log.
 """
 
 import dataclasses
@@ -32,30 +32,31 @@ class Run:
     Attributes:
         participant: id of the person.
         place: place of the run.
-        plan: steps that the person is to go through.
+        plan: planned steps of the person.
         state: state of the run.
-        reason: reason for being excluded, or for leaving.
-        step: number of the current or next step; one more than the number of steps when all are done.
+        reason: reason why the person left or was excluded; otherwise empty.
+        step: number of the current or next step. After the last step, the number of steps plus 1.
         under_way: True if `step` has begun.
-        begun: number of times that each step has begun, by its number in the plan.
-        attempts: number of attempts at each check, by its number in the plan.
+        begun: number of times that each step has begun, by the step's number in the plan.
+        attempts: number of attempts at each check, by the check's number in the plan.
         failed: numbers of the checks with a failed last attempt.
         answers: the last answer to each item, by `STEP.ITEM`.
         given: the answers given in the current step, by the item's id.
         drafts: answers of the current step that the person has changed but not yet given.
         timed_out: items of the current step that were closed by their time limits.
-        game: the log's data about the current step's game, or None if it has no recording yet.
-        agrees: the answer to the consent of the current step, or None if there is none yet.
-        last_outcome: outcome of the step that ended last, or None.
+        game: the log's data about the current step's game, or None if the game has no recording yet.
+        agrees: True if the person gave consent in the current step, False if they declined, None before the answer.
+        last_outcome: outcome of the last finished step, or None.
         code: completion code; empty until the run is complete.
-        recruiting_code: code that the person gave, or None if there is none yet.
-        agreed_at: wall time at which the person agreed to take part; empty until then.
-        farewell_read: True once the person has left the last page.
-        cut_off: files of recordings that ended before their games.
-        scores: points of each recorded game, by the number of its step.
-        lags: largest lag of each game behind real time, s, by the number of its step in the plan. Games of rehearsals
-            and of earlier releases have none.
-        debriefs: debriefings shown after the run ended early, by their numbers in the plan; True once read.
+        recruiting_code: code of a recruiting service that the person entered, or None before the answer.
+        agreed_at: wall time at which the person agreed to take part; empty before the consent.
+        farewell_read: True after the person has closed the last page.
+        cut_off: files of incomplete recordings.
+        scores: score of each recorded game, by the number of the game's step.
+        lags: largest lag of each game behind real time, s, by the number of the game's step in the plan. Games of
+            rehearsals and of earlier releases are not in this mapping.
+        debriefs: debriefings shown after the run ended early, by their numbers in the plan. True if the person has read
+            the debriefing.
     """
 
     participant: str
@@ -86,12 +87,12 @@ class Run:
 
     @property
     def lag(self) -> float | None:
-        """Largest lag of all games behind real time, s, or None if none is known."""
+        """Largest lag of all games behind real time, s, or None if no lag is known."""
         return max(self.lags.values(), default=None)
 
     @property
     def slowest(self) -> tuple[PlannedStep, float] | None:
-        """Step of the game with the largest lag, with that lag in s, or None if none is known."""
+        """Step of the game with the largest lag, and this lag in s. None if no lag is known."""
         if not self.lags:
             return None
         number = max(self.lags, key=self.lags.__getitem__)
@@ -99,18 +100,18 @@ class Run:
 
     @property
     def takes_part(self) -> bool:
-        """True once the person has agreed to take part, or if the study does not ask for consent."""
+        """True if the person has agreed to take part, or if no step asks for consent."""
         asked = next((step for step in self.plan if step.entry.step is StepKind.CONSENT), None)
         return asked is None or bool(self.agreed_at) or self.step > asked.number
 
     @property
     def holds_place(self) -> bool:
-        """True while no other person can take the run's place."""
+        """True if no other person can get the run's place."""
         return self.state in {RunState.UNDER_WAY, RunState.COMPLETE}
 
 
 class BadHistory(BadFile):
-    """A log that does not fit the experiment's files, because these were changed after people took part."""
+    """A log that does not match the experiment's files, because the files were changed after people took part."""
 
     def __init__(self, path: Path, problem: str) -> None:
         remedy = "Restore the files with which people took part; for changed files start another study"
@@ -129,7 +130,7 @@ def failure(check: PlannedStep) -> str:
 
 
 class _CannotFollowError(ValueError):
-    """An event that cannot follow those before it."""
+    """An event that is not possible after the earlier events."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -153,7 +154,7 @@ class Progress:
 
     @property
     def under_way(self) -> frozenset[int]:
-        """Numbers of the places of runs that may still count."""
+        """Numbers of the places of unfinished runs, which may count later."""
         return frozenset(run.place.number for run in self.runs.values() if run.state is RunState.UNDER_WAY)
 
     def next_place(self) -> Place | NoPlace:
@@ -161,14 +162,14 @@ class Progress:
         return self.design.allocation.next(self.valid, self.under_way)
 
     def next_step(self, participant: str) -> PlannedStep | None:
-        """Return the person's current step, or None if no step is left or the run is over."""
+        """Return the person's current step, or None if all steps are done or the run has ended."""
         run = self.runs[participant]
         return run.plan[run.step - 1] if run.state is RunState.UNDER_WAY and run.step <= len(run.plan) else None
 
     def next_debriefing(self, participant: str) -> PlannedStep | None:
         """Return the next debriefing of a person who left or was excluded, or None.
 
-        People who never agreed to take part read none. No debriefing is read twice.
+        People who never agreed to take part read no debriefing. Each debriefing is shown only until it is read.
         """
         run = self.runs[participant]
         if run.state not in {RunState.LEFT, RunState.EXCLUDED} or not run.takes_part:
@@ -184,24 +185,24 @@ class Progress:
         )
 
     def wants(self, participant: str, step: PlannedStep) -> bool:
-        """Return True if a person's condition and answers call for a step."""
+        """Return True if a step applies to a person's condition and answers."""
         run = self.runs[participant]
         return self._at_levels(run, step) and all(
             run.answers.get(item) == wanted for item, wanted in step.entry.when.items()
         )
 
     def steps_shown(self, participant: str) -> list[PlannedStep]:
-        """Return the steps of a person's plan, without those that their condition skips."""
+        """Return the steps of a person's plan, without steps for other conditions."""
         run = self.runs[participant]
         return [step for step in run.plan if self._at_levels(run, step)]
 
     def step_count(self, participant: str) -> tuple[int, int]:
-        """Return the number of a person's step, from 1, and the number of all their steps, without skipped ones."""
+        """Return the number of a person's step, from 1, and the number of their steps. Skipped steps do not count."""
         numbers = [step.number for step in self.steps_shown(participant)]
         return sum(number <= self.runs[participant].step for number in numbers), len(numbers)
 
     def _at_levels(self, run: Run, step: PlannedStep) -> bool:
-        """Return True if a person's condition calls for a step."""
+        """Return True if a step applies to a person's condition."""
         levels = self.design.levels_at(run.place.cell, step.condition)
         return all(levels.get(factor) == level for factor, level in step.entry.only_at.items())
 
@@ -209,7 +210,7 @@ class Progress:
         """Return the state after further entries of the log.
 
         Raises:
-            BadHistory: an event cannot follow those before it.
+            BadHistory: an event is not possible after the earlier events.
         """
         runs, sequence = dict(self.runs), self.sequence
         for entry in entries:
@@ -236,7 +237,7 @@ class Progress:
         run = runs.get(person)
         if run is None:
             return
-        # Events after the end of a run are checked too, because tables have them.
+        # Events after the end of a run are checked, too, because they are rows of exported tables.
         self._check(run, event, data)
         if event.kind == EventKind.RUN_EXCLUDED:
             runs[person] = dataclasses.replace(run, state=RunState.EXCLUDED, reason=str(data["reason"]))
@@ -249,7 +250,7 @@ class Progress:
             runs[person] = dataclasses.replace(run, debriefs=debriefs)
 
     def _check(self, run: Run, event: NewEvent, data: Mapping[str, JsonValue]) -> None:
-        """Raise _CannotFollowError if a step is not the one that a person went through."""
+        """Raise _CannotFollowError if the step of an event differs from the person's plan."""
         if event.step == 0:
             return
         if event.step > len(run.plan):
@@ -269,7 +270,7 @@ class Progress:
 
 
 def _gone_on(run: Run, event: NewEvent, data: Mapping[str, JsonValue]) -> Run:
-    """Return a run after one of its events, while it is in progress."""
+    """Return the state of a run in progress after a further event."""
     match event.kind:
         case EventKind.STEP_BEGUN:
             if event.step != run.step or run.under_way:
@@ -341,18 +342,18 @@ def options_shown(item: Item) -> dict[str, JsonValue]:
     """Return the data of an `ITEM_SHOWN` about the order of answers; empty if all participants see the same order.
 
     Args:
-        item: as the participant sees it.
+        item: item with its answers in the participant's order.
     """
     return {"options": list(item.options)} if item.shuffle else {}
 
 
 def resumes(run: Run, step: PlannedStep) -> ResumeRule:
-    """Return the rule by which a step resumes that was in progress when a program ended."""
+    """Return the rule for resuming the step that was in progress when the program ended."""
     return step.entry.resume if run.under_way else ResumeRule.BEGINNING
 
 
 def lag_words(progress: Progress) -> Iterator[str]:
-    """Yield a sentence on the lag of games behind real time; nothing if no game has a real time."""
+    """Yield a sentence about the lag of games behind real time. Yield nothing if no game was measured."""
     measured = [run for run in progress.runs.values() if run.lags]
     if not measured:
         return

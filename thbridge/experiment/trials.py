@@ -1,4 +1,4 @@
-"""Games of people: the setting of trials and of practice, and the log's data about them."""
+"""Games of people: settings of trials and practice games, and the data about these games in the log."""
 
 import math
 from collections.abc import Mapping
@@ -29,7 +29,7 @@ from thbridge.timing.pace_meter import GamePace
 def setting_of_trial(
     design: ExperimentDesign, settings: SettingCache, run: Run, step: PlannedStep
 ) -> StudySetting | None:
-    """Return the setting of a trial. Return None for practice, which is not recorded and does not count."""
+    """Return the setting of a trial. Return None for a practice game, which is not recorded."""
     if step.condition is None or step.trial is None:
         return None
     study = design.cells[run.place.cell].studies[step.condition]
@@ -37,10 +37,10 @@ def setting_of_trial(
 
 
 def setting_of_practice(design: ExperimentDesign, settings: SettingCache, run: Run, step: PlannedStep) -> StudySetting:
-    """Return the setting of a practice game: that of the person's first condition, with the keys of the step.
+    """Return the setting of a practice game: the setting of the person's first condition, with the keys of the step.
 
-    Its seed is different from every trial's, so that people learn nothing about a trial. The study's consent and
-    farewell are for trials only.
+    No trial has the seed of a practice game, so that people learn nothing about a trial. Consent and farewell texts are
+    shown only in trials.
     """
     first = design.orders[run.place.order][0] if step.condition is None else step.condition
     study = design.practices[step.index][run.place.cell][first]
@@ -50,7 +50,7 @@ def setting_of_practice(design: ExperimentDesign, settings: SettingCache, run: R
 
 
 class PracticeCount:
-    """Counter of what a person does in a practice game.
+    """Counter of a person's actions in a practice game.
 
     Args:
         step: the practice step.
@@ -82,18 +82,18 @@ class PracticeCount:
 
     @property
     def missing(self) -> Mapping[PracticeTerm, float]:
-        """Amount of each term that the person must still do before the next step; empty when all is done."""
+        """Amount of each requirement that is still missing; empty if all requirements are met."""
         done = self._done
         return {term: number - done[term] for term, number in self._demands.items() if done[term] < number}
 
     @property
     def data(self) -> dict[str, JsonValue]:
-        """Data of a `PRACTICE_PLAYED`: what was done, and what is missing."""
+        """Data of a `PRACTICE_PLAYED` event: amount of each action, and the requirements that are not met."""
         return {**{str(term): round(number, 2) for term, number in self._done.items()}, "missing": [*self.missing]}
 
 
 def results_of(design: ExperimentDesign, settings: SettingCache, run: Run) -> list[tuple[int, int | None]]:
-    """Return the score of each game that a person played, with the best possible score (see `best_possible`)."""
+    """Return the score and the best possible score of each game that a person played; see `best_possible`."""
     found = []
     for step in run.plan:
         setting = setting_of_trial(design, settings, run, step)
@@ -103,7 +103,7 @@ def results_of(design: ExperimentDesign, settings: SettingCache, run: Run) -> li
 
 
 def best_possible(setting: StudySetting) -> int | None:
-    """Return the most points that the team can win in the first game, or None for too many rooms to compare."""
+    """Return the best possible score of the first game, or None if there are too many rooms for the computation."""
     study, rooms = setting.study, setting.costs.rooms
     if len(rooms) > most_rooms_shared_out(study.robots):
         return None
@@ -121,13 +121,13 @@ def best_possible(setting: StudySetting) -> int | None:
 
 
 def played(measures: GameMeasures, bag: Path, root: Path, pace: GamePace | None = None) -> dict[str, JsonValue]:
-    """Return the data of a `GAME_PLAYED`: the recording with its hash, and measures of the game.
+    """Return the data of a `GAME_PLAYED` event: the recording with its hash, and measures of the game.
 
     Args:
         measures: measures of the game.
-        bag: its closed recording.
-        root: the folder that paths of recordings are relative to.
-        pace: pace of the game, or None in a rehearsal, which has no real time.
+        bag: closed recording of the game.
+        root: folder for relative paths of recordings.
+        pace: pace of the game. None for a rehearsal, which does not run in real time.
     """
     measured: dict[str, JsonValue] = {} if pace is None else _measured(pace)
     return {

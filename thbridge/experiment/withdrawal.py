@@ -1,7 +1,8 @@
-"""Withdrawal of a participant: all their data is deleted from the study's log, recordings, exports and known backups.
+"""Withdrawal of a participant: deletion of all their data from the log, recordings, exports and known backups.
 
-The withdrawal enters a list in the store before anything is deleted, and leaves it when all is deleted. So a
-withdrawal that was killed, or could not reach a backup, is finished later: each command of a study first finishes it.
+The store has a list of unfinished withdrawals. A withdrawal is added to the list before the deletion starts, and
+removed when everything is deleted. If the program is killed, or a backup cannot be reached, the next command for the
+study first finishes the withdrawal.
 """
 
 import mmap
@@ -26,24 +27,24 @@ from thbridge.files.disk.synced import sync_folder
 from thbridge.files.errors import BadFile, reason_of
 
 _ID = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}")
-"""Id of a participant, used where only the name of a folder suggests one."""
+"""Pattern of participants' ids, for names of folders that may be ids."""
 
 
 class NobodyWithdraws(Exception):  # noqa: N818 - people read it as a sentence
-    """A withdrawal of a participant with an id or code that the study does not have."""
+    """Request for a withdrawal with an id or code that no participant, or more than one participant, has."""
 
 
 @dataclass(frozen=True, slots=True)
 class WithdrawalPlan:
-    """Plan of a withdrawal: everything that it will delete.
+    """Plan of a withdrawal: all data that will be deleted.
 
     Attributes:
-        withdrawal: the participant with their code.
+        withdrawal: the participant and their code.
         log_entries: number of entries of the log to delete.
-        recordings: number and bytes of the files in the participant's recordings, by folder.
-        exports: exports to write again.
-        backups: backups to bring up to date.
-        missing: exports and backups that no longer exist where they were written.
+        recordings: number of the participant's files and their total size in bytes, by folder of recordings.
+        exports: exports that will be written again.
+        backups: backups that will be updated.
+        missing: original folders of exports and backups that no longer exist.
     """
 
     withdrawal: PendingWithdrawal
@@ -60,10 +61,10 @@ class Withdrawal:
 
     Attributes:
         participant: id of the participant.
-        code: their completion code; empty if there is none.
-        done: sentences on what was deleted or written again.
-        left: sentences on what a person has to do, because no program can.
-        failed: sentences on what failed and will be tried again later.
+        code: the participant's completion code; empty if there is none.
+        done: sentences about data that were deleted or written again.
+        left: sentences about tasks that a person must do.
+        failed: sentences about failures. The next command tries again.
     """
 
     participant: str
@@ -74,15 +75,15 @@ class Withdrawal:
 
 
 def plan_withdrawal(study: ExperimentFolder, design: ExperimentDesign, named: str) -> WithdrawalPlan:
-    """Return what is deleted if a participant withdraws.
+    """Return the plan of a withdrawal.
 
     Args:
         study: folder of the study.
         design: the study.
-        named: the participant's id or completion code, in any case and with any blanks.
+        named: the participant's id or completion code. Case and blanks do not matter.
 
     Raises:
-        NobodyWithdraws: the study has no participant with this id or code, or several.
+        NobodyWithdraws: no participant, or more than one participant, has this id or code.
         BadFile: the log or a list of folders cannot be read.
     """
     entries = study.entries()
@@ -119,15 +120,15 @@ def withdraw(
     changed: Sequence[str] | None,
     clocks: Callable[[], Clocks],
 ) -> Withdrawal:
-    """Delete all data of a participant. `finish_withdrawals` later finishes what is interrupted or fails.
+    """Delete all data of a participant. If this is interrupted or fails, `finish_withdrawals` finishes it later.
 
     Args:
         study: folder of the study; no other program may be running it.
         design: the study.
-        withdrawal: the participant who withdraws, with their code.
+        withdrawal: the participant who withdraws, and their code.
         versions: versions of the programs, for exports that are written again.
-        changed: differences from the registered study, for these exports. If None, the study was not registered.
-        clocks: return the current time.
+        changed: changes since the study was registered, for these exports. If None, the study was not registered.
+        clocks: function that returns the current time.
 
     Raises:
         BadFile: the log or a list cannot be read or written, or another program runs the study.
@@ -144,7 +145,7 @@ def finish_withdrawals(
     changed: Sequence[str] | None,
     clocks: Callable[[], Clocks],
 ) -> list[Withdrawal]:
-    """Finish all withdrawals that have begun; see `withdraw`."""
+    """Finish all unfinished withdrawals; see `withdraw`."""
     if not (pending := study.pending_withdrawals.read()):
         return []
     with ExperimentLog(study.log) as log:
@@ -160,7 +161,7 @@ def finish_withdrawal(
     changed: Sequence[str] | None,
     clocks: Callable[[], Clocks],
 ) -> Withdrawal:
-    """Finish one of the withdrawals that have begun, with the log open; see `withdraw`."""
+    """Finish one unfinished withdrawal, with the log open; see `withdraw`."""
     participant = withdrawal.participant
     result = Withdrawal(participant, withdrawal.code)
     known = log.read()
@@ -168,11 +169,11 @@ def finish_withdrawal(
     if sequences := sequences_of(known, participant):
         log.delete(sequences, clocks())
     study.withdrawn_events.add(deleted_digests(study.log))
-    result.done.append(f"{study.log}: all events of {participant} are deleted.")
+    result.done.append(f"{study.log}: all events of {participant} were deleted.")
     entries = log.read()
     result.left += _named_elsewhere(entries, participant)
     _delete_recordings(study, result)
-    # Copies of the log that a restore left when it was killed before it replaced anything.
+    # A killed restore may have left copies of the log.
     shutil.rmtree(study.restoring, ignore_errors=True)
     for old in study.replaced():
         _withdraw_from_replaced(old, result, clocks)
@@ -181,20 +182,21 @@ def finish_withdrawal(
     for export in exports_with(study, participant):
         if (of := last_event_of(export)) is not None and of > last:
             result.failed.append(
-                f"{export}: it was made from a log with {of} events, but this log has {last}: this is an older copy of "
-                f"that study. The export still has data of {participant}: withdraw them there, too, or delete it."
+                f"{export}: this export is from a log with {of} events, but the log here has only {last} events. So "
+                f"this study is an older copy. The export still has data of {participant}: delete the export, or "
+                "withdraw the participant in the newer study, too."
             )
             continue
         _remake(study, design, entries, export, versions, changed, result)
     for export in missing_exports(study):
-        result.failed.append(f"{export}: an export was written here, but it no longer exists.")
+        result.failed.append(f"{export}: an export was written here, but this folder no longer exists.")
     for backup in study.backups_known.paths():
         if not backup.is_dir():
-            result.failed.append(f"{backup}: a backup was written here, but it no longer exists.")
+            result.failed.append(f"{backup}: a backup was written here, but this folder no longer exists.")
             continue
         try:
             result.left += back_up(study, backup)
-            result.done.append(f"{backup}: this backup is up to date again, without {participant}.")
+            result.done.append(f"{backup}: this backup was updated and has no data of {participant}.")
         except BadFile as fault:
             if _may_hold(ExperimentFolder(backup), participant):
                 result.failed.append(f"{fault} {backup} may still have data of {participant}.")
@@ -206,12 +208,12 @@ def finish_withdrawal(
 
 
 def plain(word: str) -> str:
-    """Return an id or a code without the blanks with which it is shown, in capitals."""
+    """Return an id or code in capitals and without blanks."""
     return "".join(word.split()).upper()
 
 
 def _people_elsewhere(study: ExperimentFolder) -> Iterator[str]:
-    """Yield ids of participants in recordings, exports, backups and replaced files, even if the log lacks them."""
+    """Yield the ids of participants in recordings, exports, backups and replaced files."""
     backups = [ExperimentFolder(path) for path in study.backups_known.paths()]
     for folder in (study, *backups, *study.replaced()):
         if folder.recordings.is_dir():
@@ -227,7 +229,7 @@ def _people_elsewhere(study: ExperimentFolder) -> Iterator[str]:
 
 
 def _recordings(folder: ExperimentFolder, participant: str) -> Path | None:
-    """Return the folder of a participant's recordings, or None if their id cannot be a name (in a damaged log).
+    """Return the folder of a participant's recordings. Return None if the id (in a damaged log) is not a valid name.
 
     Raises:
         BadFile: a link leads out of the folder.
@@ -245,13 +247,15 @@ def _delete_recordings(folder: ExperimentFolder, result: Withdrawal) -> None:
     except BadFile as fault:
         result.failed.append(str(fault))
     except OSError as error:
-        result.failed.append(f"{recordings}: it cannot be deleted ({reason_of(error)}). Delete it yourself.")
+        result.failed.append(
+            f"{recordings}: cannot delete this folder ({reason_of(error)}). Delete the folder yourself."
+        )
     else:
-        result.done.append(f"{recordings}: deleted.")
+        result.done.append(f"{recordings}: this folder was deleted.")
 
 
 def _withdraw_from_replaced(old: ExperimentFolder, result: Withdrawal, clocks: Callable[[], Clocks]) -> None:
-    """Delete a participant's data from files that a backup has replaced."""
+    """Delete a participant's data from files that a restore has replaced."""
     _delete_recordings(old, result)
     if not old.log.exists():
         return
@@ -259,17 +263,17 @@ def _withdraw_from_replaced(old: ExperimentFolder, result: Withdrawal, clocks: C
         with ExperimentLog(old.log) as log:
             if sequences := sequences_of(log.read(), result.participant):
                 log.delete(sequences, clocks())
-                result.done.append(f"{old.log}: all events of {result.participant} are deleted.")
+                result.done.append(f"{old.log}: all events of {result.participant} were deleted.")
     except BadFile as fault:
         if any(_names(path, result.participant) for path in old.log.parent.iterdir() if path.is_file()):
             result.failed.append(
-                f"{fault} A backup has replaced this log. It may have data of {result.participant}: "
-                f"copy what you need from it, and delete {old.root}."
+                f"{fault} A restore has replaced this log. The log may have data of {result.participant}: "
+                f"copy the data that you need, and delete {old.root}."
             )
 
 
 def _may_hold(backup: ExperimentFolder, participant: str) -> bool:
-    """Return True if a backup has data of a participant, or cannot be read."""
+    """Return True if a backup has data of a participant or cannot be read."""
     try:
         return bool(sequences_of(read_log(backup.log), participant)) or _has_recordings(backup, participant)
     except BadFile:
@@ -282,9 +286,10 @@ def _has_recordings(folder: ExperimentFolder, participant: str) -> bool:
 
 
 def _named_elsewhere(entries: Sequence[LogEntry], participant: str) -> list[str]:
-    """Return sentences on events of other people that name a participant. They stay, because the study needs them."""
+    """Return sentences about other people's events that name a participant. The study needs these events."""
     return [
-        f"Event {entry.sequence} ({entry.event.kind} of {entry.event.participant}) names {participant}, and stays."
+        f"Event {entry.sequence} ({entry.event.kind} of {entry.event.participant}) names {participant}. The log keeps "
+        "this event."
         for entry in entries
         if isinstance(entry, LoggedEvent) and participant in repr(entry.event.data)
     ]
@@ -301,8 +306,8 @@ def _remake(
 ) -> None:
     if people_of(export) is None:
         result.left.append(
-            f"{export}: an export was written here, and its manifest.json is missing or damaged. Check whether it has "
-            f"data of {result.participant}, and delete it."
+            f"{export}: the manifest.json of this export is missing or damaged. Check whether the export has data of "
+            f"{result.participant}, and delete the export."
         )
         return
     try:
@@ -314,16 +319,16 @@ def _remake(
     for path in others:
         named = [file for file in (path, *path.rglob("*")) if file.is_file() and _names(file, result.participant)]
         result.left += [
-            f"{file} is not one of the export's files, and names {result.participant}. Delete it." for file in named
+            f"{file} does not belong to the export and names {result.participant}. Delete this file." for file in named
         ]
         if not named:
             result.left.append(
-                f"{path} is not one of the export's files. Check whether it has data of {result.participant}."
+                f"{path} does not belong to the export. Check whether this file has data of {result.participant}."
             )
 
 
 def _names(file: Path, participant: str) -> bool:
-    """Return True if a file contains an id as plain text, or cannot be read."""
+    """Return True if a file contains an id as plain text or cannot be read."""
     try:
         if not file.stat().st_size:
             return False

@@ -6,7 +6,8 @@ from enum import StrEnum
 class ExternalNodes(StrEnum):
     """External ROS nodes that replace the robots' own software: none, move_base, or both move_base and amcl.
 
-    An external amcl cannot be combined with our own move_base."""
+    An external amcl cannot be combined with our own move_base.
+    """
 
     NONE = "none"
     MOVE_BASE = "move_base"

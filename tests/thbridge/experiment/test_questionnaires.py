@@ -42,7 +42,7 @@ def test_labels_of_answers_are_as_many_as_these_and_follow_them_when_they_are_sh
     assert all("".join(item.labels).lower() == "".join(item.options) for item in shown)
     form = "title: x\nitems:\n  - {id: who, text: Wer?, scale: choice, options: [a, b], labels: [A]}\n"
     (tmp_path / "form.yaml").write_text(form)
-    with pytest.raises(BadFile, match=r"1 labels for 2 answers\. Write 2 labels, one for each answer"):
+    with pytest.raises(BadFile, match=r"2 answers need 2 labels, not 1\. Write one label for each answer"):
         read_form(tmp_path / "form.yaml")
 
 
@@ -122,7 +122,7 @@ def test_all_faults_of_a_form_are_told_with_their_lines(tmp_path: Path) -> None:
         read_form(tmp_path / "form.yaml")
     lines = str(told.value).splitlines()
     assert [line.split(", ")[1] for line in lines] == ["line 4", "line 5", "line 6", "line 6", "line 7", "line 8"]
-    assert "2 words for 5 points" in lines[1]
+    assert "5 points need 5 labels, not 2" in lines[1]
 
 
 def test_an_unknown_scale_names_those_that_there_are(tmp_path: Path) -> None:

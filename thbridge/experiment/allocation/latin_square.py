@@ -1,4 +1,4 @@
-"""Orders of conditions in which each condition comes equally often at every position and after every other condition.
+"""Orders of conditions: each condition is equally often at every position and after every other condition.
 
 Source: Williams, Experimental designs balanced for the estimation of residual effects of treatments (1949).
 """
@@ -7,18 +7,18 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 Order = tuple[int, ...]
-"""Indices of conditions, in the order in which they come."""
+"""Indices of conditions, in the order of play."""
 
 
 def balanced_latin_square(conditions: int) -> tuple[Order, ...]:
-    """Return the orders of a balanced Latin square: as many as conditions, or twice as many if their number is odd.
+    """Return the orders of a balanced Latin square: n orders for n conditions, or 2n orders if n is odd.
 
     Raises:
         ValueError: there are no conditions.
     """
     if conditions < 1:
         raise ValueError("an order needs at least one condition")
-    # 0, 1, n - 1, 2, n - 2, ...: the difference between neighbors is different each time.
+    # In 0, 1, n - 1, 2, n - 2, ..., all differences between neighbors are different.
     first, low, high = [0], 1, conditions - 1
     while low <= high:
         first.append(low)
@@ -27,13 +27,13 @@ def balanced_latin_square(conditions: int) -> tuple[Order, ...]:
         low, high = low + 1, high - 1
     orders = [tuple((index + shift) % conditions for index in first) for shift in range(conditions)]
     if conditions % 2 == 1 and conditions > 1:
-        # For an odd number the differences repeat; with all orders reversed as well, each pair comes equally often.
+        # For an odd number, differences repeat. With the reversed orders, too, all pairs are equally frequent.
         orders += [order[::-1] for order in orders]
     return tuple(orders)
 
 
 def cyclic_latin_square(conditions: int) -> tuple[Order, ...]:
-    """Return the orders of a plain Latin square: each condition comes at every position once.
+    """Return the orders of a cyclic Latin square: each condition is at every position once.
 
     Raises:
         ValueError: there are no conditions.
@@ -44,7 +44,7 @@ def cyclic_latin_square(conditions: int) -> tuple[Order, ...]:
 
 
 def is_balanced(orders: Sequence[Order]) -> bool:
-    """Return True if each condition comes equally often at every position, and directly after every other condition."""
+    """Return True if each condition is equally often at every position and directly after every other condition."""
     at = {(place, one): 0 for one in orders[0] for place in range(len(orders[0]))}
     behind = {(one, other): 0 for one in orders[0] for other in orders[0] if one != other}
     for order in orders:

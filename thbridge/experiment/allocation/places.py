@@ -1,9 +1,9 @@
-"""Places in an experiment. Each place is one cell of the design with one order of conditions, for one person.
+"""Places in an experiment. A place is for one person; it determines a cell of the design and an order of conditions.
 
-The number of a place determines its cell and its order. Cells are shuffled, from the experiment's seed, in blocks that
-contain every cell equally often; orders are shuffled in blocks within each cell. If a run does not count, its place is
-free again, and the next person takes the lowest free place. So cells and orders stay as balanced as possible, whichever
-people drop out and when, and the same places can be computed again.
+The number of a place determines its cell and its order. The experiment's seed shuffles cells in blocks; each block
+contains every cell equally often. It also shuffles orders in blocks within each cell. If a run does not count, its
+place becomes free, and the next person gets the lowest free place. So cells and orders stay as balanced as possible
+if people drop out. The same seed always gives the same places.
 """
 
 from collections.abc import Collection
@@ -18,8 +18,8 @@ class Place:
     """A place in an experiment.
 
     Attributes:
-        number: number from 0, in the order in which places are given.
-        cell: index of the combination of levels of all between factors.
+        number: number of the place, from 0, in the order of assignment.
+        cell: index of the combination of levels between people.
         order: index of the order of conditions.
     """
 
@@ -29,24 +29,24 @@ class Place:
 
 
 class NoPlace(StrEnum):
-    """Reason for not giving a place to a person."""
+    """Reason why a person does not get a place."""
 
     FULL = "full"
     """The quota of valid runs is reached."""
     TAKEN = "taken"
-    """All places are taken; some may become free while runs are in progress."""
+    """All places are taken. A place may become free, because some runs are still in progress."""
 
 
 @dataclass(frozen=True, slots=True)
 class Allocation:
-    """Rule for giving places.
+    """Rule for the assignment of places.
 
     Attributes:
-        cells: number of combinations of levels of the between factors.
+        cells: number of combinations of levels between people.
         orders: number of orders of conditions.
-        quota: number of valid runs wanted in each cell.
+        quota: required number of valid runs in each cell.
         seed: the experiment's random seed.
-        in_block: number of times that each cell is in a block.
+        in_block: number of places of each cell in a block.
     """
 
     cells: int
@@ -61,7 +61,7 @@ class Allocation:
         return self.cells * self.quota
 
     def place(self, number: int) -> Place:
-        """Return the place with a number; numbers from `size` on are not given to people."""
+        """Return the place with a number. Numbers from `size` on are not assigned to people."""
         block, index = divmod(number, self.cells * self.in_block)
         dealt = _shuffled([i % self.cells for i in range(self.cells * self.in_block)], self.seed, "cells", block)
         cell = dealt[index]
@@ -76,7 +76,7 @@ class Allocation:
 
         Args:
             valid: numbers of the places of runs that count.
-            under_way: numbers of the places of runs that may still count.
+            under_way: numbers of the places of unfinished runs.
         """
         for number in range(self.size):
             if number not in valid and number not in under_way:
@@ -85,7 +85,7 @@ class Allocation:
 
 
 def _shuffled(items: list[int], seed: int, name: str, block: int) -> list[int]:
-    """Return a block in an order drawn from the seed, the stream's name and the block's number.
+    """Return the items in a random order, which depends only on the seed, the stream's name and the block's number.
 
     Source: Durstenfeld, Algorithm 235: Random permutation (1964).
     """

@@ -1,1 +1,1 @@
-"""Questionnaires as data: forms in YAML, answers to items, scores by the declared key, and their reliability."""
+"""Questionnaires: forms in YAML, answers to their items, and scores with their reliability."""

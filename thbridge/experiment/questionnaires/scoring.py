@@ -1,4 +1,4 @@
-"""Scores of answers by a form's key, and the reliability of the scores."""
+"""Scores of a form's answers, and the reliability of these scores."""
 
 import math
 import unicodedata
@@ -11,14 +11,14 @@ from sim.numerics.float_array import FloatArray
 from thbridge.experiment.questionnaires.form import MEASURED, Form, Item, Scale, Scoring
 
 NOT_APPLICABLE = "not applicable"
-"""Answer that an item does not apply; it differs from a missing answer."""
+"""Answer to an item that does not apply. A missing answer is different from this answer."""
 
 Answer = float | str | tuple[str, ...]
-"""Answer to one item: a number, text, one option, or several."""
+"""Answer to one item: a number, a text, one option, or several options."""
 
 
 def right_answer(item: Item, levels: Mapping[str, str]) -> Answer | None:
-    """Return the right answer to an item of a check, in stored form; None if no answer is right or wrong.
+    """Return the right answer to an item, with the type of a stored answer, or None if there is no right answer.
 
     Args:
         item: item of a form.
@@ -34,7 +34,10 @@ def right_answer(item: Item, levels: Mapping[str, str]) -> Answer | None:
 
 
 def is_right(item: Item, answer: object, levels: Mapping[str, str]) -> bool | None:
-    """Return True for a right answer and False for a wrong one; None if neither exists. In texts, case is ignored."""
+    """Return True for a right answer, False for a wrong answer, and None if the item has no right answer.
+
+    In texts, case does not matter.
+    """
     right = right_answer(item, levels)
     if right is None:
         return None
@@ -45,18 +48,18 @@ def is_right(item: Item, answer: object, levels: Mapping[str, str]) -> bool | No
 
 
 def keyed(item: Item, answer: Answer | None) -> float:
-    """Return the value of an answer for the score, reversed if the key says so; NaN without an answer."""
+    """Return the value of an answer for the score, reversed for a reversed item. Return NaN if there is no number."""
     if not isinstance(answer, int | float) or isinstance(answer, bool):
         return math.nan
     return item.least + item.greatest - answer if item.reverse else float(answer)
 
 
 def scores_of(form: Form, answers: Mapping[str, Answer]) -> dict[str, float]:
-    """Return the score of each subscale; NaN if too few of its items were answered.
+    """Return the score of each subscale. A score is NaN if too few items were answered.
 
     Args:
         form: the form.
-        answers: answers by the item's id; unanswered items are missing.
+        answers: answers by the item's id, without unanswered items.
     """
     scores = {}
     for name, items in form.subscales.items():
@@ -75,11 +78,11 @@ class Reliability:
     """Internal consistency of a subscale.
 
     Attributes:
-        people: number of people who answered all of its items; others do not count.
-        items: number of its items.
+        people: number of people who answered all items of the subscale. Other people do not count.
+        items: number of items of the subscale.
         alpha: Cronbach's alpha; NaN for fewer than two people or items, or without any variance.
-        omega: McDonald's omega total, of one factor fitted by least squares of residual correlations; NaN in the same
-            cases.
+        omega: McDonald's omega total, from one factor fitted by least squares of residual correlations; NaN in the same
+            cases, for fewer than three items, and for an item without variance.
     """
 
     people: int
@@ -116,7 +119,7 @@ def reliability_of(items: Sequence[Item], people: Sequence[Mapping[str, Answer]]
 def _omega(covariance: FloatArray) -> float:
     deviations = np.sqrt(np.diag(covariance))
     if (deviations == 0.0).any() or len(deviations) < 3:
-        # For two items, one correlation does not determine two loadings.
+        # One correlation does not determine the loadings of two items.
         return math.nan
     loadings = _one_factor(covariance / (deviations[:, np.newaxis] * deviations)) * deviations
     common = loadings.sum() ** 2
@@ -125,13 +128,13 @@ def _omega(covariance: FloatArray) -> float:
 
 
 def _one_factor(correlation: FloatArray) -> FloatArray:
-    """Return the (k,) loadings of the one factor with the least sum of squared residual correlations.
+    """Return the (k,) loadings of one factor with the least sum of squared residual correlations.
 
-    One loading after the other is set to its best value for given other loadings, until none changes.
+    Each step sets one loading to its best value for the present other loadings, until no loading changes.
     """
     k = len(correlation)
     between = correlation - np.diag(np.diag(correlation))
-    # The average correlation of an item with the others has the sign and about the size of its loading.
+    # The mean correlation of an item with the other items has the sign and about the size of the item's loading.
     loadings: FloatArray = between.sum(axis=1) / math.sqrt(max(between.sum(), 1e-12))
     for _ in range(1000):
         before = loadings.copy()

@@ -5,11 +5,11 @@ from datetime import UTC, datetime, timedelta
 from thbridge.experiment.store.events import Clocks
 
 BEGIN = datetime(2000, 1, 3, 9, tzinfo=UTC)
-"""Time at which all rehearsals begin. No study with people has this date."""
+"""Start time of all rehearsals. No study with people has this date."""
 
 
 class RehearsalClock:
-    """Clocks that stand still until they are advanced, so that equal rehearsals have equal times."""
+    """Clocks that advance only by `advance`, so that equal rehearsals have equal times."""
 
     def __init__(self) -> None:
         self._seconds = 0.0

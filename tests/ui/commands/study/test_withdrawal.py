@@ -80,7 +80,7 @@ def test_nothing_is_left_of_who_withdraws_and_all_that_is_of_others(study: Path,
 
     said = " ".join(output_of("study", "withdraw", study, gone, "--yes").split())
 
-    assert f"{outside / 'notes' / 'people.txt'} is not one of the export's files, and names {gone}. Delete it." in said
+    assert f"{outside / 'notes' / 'people.txt'} does not belong to the export and names {gone}. Delete" in said
     (outside / "notes" / "people.txt").unlink()
     assert traces(tmp_path, words) == []
     for export, before in zip((inside, outside), others, strict=True):
@@ -90,8 +90,8 @@ def test_nothing_is_left_of_who_withdraws_and_all_that_is_of_others(study: Path,
             pd.testing.assert_frame_equal(table, before[name])
         assert f"{export}: this export was written again, without {gone}" in said
     assert (outside / "analysis.py").read_text() == "# mine\n"
-    assert f"{outside / 'mine.txt'} is not one of the export's files" in said
-    assert f"{backup}: this backup is up to date again" in said
+    assert f"{outside / 'mine.txt'} does not belong to the export" in said
+    assert f"{backup}: this backup was updated and has" in said
     for place in (study, backup):
         entries = read_log(place / "store" / "log")
         assert any(isinstance(entry, Tombstone) for entry in entries)
@@ -112,7 +112,7 @@ def test_an_older_copy_of_a_study_leaves_exports_alone_that_know_more(finished: 
     before = {path: path.read_bytes() for path in outside.rglob("*") if path.is_file()}
     _, gone, _ = people(tmp_path / "older")
     said = refusal_of("study", "withdraw", tmp_path / "older", gone, "--yes")
-    assert f"this is an older copy of that study. The export still has data of {gone}" in said
+    assert f"this study is an older copy. The export still has data of {gone}" in said
     assert {path: path.read_bytes() for path in outside.rglob("*") if path.is_file()} == before
 
 
@@ -141,8 +141,8 @@ def test_what_is_not_there_is_done_by_the_next_command_once_it_is(study: Path, t
         each.rename(away / each.name)
     for command in ("withdraw", "withdraw"):
         said = refusal_of("study", command, study, first, "--yes")
-        assert f"{export}: an export was written here, but it no longer exists" in said
-        assert f"{backup}: a backup was written here, but it no longer exists" in said
+        assert f"{export}: an export was written here, but this folder no longer exists" in said
+        assert f"{backup}: a backup was written here, but this folder no longer exists" in said
         assert f"The withdrawal of {first} is not finished" in said
     for each in (export, backup):
         (away / each.name).rename(each)
