@@ -58,7 +58,7 @@ def check_doors(
         fail(BAD_INPUT, f"{problem}. {remedy}.{with_keys}")
     if watch is not None and not is_own(watch.host):
         if watch.keys is None or watch.keys.tls is None:
-            problem = f"researchers' windows: any client at {watch.host} could see all its data and command robots"
+            problem = f"researchers' windows: any client at {watch.host} could see all data and command robots"
             make = command("keys", "new", "NAME")
             remedy = f"Create a key with `{make}` and add --watch-key keys, or listen on 127.0.0.1"
             fail(BAD_INPUT, f"{problem}. {remedy}.")

@@ -1,4 +1,4 @@
-"""`thbridge keys`: keys, each with its rights, for programs and windows on other machines."""
+"""`thbridge keys`: keys with rights, for programs and windows on other machines."""
 
 from pathlib import Path
 from typing import Annotated
@@ -9,9 +9,9 @@ from thbridge.credentials import Right
 from ui.command_line.terminal import BAD_INPUT, bad_input, command, fail, note, out, say
 
 KeyFolder = Annotated[
-    Path, typer.Option("--keys", help="Folder of the keys; use the same with --keys and --watch-key.")
+    Path, typer.Option("--keys", help="Folder of the keys, as for --keys and --watch-key of other commands.")
 ]
-KeyName = Annotated[str, typer.Argument(help="Name of the key's owner; it is recorded with their actions.")]
+KeyName = Annotated[str, typer.Argument(help="Name of the key's owner; it is recorded with the owner's actions.")]
 FOLDER = Path("keys")
 
 
@@ -23,10 +23,10 @@ def keys_new(
         typer.Option("--right", help="Right that the key grants; default: `watch`. Can be repeated."),
     ] = None,
     days: Annotated[
-        int | None, typer.Option(help="Number of days after which the key expires.", min=1, max=3650)
+        int | None, typer.Option(help="Number of days after which the key expires; default: never.", min=1, max=3650)
     ] = None,
 ) -> None:
-    """Create a key in a file, which you give to the person who needs it."""
+    """Create a key and write it to a file, for the person who needs the key."""
     import secrets
     from datetime import UTC, datetime, timedelta
 
@@ -39,11 +39,11 @@ def keys_new(
     say(str(path))
     watches = Right.WATCH in (rights or [Right.WATCH]) or Right.INTERVENE in (rights or ())
     uses = command("watch", "HOST:PORT", "--key", path) if watches else f"--key {path}"
-    note(f"Give this file to the owner of the key, then delete it here. Use it with `{uses}`.")
+    note(f"Give this file to the owner of the key, then delete the file here. The owner uses it with `{uses}`.")
 
 
 def keys_list(folder: KeyFolder = FOLDER) -> None:
-    """List the keys, including expired, revoked and used ones."""
+    """List all keys, including expired, revoked and used keys."""
     from rich.table import Table
 
     from thbridge.files.keys.certificate import certificate_of
@@ -52,10 +52,10 @@ def keys_list(folder: KeyFolder = FOLDER) -> None:
 
     with bad_input():
         entries = KeyRing(folder, utc_now).entries
-    table = Table("name", "rights", "made", "expires", "state")
+    table = Table("name", "rights", "created", "expires", "state")
     for entry in entries:
-        state = "revoked" if entry.revoked else "expired" if entry.why_not(utc_now()) else "good"
-        if state == "good" and entry.game is not None:
+        state = "revoked" if entry.revoked else "expired" if entry.why_not(utc_now()) else "valid"
+        if state == "valid" and entry.game is not None:
             state = "used for a game"
         table.add_row(entry.name, ", ".join(entry.rights), entry.created, entry.expires or "never", state)
     out.print(table)
@@ -65,7 +65,7 @@ def keys_list(folder: KeyFolder = FOLDER) -> None:
 
 
 def keys_revoke(name: KeyName, folder: KeyFolder = FOLDER) -> None:
-    """Revoke a key; clients connected with it are disconnected within a second."""
+    """Revoke a key. Clients that use it are disconnected within a second."""
     from thbridge.files.keys.key_ring import KeyRing
     from thbridge.timing.wall_clock import utc_now
 
@@ -73,4 +73,4 @@ def keys_revoke(name: KeyName, folder: KeyFolder = FOLDER) -> None:
         fail(BAD_INPUT, f"--keys: there is no folder {folder}. Name the folder in which the key was created.")
     with bad_input():
         KeyRing(folder, utc_now).revoke(name)
-    note(f"{name} is revoked.")
+    note(f"The key of {name} is revoked.")

@@ -1,4 +1,4 @@
-"""`thbridge play`: a whole hunt in one program."""
+"""`thbridge play`: all roles of a hunt in one program."""
 
 import dataclasses
 import math
@@ -52,7 +52,8 @@ def play(
     rate: Annotated[
         float | None,
         typer.Option(
-            help="Simulated seconds per second; 0 is full speed, the default if no people or other programs play.",
+            help="Simulated seconds per real second; 0 means full speed, which is the default if no people or other "
+            "programs play.",
             min=0,
             max=1000,
         ),
@@ -63,7 +64,8 @@ def play(
         typer.Option(
             "--with",
             metavar="KEY=VALUE|FILE.yaml",
-            help="Change a key of the study, for example `--with robot.amcl.max_particles=500`. Can be repeated.",
+            help="Change a key of the study, for example `--with robot.amcl.max_particles=500`, or all keys that a "
+            "FILE.yaml contains. Can be repeated.",
         ),
     ] = None,
     outside: Annotated[
@@ -73,12 +75,13 @@ def play(
     max_seconds: Annotated[
         float | None,
         typer.Option(
-            help="Stop after this many simulated seconds. Default: 3600; no limit with human players or MAVLink.", min=1
+            help="Stop after this many simulated seconds. Default: 3600, but no limit with human players or MAVLink.",
+            min=1,
         ),
     ] = None,
     report_page: Annotated[
         bool | None,
-        typer.Option("--report/--no-report", help="Write an HTML report of the bag; default: yes, except with --json."),
+        typer.Option("--report/--no-report", help="Write an HTML report of the bag; default: yes, but no with --json."),
     ] = None,
     *,
     ros: RosOptions,
@@ -90,11 +93,11 @@ def play(
     progress: ProgressOption = ProgressKind.AUTO,
     as_json: AsJson = False,
 ) -> None:
-    """Play a whole hunt and record it in a bag, in a window, or with a simulated participant if there is no display.
+    """Play a whole hunt in a window, and record it in a bag. Without a display, a simulated participant plays.
 
     The default study is `standard`; with --outside it is `original-2016`, the game of 2016.
 
-    Other programs may connect to the TCP port. Those named by --outside replace the built-in ones.
+    Other programs may connect to the TCP port. They replace the built-in programs for the roles that --outside names.
     """
     from ui.first_start.bar import START_BAR, announce_start
 
@@ -153,7 +156,7 @@ def play(
             f"{problem}. Start `thbridge server`, `simr`, `hider` and `tabui`, or set robots_from: sim in the study.",
         )
     if study.external_nodes is not ExternalNodes.NONE:
-        problem = "external_nodes: other nodes drive these robots, but `play` drives its own"
+        problem = "external_nodes: other ROS nodes shall drive these robots, but `play` drives the robots itself"
         fail(BAD_INPUT, f"{problem}. Start `simr --ros` with this study, and play with `simr --robots-from ros`.")
     setting = setting_of(study, study_file)
     note_doubts(setting)
@@ -180,7 +183,7 @@ def play(
         play_in_window(games, offered, ("--look", look.value))
         return
     if who == PERSON:
-        START_BAR.close()  # A person who types needs the line that the bar occupies.
+        START_BAR.close()  # The person types in the line that the bar occupies.
         text = None if legacy.TABUI in others else setting.consent
         player = player_of_person(setting.texts, None if text is None else ask_for_consent(setting.texts, text))
     else:
@@ -236,9 +239,9 @@ def play(
         with bad_input():
             write_report(path, path.with_suffix(".html"))
     if stopped:
-        fail(FAILED, "stopped; the recording is complete up to this point")
+        fail(FAILED, "The hunt was stopped. The recording is complete up to this point.")
     if unfinished is not None:
-        fail(FAILED, f"the game had not ended after {limit:g} simulated seconds")
+        fail(FAILED, f"The game did not end within {limit:g} simulated seconds. Allow more time with --max-seconds.")
 
 
 def _roles(names: str) -> frozenset[str]:

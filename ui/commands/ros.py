@@ -22,7 +22,10 @@ if TYPE_CHECKING:
 def ros_messages(
     folder: Annotated[Path, typer.Argument(help="Folder for the packages, such as `src` of a catkin workspace.")],
 ) -> None:
-    """Write our message types as the ROS package `thbridge_msgs`; without mavros, also the mavros types that we use."""
+    """Write thbridge's message types as the ROS package `thbridge_msgs`.
+
+    If mavros is not installed, also write its message types that thbridge uses.
+    """
     import os
 
     from thbridge.files.ros.package import write_packages
@@ -37,12 +40,12 @@ def ros_messages(
 
 def ros_master(
     host: Annotated[
-        str, typer.Option(help="Address to listen on; 0.0.0.0 also accepts other machines, those of --open-to.")
+        str, typer.Option(help="Address to listen on; 0.0.0.0 also accepts the other machines of --open-to.")
     ] = LOCALHOST,
     port: Annotated[int, typer.Option(help="TCP port; 0 means any free port.", min=0, max=65535)] = ROS_MASTER_PORT,
     open_to: OpenTo = None,
 ) -> None:
-    """Run a ROS master, instead of roscore, until stopped."""
+    """Run a ROS master, as a substitute for roscore, until the command is stopped."""
     import asyncio
 
     from thbridge.rosgraph.sockets import master_server
@@ -62,7 +65,7 @@ def ros_master(
     asyncio.run(master_server.serve(host, port, ready, Admission.to(study.open_to)))
 
 
-ViewFile = Annotated[Path | None, typer.Option("--to", help="File to write; default, and with `-`: standard output.")]
+ViewFile = Annotated[Path | None, typer.Option("--to", help="File to write; `-`, the default, is standard output.")]
 
 
 def ros_rviz(
@@ -80,7 +83,7 @@ def ros_foxglove(
     """Write a Foxglove layout that shows the whole team of a study, for sessions with --foxglove and for recordings."""
     from thbridge.ros.foxglove_layout import foxglove_layout
 
-    _write_view(foxglove_layout, study_file, robots, map_name, to, "In Foxglove: Layouts, Import from file")
+    _write_view(foxglove_layout, study_file, robots, map_name, to, "Import it in Foxglove: Layouts, Import from file")
 
 
 def _write_view(
@@ -91,7 +94,7 @@ def _write_view(
     to: Path | None,
     use: str,
 ) -> None:
-    """Write a view of a study's team; a function creates it from the parameters of robots and the map."""
+    """Write a view of a study's team. `write` returns its text for the parameters of the robots and the map."""
     from sim.common.robot_numbers import robot_numbers
     from thbridge.files.disk.whole import write_whole
     from ui.command_line.settings import map_of, study_of

@@ -18,7 +18,8 @@ def watch(
         str | None,
         typer.Argument(
             metavar="[HOST:PORT|BAG]",
-            help="Address of a running session (see `play --watch`), or path of a recording. Default: the window asks.",
+            help="Address of a running session (see `play --watch`), or path of a recording. Without it, choose in the "
+            "window.",
         ),
     ] = None,
     key: Annotated[
@@ -26,10 +27,10 @@ def watch(
     ] = None,
     look: LookOption = ColourScheme.SYSTEM,
 ) -> None:
-    """Watch a running session or a recording: the truth next to the robots' beliefs, plots, messages, dialogues.
+    """Watch a running session or a recording: true poses next to the robots' beliefs, plots, messages, dialogues.
 
-    In a session, the window can also send robots, kidnap or kill them, put things in their way, and speak for them.
-    Everything it requests is recorded. Press F1 for keyboard shortcuts. See `thbridge docs watching`.
+    In a running session, you can also send robots, move them by hand, kill their software, place obstacles, and speak
+    for robots. All these actions are recorded. Press F1 for keyboard shortcuts. See `thbridge docs watching`.
     """
     from ui.windows.researcher.feeds.opening import open_feed
 

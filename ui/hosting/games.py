@@ -179,7 +179,7 @@ def play_in_window(games: WindowGames, offer: Offer, arguments: tuple[str, ...] 
     except ParticipantDeclined:
         fail(FAILED, NOT_TAKING_PART)
     except HuntUnfinished:
-        fail(FAILED, "stopped; the recording is complete up to this point")
+        fail(FAILED, "The hunt was stopped. The recording is complete up to this point.")
     if window.given_up and answer is not Answer.NO:
         fail(FAILED, "The window crashes each time it is opened. Play without it: --headless, or --participant person.")
     if answer is not Answer.YES:

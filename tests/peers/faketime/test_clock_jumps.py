@@ -54,7 +54,7 @@ def test_a_hunt_goes_on_and_is_replayed(tmp_path: Path, clock: Clock) -> None:
         hunt.process.wait(120)
     finally:
         hunt.close()
-    assert "the game had not ended after 30 simulated seconds" in hunt.text
+    assert "The game did not end within 30 simulated seconds" in hunt.text
     assert "Traceback" not in hunt.text
     replay = Program(tmp_path, "replay", "a.bag")
     assert replay.process.wait(120) == 0, replay.text

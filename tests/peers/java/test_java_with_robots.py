@@ -132,7 +132,7 @@ def test_old_participant_joins_play_which_is_then_stopped(classes, tmp_path):
         assert play.stop() == 1
     finally:
         play.close()
-    assert "stopped; the recording is complete up to this point" in play.text
+    assert "The recording is complete up to this point" in play.text
     assert not (tmp_path / "a.bag.active").exists()
     recorded = [json.loads(line) for line in record.read_text().splitlines()]
     said_in_bag = [message.data for message in messages(tmp_path / "a.bag") if message.topic == "/hunt/events"]

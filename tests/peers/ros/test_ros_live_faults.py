@@ -93,7 +93,7 @@ def under_way(program: Program) -> None:
 def ends_well(program: Program, folder: Path) -> None:
     """Whether it stops when it is told to, with a bag from its first tick to its last."""
     assert program.stop() == 1, program.text
-    assert "the recording is complete up to this point" in program.text
+    assert "The recording is complete up to this point" in program.text
     assert "Traceback" not in program.text
     ticks = [message.stamp_ns for message in messages(folder / "hunt.bag") if message.topic == "/robot1/odom"]
     assert len(ticks) > 50
@@ -203,7 +203,7 @@ def test_a_master_that_never_answers_does_not_hold_up_a_hunt(tmp_path: Path) -> 
         uri = f"http://{ELSEWHERE}:{silent.getsockname()[1]}"
         with hunt(tmp_path, uri, "--rate", "0", "--max-seconds", "30") as program:
             assert program.process.wait(120) == 1
-            assert "had not ended after 30 simulated seconds" in program.text
+            assert "did not end within 30 simulated seconds" in program.text
             assert "Traceback" not in program.text
     assert recorded(tmp_path) > 1_000_000
 

@@ -60,7 +60,7 @@ def compile_kernels() -> float:
         # waits.
         told = [played.communicate()[1] for played in hunts]
     for said in told:
-        if "the game had not ended" not in said:
+        if "The game did not end" not in said:
             raise RuntimeError(said)
     seconds = time.monotonic() - began
     done.parent.mkdir(mode=0o700, exist_ok=True)

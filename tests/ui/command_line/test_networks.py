@@ -49,7 +49,7 @@ def test_researchers_windows_of_other_machines_want_keys_and_encryption(
     program: tuple[str, ...], key: tuple[str, ...]
 ) -> None:
     told = refusal(*program, "--watch", "0.0.0.0:0", "--open-to", "10.0.0.0/24", *key)
-    assert told.startswith("researchers' windows: any client at 0.0.0.0 could see all its data")
+    assert told.startswith("researchers' windows: any client at 0.0.0.0 could see all data and command robots")
     assert "keys new NAME" in told
 
 

@@ -52,7 +52,7 @@ UNDECIDED_END = "The opponent wins: {} need not be accepted, and need not be rej
                 "Opponent:  But c attacks a.",
                 "Proponent: b attacks c, and must be accepted.",
                 "Opponent:  But a attacks b.",
-                "These attacks form a cycle, which decides nothing: a attacks b, b attacks c, c attacks a.",
+                "These attacks form a cycle, so they decide nothing: a attacks b, b attacks c, c attacks a.",
                 UNDECIDED_END.format("a"),
             ],
         ),
@@ -80,7 +80,7 @@ def test_a_discussion_says_who_attacks_whom_and_how_it_ends(
     [
         (chain(1), "GR", "a0", ["a0 is in the grounded extension: nothing attacks it."]),
         (chain(3), "GR", "a2", ["a2 is in the grounded extension: a1 attacks it, but a0 attacks a1."]),
-        (TWICE, "GR", "a", ["a is in the grounded extension: its attackers are attacked in turn, b by d, c by d."]),
+        (TWICE, "GR", "a", ["a is in the grounded extension: each of its attackers is attacked (b by d, c by d)."]),
         (
             NIXON,
             "PR",

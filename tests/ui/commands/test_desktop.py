@@ -28,7 +28,7 @@ def test_what_is_installed_is_known_to_the_desktop_and_can_be_removed(
         assert "application/x-rosbag:*.bag" in globs and "application/x-mcap:*.mcap" in globs
     assert invoke("desktop", "remove").exit_code == 0
     assert files(tmp_path) == set()
-    assert "Nothing is installed" in invoke("desktop", "remove").stderr
+    assert "nothing is installed" in invoke("desktop", "remove").stderr
 
 
 def test_the_entry_starts_a_program_whatever_its_path() -> None:

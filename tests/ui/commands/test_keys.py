@@ -18,7 +18,7 @@ def test_a_key_is_made_listed_and_revoked() -> None:
     assert Path("keys/maria.key").read_text().splitlines()[1] in listed
     assert "maria" in listed
     assert "watch, intervene" in listed
-    assert "good" in listed
+    assert "valid" in listed
     assert invoke("keys", "revoke", "maria").exit_code == 0
     assert "revoked" in invoke("keys", "list").stdout
 

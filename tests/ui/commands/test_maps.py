@@ -52,11 +52,13 @@ def test_a_new_map_is_measured_by_a_study_that_does_not_fit_it_and_then_plays(he
     of_another_map = here / "two" / "mapTimes"
     of_another_map.write_text("2\n99 1\n99 99\n")
     elsewhere = maps(*measure, "mapTimes", "--jobs", 1)
-    assert "once it is copied to two/mapTimes" in elsewhere.stderr.splitlines()[-1]
+    assert "copy it to two/mapTimes" in elsewhere.stderr.splitlines()[-1]
     of_another_map.unlink()
     done = maps(*measure, "two/mapTimes", "--jobs", 2)
     assert done.exit_code == 0, done.stderr
-    assert done.stderr.splitlines()[-1] == ("Wrote two/mapTimes into the map's folder. Games on this map now use it.")
+    assert done.stderr.splitlines()[-1] == (
+        "Wrote two/mapTimes into the map's folder. Games on this map now use these times."
+    )
     assert (here / "mapTimes").read_bytes() == (here / "two" / "mapTimes").read_bytes()
     (here / "play.yaml").write_text("map: ./two\n")
     assert invoke("study", "check", "play.yaml").exit_code == 0
@@ -77,12 +79,12 @@ def test_a_stopped_measurement_goes_on_and_writes_the_same_bytes(here: Path, mon
         stopping.setattr(KeptTrips, "add", add_and_stop)
         stopped = maps(*measure, "mapTimes")
     assert stopped.exit_code == 1
-    assert "Stopped. 1 trips are kept in mapTimes.trips; the same command continues." in stopped.stderr
+    assert "Stopped. 1 trips are kept in mapTimes.trips; continue with the same command." in stopped.stderr
     assert not (here / "mapTimes").exists()
     driven = []
     monkeypatch.setattr(KeptTrips, "add", lambda kept, result: (driven.append(result.trip), add(kept, result)))
     done = maps(*measure, "mapTimes", "--progress", "json")
-    assert "1 of 4 trips were kept from an earlier run (mapTimes.trips). Measuring the others." in done.stderr
+    assert "1 of 4 trips are known from an earlier run (mapTimes.trips). Measuring the others." in done.stderr
     assert '"task": "trips", "done": 4, "total": 4' in done.stderr
     assert len(driven) == 3
     assert killed[0] not in driven
@@ -105,11 +107,12 @@ def test_a_new_map_whose_measurement_is_stopped_names_the_command_that_continues
         stopped = maps("new", "two/map.yaml", "--to", "three", "--jobs", 1)
     assert stopped.exit_code == 1
     told = (
-        "Stopped. 1 trips are kept in three/mapTimes.trips; `thbridge maps measure three --runs 1 --out three/mapTimes`"
+        "Stopped. 1 trips are kept in three/mapTimes.trips; continue with "
+        "`thbridge maps measure three --runs 1 --out three/mapTimes`."
     )
     assert told in stopped.stderr
     done = maps("measure", "three", "--runs", 1, "--out", "three/mapTimes", "--jobs", 1)
-    assert "1 of 4 trips are kept from an earlier run" in done.stderr
+    assert "1 of 4 trips are known from an earlier run" in done.stderr
 
 
 def test_a_view_for_rviz_needs_no_costs(here: Path) -> None:
@@ -123,7 +126,7 @@ class TestCheck:
         assert "two: 8.0 m x 4.0 m, 80 x 40 cells of 0.1 m" in told
         assert "1.0 m to the corridor" in told
         assert "start poses: 2; robot 1 starts at (4, 1)" in told
-        assert "paths: 4 of 4" in told
+        assert "reachable: 4 of 4 paths" in told
         assert "`thbridge maps measure two --out two/mapTimes`" in told
         assert told.endswith("0 errors, 0 warnings\n")
         found = json.loads(maps("check", "two", "--json").stdout)
@@ -219,12 +222,12 @@ class TestNew:
     @pytest.mark.parametrize(
         ("words", "told"),
         [
-            (("two.png",), "the size of an image in meters is not known. Write the width"),
+            (("two.png",), "the size of the image in meters is not known. Write the width"),
             (("none.png", "--resolution", "0.1"), "none.png: there is no such file"),
             (("two/map.yaml", "--resolution", "0.1", "--to", "x"), "--resolution: two/map.yaml already contains this"),
             (("two/map.yaml", "--negate", "--to", "x"), "--negate: two/map.yaml already contains this"),
             (("two/map.yaml", "--to", "two"), "--to: two already exists"),
-            (("two.png", "--resolution", "0.1", "--to", "x", "--names", "A,,B"), "--names: 'A,,B' has an empty name"),
+            (("two.png", "--resolution", "0.1", "--to", "x", "--names", "A,,B"), "--names: 'A,,B' has an empty"),
             (("two.png", "--resolution", "0.1", "--to", "x", "--names", "A,B,C"), "3 names, but 2 rooms were found"),
         ],
     )
@@ -242,7 +245,7 @@ class TestNew:
 
     def test_fewer_rooms_or_starts_than_wanted_are_told(self, here: Path) -> None:
         done = maps("new", "two/map.yaml", "--to", "x", "--no-times", "--rooms", 5, "--robots", 40)
-        assert "Rooms: 2 of 5 wanted found" in done.stdout
+        assert "Rooms: 2 found (5 requested)" in done.stdout
         assert "of 40 (no space for more)" in done.stdout
         done = maps("new", "two/map.yaml", "--to", "y", "--no-times", "--rooms", 1)
         assert "Rooms: 1 found: 1 Room 1" in done.stdout
@@ -255,8 +258,9 @@ def test_ways_that_were_not_driven_are_told_by_their_rooms() -> None:
     stuck, lost = "the robot is stuck", "no path"
     times = [pair(0, 1, None), pair(0, 2, stuck), pair(1, 2, stuck), pair(2, 1, lost)]
     told = unreached_words(times, Path("lab"))
-    assert told.startswith("3 of 4 paths were not completed and are no moves (99); main reason: the robot is stuck.")
-    assert "Most begin or end in room 2 (3 paths), room 1 (2 paths)." in told
+    assert told.startswith("3 of 4 paths were not completed, so games do not allow these moves (99 in mapTimes).")
+    assert "Main reason: the robot is stuck." in told
+    assert "Most of these paths begin or end in room 2 (3 paths), room 1 (2 paths)." in told
     assert "thbridge maps edit lab" in told
 
 
@@ -294,7 +298,7 @@ class TestPlans:
         opened = invoke(*command, "3")
         assert opened.exit_code == 0, opened.stderr
         assert "Rooms: 8 found" in opened.stdout
-        told = "Closed: openings to the outside, such as entrances and windows, at (2.6, 11.3). Robots stay inside."
+        told = "Closed: openings to the outside, such as entrances and windows, at (2.6, 11.3), so that"
         assert told in opened.stdout
 
     def test_pixels_finer_than_robots_need_are_joined(self, tmp_path, monkeypatch):
@@ -302,7 +306,7 @@ class TestPlans:
         plan().resize((3900, 2700), Image.Resampling.NEAREST).save("plan.png")
         done = invoke("maps", "new", "plan.png", "--width", "32.5", "--no-times", "--thinner", "6")
         assert done.exit_code == 0, done.stderr
-        assert "A pixel is 0.00833333 m wide, finer than needed: 2 x 2 pixels become one cell of 0.0166667 m." in (
+        assert "A pixel is only 0.00833333 m wide, so 2 x 2 pixels are merged into one cell of 0.0166667 m." in (
             done.stderr
         )
         assert "1950 x 1350 cells of 0.0166667 m" in done.stdout
@@ -321,9 +325,9 @@ class TestPlans:
     @pytest.mark.parametrize(
         ("options", "told"),
         [
-            (("--width", "3250"), "--width: a pixel would be 2.5 m wide, outside 0.001 to 0.5 m."),
+            (("--width", "3250"), "--width: a pixel would be 2.5 m wide, which is not within 0.001 to 0.5 m."),
             (("--resolution", "3"), "'3' is out of range. Write a number, 0.001 to 0.5."),
-            (("--width", "30", "--resolution", "0.05"), "--width, --resolution: each gives the size of the image."),
+            (("--width", "30", "--resolution", "0.05"), "--width, --resolution: both options set the size"),
             ((), "Write the width of the whole image in meters with --width"),
         ],
     )
@@ -337,7 +341,7 @@ class TestPlans:
     @pytest.mark.parametrize(
         ("pixels", "thinner", "told"),
         [
-            ((650, 450), 6, "% of all that is drawn, so it probably includes walls. Use --thinner 3."),
+            ((650, 450), 6, "% of the drawn area, so it probably includes walls. Use --thinner 3."),
             ((325, 225), 2, "of the floor is reachable: doors may be closed, or narrower than a robot."),
         ],
     )
@@ -352,8 +356,8 @@ class TestPlans:
         [
             (("--height", "2250"), "--height: a pixel would be 5 m high and 0.05 m wide."),
             (("--height", "0.5"), "--height: a pixel would be 0.00111111 m high and 0.05 m wide."),
-            (("--names", "A;B;C"), "--names: 'A;B;C' is one name. Separate names by commas."),
-            (("--thinner", "3", "--rooms", "2", "--names", "A,B,C"), "Write fewer names; or set --rooms 3."),
+            (("--names", "A;B;C"), "--names: 'A;B;C' is a single name. Separate names by commas."),
+            (("--thinner", "3", "--rooms", "2", "--names", "A,B,C"), "Write fewer names, or set --rooms 3."),
         ],
     )
     def test_further_slips_are_told_with_their_remedy(self, tmp_path, monkeypatch, options, told):

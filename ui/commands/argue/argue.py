@@ -29,12 +29,12 @@ def argue(
         typer.Option(help="Program that computes extensions. clingo, an extra package, is faster on large frameworks."),
     ] = ArgumentationEngine.PYTHON,
     query: Annotated[
-        str | None, typer.Option(help="Argument to look up: is it in some extension, or in all of them?")
+        str | None, typer.Option(help="Argument to look up: print whether it is in every, some or no extension.")
     ] = None,
     explain: Annotated[
         bool,
         typer.Option(
-            "--explain", help="Explain why the argument of --query is in an extension or not, with a discussion."
+            "--explain", help="Also print why the argument of --query is in an extension or not, as a discussion."
         ),
     ] = False,
     as_json: AsJson = False,
@@ -74,7 +74,7 @@ def argue(
         result["grounded"] = is_won(discussion)
         result["label"] = grounded_label(framework, query)
         lines += membership_in_words(framework, semantics, found, query)
-        lines += ["", f"Discussion: whether {query} is in the grounded extension:"]
+        lines += ["", f"Discussion of the question: is {query} in the grounded extension?"]
         lines += discussion_in_words(framework, discussion)
     if as_json:
         print_json(result)

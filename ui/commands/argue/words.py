@@ -23,7 +23,7 @@ _KINDS = {
 }
 _LABELS = {IN: "in", OUT: "out", UNDECIDED: "undecided"}
 _MANY = 8
-"""Greatest number of arguments of one kind in a sentence."""
+"""Greatest number of arguments in a list within a sentence."""
 
 
 def name_order(name: str) -> tuple[bool, int, str]:
@@ -40,7 +40,7 @@ def grounded_label(framework: ArgumentationFramework, name: str) -> str:
 def membership_in_words(
     framework: ArgumentationFramework, semantics: Semantics, found: Sequence[Extension], name: str
 ) -> Iterator[str]:
-    """Yield why an argument is in one of the given extensions, and why it is not in another one."""
+    """Yield sentences about why an argument is in one of the given extensions, and not in another one."""
     for is_in in (True, False):
         extension = next((each for each in found if (name in each) == is_in), None)
         if extension is not None:
@@ -67,7 +67,7 @@ def _reason_in_words(framework: ArgumentationFramework, extension: Extension, na
                 return f"{attacker} attacks it, but {answer} attacks {attacker}"
             case several:
                 answered = ", ".join(_few([f"{attacker} by {answer}" for attacker, answer in several]))
-                return f"its attackers are attacked in turn, {answered}"
+                return f"each of its attackers is attacked ({answered})"
     against = answer_to(name)
     if against is not None:
         return f"{against} attacks it, and is in the extension"
@@ -78,7 +78,7 @@ def _reason_in_words(framework: ArgumentationFramework, extension: Extension, na
 
 
 def discussion_in_words(framework: ArgumentationFramework, discussion: Discussion) -> Iterator[str]:
-    """Yield the lines of a discussion as `discuss` returns it, and who wins."""
+    """Yield the lines of a discussion that `discuss` returned, and the winner."""
     name = discussion[0].argument
     brought_in: list[str] = []
     claims: list[str] = []
@@ -116,7 +116,7 @@ def discussion_in_words(framework: ArgumentationFramework, discussion: Discussio
     if len(attacks) == 1:
         yield "An argument that attacks itself cannot be accepted."
     else:
-        yield f"These attacks form a cycle, which decides nothing: {', '.join(_few(attacks))}."
+        yield f"These attacks form a cycle, so they decide nothing: {', '.join(_few(attacks))}."
     yield f"The opponent wins: {name} need not be accepted, and need not be rejected."
 
 

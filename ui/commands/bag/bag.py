@@ -23,7 +23,7 @@ Out = Annotated[
 ]
 
 
-Overwrite = Annotated[bool, typer.Option("--overwrite", help="Replace an existing file of that name.")]
+Overwrite = Annotated[bool, typer.Option("--overwrite", help="Replace an existing file of this name.")]
 
 
 class Packing(StrEnum):
@@ -44,7 +44,8 @@ class Profile(StrEnum):
 def bag_info(
     bag: Recording,
     hashed: Annotated[
-        bool, typer.Option("--hash", help="Also print the digest of all messages, except the session's own record.")
+        bool,
+        typer.Option("--hash", help="Also print the hash of all messages, except the description of the session."),
     ] = False,
     progress: ProgressOption = ProgressKind.AUTO,
     as_json: AsJson = False,
@@ -69,7 +70,7 @@ def bag_info(
 
 
 def bag_check(bag: Recording, progress: ProgressOption = ProgressKind.AUTO, as_json: AsJson = False) -> None:
-    """Check whether rosbag, rviz, Foxglove, PlotJuggler and evo can read a bag, and why not."""
+    """Check whether rosbag, rviz, Foxglove, PlotJuggler and evo can read a bag, and print all problems."""
     from thbridge.analysis.check import judge
     from thbridge.recording.bag.reading.scan import scan
     from ui.command_line.progress import shown_progress
@@ -90,7 +91,7 @@ def bag_reindex(
     progress: ProgressOption = ProgressKind.AUTO,
     as_json: AsJson = False,
 ) -> None:
-    """Recover a bag that ends abruptly. The original file is kept next to it."""
+    """Recover a bag that ends abruptly. The original file is kept under another name."""
     import msgspec
 
     from thbridge.recording.bag.repair import reindex as reindex_bag
@@ -123,14 +124,14 @@ def bag_cut(
     ] = None,
     topics: Annotated[str | None, typer.Option(help="Names of topics, separated by commas; default: all.")] = None,
     compression: Annotated[
-        Compression | None, typer.Option(help="Compression of the output bag; default: as the input bag.")
+        Compression | None, typer.Option(help="Compression of the output bag; default: that of the input bag.")
     ] = None,
     new: Out = None,
     overwrite: Overwrite = False,
     progress: ProgressOption = ProgressKind.AUTO,
     as_json: AsJson = False,
 ) -> None:
-    """Copy a part of a bag into a new bag, with the messages latched before it. A split bag becomes one file."""
+    """Copy a part of a bag into a new bag, with the messages latched before this part. A split bag becomes one file."""
     import msgspec
 
     from thbridge.analysis.cut import CutRange, cut
@@ -173,7 +174,7 @@ def bag_to_mcap(
     share_no_output(new, as_json)
     if profile is Profile.ROS2:
         if new == STANDARD_OUTPUT or overwrite or compression is Packing.LZ4:
-            problem = "a rosbag2 folder must be new, on the disk, and compressed with zstd or not at all"
+            problem = "a rosbag2 folder must be new and on the disk, and its compression must be zstd or none"
             fail(BAD_INPUT, f"--profile ros2: {problem}. Omit `-`, --overwrite and lz4.")
         with bad_input(), shown_progress(progress, "bag to-mcap"):
             folder = to_ros2(bag, new or bag.with_name(f"{bag.stem}-ros2"), compression is Packing.ZSTD)
@@ -193,7 +194,7 @@ def bag_to_mcap(
     ):
         done = to_mcap(bag, file, compression, overwrite, tell)
     for topic in done.undefined:
-        note(f"{visible(topic)}: the bag has no definition of its type, so no reader can decode it.")
+        note(f"{visible(topic)}: the bag has no definition of its type, so no program can decode its messages.")
     if as_json:
         print_json(msgspec.to_builtins(done, enc_hook=str))
     elif new != STANDARD_OUTPUT:

@@ -63,4 +63,4 @@ def bag_export(
         total = sum(rows.values())
         say(f"{to}: {len(rows)} {'table' if len(rows) == 1 else 'tables'}, {total} rows, and README.md.")
     if not rows and exported.notices:
-        fail(FAILED, f"{bag}: none of its topics could be exported.")
+        fail(FAILED, f"{bag}: no topic could be exported.")

@@ -8,10 +8,10 @@ from thbridge.files.errors import visible
 from ui.command_line.terminal import say
 
 _VERDICTS = {
-    FindingSeverity.ERROR: "has problems, see its errors",
-    FindingSeverity.WARNING: "can read it, with losses",
-    FindingSeverity.NOTE: "can read it",
-    None: "can read it",
+    FindingSeverity.ERROR: "has problems with this recording; see the errors",
+    FindingSeverity.WARNING: "can read the recording, but not all of its data",
+    FindingSeverity.NOTE: "can read the recording",
+    None: "can read the recording",
 }
 
 
@@ -65,7 +65,7 @@ def show_judgements(judgements: Mapping[Path, Judgement]) -> None:
     )
     for tool, severity in _verdicts(judgements).items():
         empty_for_it = nothing and tool is BagTool.EVO
-        say(f"{tool:<12}{'finds no trajectory in it' if empty_for_it else _VERDICTS[severity]}")
+        say(f"{tool:<12}{'finds no trajectory in the recording' if empty_for_it else _VERDICTS[severity]}")
 
 
 def _messages(count: int) -> str:

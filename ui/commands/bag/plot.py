@@ -35,13 +35,14 @@ def bag_plot(
         Path | None, typer.Option("--map", help="Map (a map_server YAML file); default: the map in the bag.")
     ] = None,
     game: Annotated[
-        int | None, typer.Option(help="Number of the game to plot, if the bag has several; times count from its start.")
+        int | None,
+        typer.Option(help="Number of the game to plot, if the bag has several. Times count from the game's start."),
     ] = None,
     truth: Truth = None,
     estimate: Estimated = None,
     progress: ProgressOption = ProgressKind.AUTO,
 ) -> None:
-    """Plot a bag for print: paths, errors, covariance, energy, speeds, or a timeline of events."""
+    """Plot a figure of a bag for a paper: paths, errors, covariance, energy, speeds, or a timeline of events."""
     from thbridge.analysis.plot.figures import draw
     from thbridge.analysis.plot.style import ONE_COLUMN, TWO_COLUMNS, FigureFormat
     from thbridge.analysis.report.builder import read_games, trajectory_topics
@@ -64,12 +65,12 @@ def bag_plot(
     report = games[0] if len(games) == 1 and game is None else next((one for one in games if one.game == game), None)
     if report is None:
         numbers = ", ".join(str(one.game) for one in games if one.game is not None) or "none"
-        fail(BAD_INPUT, f"--game: {bag} has the games {numbers}. Name the one to plot.")
+        fail(BAD_INPUT, f"--game: {bag} has the games {numbers}. Write the number of the game to plot.")
     drawn = draw(what, report, look)
     if isinstance(drawn, RequestRefused):
         fail(FAILED, f"{bag}: {drawn.sentence}")
     with bad_input(), destination(to) as file:
-        write_whole(file, look.rendered(drawn, FigureFormat(kind)), "choose another with --to")
+        write_whole(file, look.rendered(drawn, FigureFormat(kind)), "choose another file with --to")
     for sentence in report.left_out:
         note(visible(sentence))
     for track in report.tracks:

@@ -6,7 +6,7 @@ from thbridge.ros.messages.session_records import MACHINE
 from ui.command_line.terminal import say
 
 WIDEST = 80
-"""Greatest width of a column, in characters; a longer cell shifts the rest of its row only."""
+"""Greatest width of a column, in characters. A longer cell shifts only the rest of its row."""
 
 
 def show_summary(found: RecordingSummary) -> None:
@@ -41,7 +41,7 @@ def show_summary(found: RecordingSummary) -> None:
             longest = topic.gaps[0]
             number = f"{len(topic.gaps)} gap{'s' if len(topic.gaps) > 1 else ''}"
             since = _seconds(longest.start_ns, found.start_ns)
-            say(f"{visible(topic.name)}: {number}, the longest {longest.seconds:.1f} s, starting at {since} s")
+            say(f"{visible(topic.name)}: {number}; the longest has {longest.seconds:.1f} s and starts at {since} s")
 
 
 def _seconds(stamp_ns: int | None, start_ns: int | None) -> str:

@@ -10,7 +10,7 @@ def desktop_install() -> None:
     from ui.commands.desktop.files import data_home, install, installed_program
 
     if sys.platform in {"darwin", "win32"}:
-        fail(BAD_INPUT, "Menu entries and file types can only be installed on Linux. Open bags with *Open…*.")
+        fail(BAD_INPUT, "Menu entries and file types need Linux. Start `thbridge watch`, and open bags with *Open…*.")
     with bad_input():
         for path in install(data_home(), installed_program()):
             say(str(path))
@@ -25,4 +25,4 @@ def desktop_remove() -> None:
     for path in removed:
         say(str(path))
     if not removed:
-        note("Nothing is installed.")
+        note("Nothing was removed, because nothing is installed.")

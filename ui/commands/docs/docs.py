@@ -7,13 +7,13 @@ import typer
 
 def docs(
     page: Annotated[
-        str | None, typer.Argument(help="Name of a page, such as `sweeps`. Without it, all pages are listed.")
+        str | None, typer.Argument(help="Name of a page, such as `sweeps`. Default: list all pages.")
     ] = None,
     in_browser: Annotated[
         bool, typer.Option("--open", help="Open the page, or the list of pages, in a browser.")
     ] = False,
 ) -> None:
-    """List the pages of the documentation, or show one of them."""
+    """List the pages of the documentation, or show a page."""
     from ui.command_line.terminal import bad_input
     from ui.commands.docs.pages import find_page, list_pages, open_in_browser, show_page
 

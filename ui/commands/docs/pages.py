@@ -1,4 +1,4 @@
-"""Pages of the documentation: from the wheel, or from the folder docs of a checkout."""
+"""Pages of the documentation, from the installed package or from the folder docs of a checkout."""
 
 import difflib
 import os
@@ -63,7 +63,7 @@ def find_page(wanted: str) -> Path:
 
 
 def show_page(page: Path) -> None:
-    """Print a page: on a terminal with layout, in a pager if there is one; elsewhere as plain Markdown."""
+    """Print a page: with layout on a terminal (in a pager if one is installed), otherwise as plain Markdown."""
     text = page.read_text(encoding="utf-8")
     if not out.is_terminal:
         print(text, end="")  # noqa: T201 - for other programs
@@ -98,7 +98,7 @@ def open_in_browser(page: Path | None) -> None:
         opened = webbrowser.open(target.as_uri())
     say(str(target))
     if not opened:
-        note("No browser could be opened. Open this file in one, or omit --open.")
+        note("No browser could be opened. Open this file in a browser, or omit --open.")
 
 
 class _ProgramPager(Pager):
@@ -120,7 +120,7 @@ class _ProgramPager(Pager):
 
 
 def _pager() -> list[str] | None:
-    """Return the command of the pager; if None, there is none."""
+    """Return the command of the pager; None if no pager can be used."""
     if not sys.stdin.isatty() or os.environ.get("TERM", "dumb") == "dumb":
         return None
     words = shlex.split(os.environ.get("PAGER") or "less")
@@ -164,5 +164,5 @@ def _redirect(token: Token, folder: Path) -> None:
 
 
 def _anchor(heading: str) -> str:
-    """Return the anchor of a heading, as GitHub makes it."""
+    """Return the anchor of a heading, in the form that GitHub uses."""
     return re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-")

@@ -1,4 +1,4 @@
-"""`thbridge doctor`: check whether this computer has what games need."""
+"""`thbridge doctor`: check whether games can run on this computer."""
 
 from pathlib import Path
 from typing import Annotated

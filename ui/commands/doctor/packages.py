@@ -18,7 +18,7 @@ def check_packages() -> Iterator[HealthCheck]:
     if Requirement(f"python{wanted}").specifier.contains(version, prereleases=True):
         yield ok("python", f"{version} ({sys.executable})")
     else:
-        remedy = "Install one with `uv python install 3.11`, or on Ubuntu from ppa:deadsnakes/ppa"
+        remedy = "Install Python 3.11 with `uv python install 3.11`, or on Ubuntu from ppa:deadsnakes/ppa"
         yield fault("python", f"version {version} does not meet {wanted}", remedy)
     requirements = [Requirement(line) for line in metadata.requires("thbridge") or ()]
     lacks = list(lacking(requirements, ""))
@@ -35,7 +35,10 @@ def check_packages() -> Iterator[HealthCheck]:
 
 
 def lacking(requirements: Sequence[Requirement], extra: str) -> Iterator[str]:
-    """Yield the packages of an extra that are missing or have a wrong version; an empty name is for required ones."""
+    """Yield sentences about missing packages of an extra and about wrong versions.
+
+    If the extra's name is empty, check the required packages.
+    """
     for each in requirements:
         if each.marker is None:
             is_asked = not extra
@@ -49,4 +52,4 @@ def lacking(requirements: Sequence[Requirement], extra: str) -> Iterator[str]:
             yield f"{each.name} is not installed"
             continue
         if not each.specifier.contains(version, prereleases=True):
-            yield f"{each.name} is {version}, but {each.specifier} is required"
+            yield f"{each.name} has version {version}, but {each.specifier} is required"

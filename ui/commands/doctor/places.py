@@ -10,13 +10,13 @@ from thbridge.files.errors import reason_of
 from ui.commands.doctor.result import HealthCheck, fault, ok, warning
 
 LITTLE = 1_000_000_000
-"""Size of several long recordings, bytes: with less free space, the check warns."""
+"""Size of several long recordings, bytes. If less space is free, the check prints a warning."""
 TOO_LITTLE = 50_000_000
-"""Size of one recording, bytes: with less free space, the check reports a fault."""
+"""Size of one recording, bytes. If less space is free, the check reports a fault."""
 
 
 def check_folder(name: str, folder: Path) -> HealthCheck:
-    """Check that a folder, or the one in which it will be created, is writable and has space."""
+    """Check that a folder is writable and has free space. If it does not exist, check its nearest existing parent."""
     place = folder.absolute()
     while not place.exists():
         place = place.parent
@@ -35,13 +35,13 @@ def check_folder(name: str, folder: Path) -> HealthCheck:
 
 
 def check_kernels() -> HealthCheck:
-    """Check that the simulator is compiled, and that compiled code can be kept."""
+    """Check that the simulator is compiled, and that compiled code is stored permanently."""
     name = "compiled code"
     folder = cache_folder()
     usual = os.environ.get("NUMBA_CACHE_DIR") or os.environ.get("XDG_CACHE_HOME") or Path("~/.cache").expanduser()
     if not folder.is_relative_to(Path(usual).resolve()) and folder.is_relative_to(Path(gettempdir()).resolve()):
         remedy = f"Make {usual} a folder that you own and that others cannot write to"
-        return warning(name, f"it is kept in {folder} only for a short time", remedy)
+        return warning(name, f"it is only stored in the temporary folder {folder}", remedy)
     try:
         from sim.numerics.signatures import missing, recorded_calls  # may fail to import
 
@@ -49,7 +49,7 @@ def check_kernels() -> HealthCheck:
     except (ImportError, OSError) as error:
         return fault(name, f"the compiler cannot be loaded ({error})", "Install thbridge again with its dependencies")
     if left == total:
-        return ok(name, f"not compiled yet in {folder}; the first game compiles {total} parts")
+        return ok(name, f"no part is compiled yet in {folder}; the first game compiles {total} parts")
     if left:
         return ok(name, f"{total - left} of {total} parts are up to date in {folder}; the next game compiles the rest")
     return ok(name, f"all {total} parts are up to date in {folder}")

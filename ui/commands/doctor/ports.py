@@ -1,4 +1,4 @@
-"""Checks of the TCP ports of sessions: each is free, or another program uses it."""
+"""Checks of the TCP ports of sessions: is each port free, or does another program use it?"""
 
 import errno
 import shutil
@@ -18,7 +18,7 @@ PORTS: Mapping[int, str] = {
     8765: "--foxglove",
     ROS_MASTER_PORT: "--ros-master",
 }
-"""Ports, each with the option that chooses another one."""
+"""Ports, each with the option that chooses another port."""
 _LISTENS = "0A"
 """State of a listening socket, as Linux writes it in /proc/net/tcp."""
 

@@ -24,7 +24,7 @@ def remedy_for(libraries: Sequence[str]) -> str:
     """Return the command that installs libraries, as a sentence without its full stop."""
     packages = " ".join(dict.fromkeys(QT_LIBRARIES.get(library) or _package(library) for library in libraries))
     if shutil.which("apt-get") is None:
-        return f"Install them; their Debian packages are {packages}"
+        return f"Install these libraries; their Debian packages are {packages}"
     return f"Run: sudo apt-get install {packages}"
 
 

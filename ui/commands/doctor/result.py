@@ -5,7 +5,7 @@ from enum import StrEnum
 
 
 class HealthState(StrEnum):
-    """State: everything works (ok), some features do not (warning), or no game can be played (fault)."""
+    """State of a check: all is well (ok), some features do not work (warning), or no game can be played (fault)."""
 
     OK = "ok"
     WARNING = "warning"
@@ -30,15 +30,15 @@ class HealthCheck:
 
 
 def ok(name: str, message: str) -> HealthCheck:
-    """Return the result of a check that found no problem."""
+    """Return the result of a check if there is no problem."""
     return HealthCheck(name, HealthState.OK, message)
 
 
 def warning(name: str, message: str, remedy: str) -> HealthCheck:
-    """Return the result of a check that found a feature that does not work."""
+    """Return the result of a check if some feature does not work."""
     return HealthCheck(name, HealthState.WARNING, message, remedy)
 
 
 def fault(name: str, message: str, remedy: str) -> HealthCheck:
-    """Return the result of a check that found a reason why no game can be played."""
+    """Return the result of a check if no game can be played."""
     return HealthCheck(name, HealthState.FAULT, message, remedy)

@@ -1,4 +1,4 @@
-"""Check of the screen: open a window in a separate program, because Qt aborts the program if no plug-in loads."""
+"""Check of the screen: open a window in a separate program, because Qt aborts a program if its plug-in fails."""
 
 import os
 import re
@@ -23,7 +23,7 @@ window.close()
 print("window", application.platformName(), shown)
 """
 _TIMEOUT = 30.0
-"""Time limit of the program, seconds, long enough to load Qt from a slow disk."""
+"""Time limit of the program, seconds. It is long enough to load Qt from a slow disk."""
 _NOT_LOADED = re.compile(r"(lib[\w.+-]+\.so[.\d]*): cannot open shared object file")
 _OF_PLATFORM = re.compile(r"^qt\.qpa\.\w+: (.+)$", re.MULTILINE)
 _PLUGIN_ADVICE = "is needed to load"
@@ -63,7 +63,7 @@ def try_window(environment: Mapping[str, str], timeout: float = _TIMEOUT) -> Hea
 
 
 def failed_window(screen: str, said: str, look: str) -> HealthCheck:
-    """Return the result for a program that Qt aborted, with the reason that Qt printed."""
+    """Return the result if Qt aborted the program, with the reason that Qt printed."""
     missing = list(dict.fromkeys(_NOT_LOADED.findall(said)))
     if missing:
         return warning(

@@ -25,7 +25,7 @@ def check_libraries(load: Callable[[str], object] = ctypes.CDLL) -> HealthCheck:
         except OSError:
             missing.append(library)
     if not missing:
-        return ok("Qt's libraries", f"all {len(QT_LIBRARIES)} are installed")
+        return ok("Qt's libraries", f"all {len(QT_LIBRARIES)} libraries are installed")
     return warning("Qt's libraries", f"windows cannot open without {', '.join(missing)}", remedy_for(missing))
 
 
@@ -62,9 +62,9 @@ def check_locale() -> HealthCheck:
         locale.setlocale(locale.LC_CTYPE, "")
     except locale.Error:
         named = next((os.environ[name] for name in ("LC_ALL", "LC_CTYPE", "LANG") if os.environ.get(name)), "")
-        return warning("locale", f"{named!r} is not installed", remedy)
+        return warning("locale", f"the locale {named!r} is not installed", remedy)
     encodings = {locale.getencoding().lower(), sys.getfilesystemencoding().lower()}
     others = sorted(encodings - {"utf-8", "utf8"})
     if others:
-        return warning("locale", f"characters outside {others[0]} are shown as escapes", remedy)
+        return warning("locale", f"characters that {others[0]} does not have are shown as escapes", remedy)
     return ok("locale", "UTF-8")

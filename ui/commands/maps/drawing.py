@@ -43,7 +43,7 @@ LEFT_OUT = "left-out.pgm"
 MOST_FLOOR = 0.5
 """Least share of the floor that must be reachable, unless the user says that thin lines are walls."""
 MOST_INK = 0.5
-"""Share of a plan's drawn area. If more than this share is removed, it probably includes walls."""
+"""Share of a plan's drawn area. If more than this share is removed, the removed lines probably include walls."""
 MOST_PLACES = 4
 """Greatest number of blocked paths that a message names."""
 LEAST_CELL, LARGEST_CELL = 0.001, 0.5
@@ -51,9 +51,9 @@ LEAST_CELL, LARGEST_CELL = 0.001, 0.5
 MOST_STRETCH = 10.0
 """Ratio of the scales of an image's two sides, above which one of them is probably a typing error."""
 FINE, FINE_ENOUGH = 0.01, 0.02
-"""Sizes in meters: pixels smaller than the first size are merged into cells of at most the second size."""
+"""Sizes in meters. Pixels smaller than the first size are merged into cells of at most the second size."""
 MOST_CELLS, COARSE_ENOUGH = 4_000_000, 0.05
-"""In images with more pixels than the first number, pixels are merged into cells of at most the second size, meters."""
+"""If an image has more pixels than the first number, they are merged into cells of at most the second size, meters."""
 MANY = 15
 """Number of rooms from which the command prints that the measurement can be stopped and continued."""
 WIDEST = 300.0
@@ -90,7 +90,7 @@ def read_drawing(source: Path, size: PaperSize, negate: bool) -> OccupancyGrid:
     """
     if is_map_file(source):
         if (option := size.given or ("--negate" if negate else None)) is not None:
-            fail(BAD_INPUT, f"{option}: {source} already contains this. Omit the option, or change the file.")
+            fail(BAD_INPUT, f"{option}: {source} already contains this setting. Omit the option, or change the file.")
         grid = grid_at(source)
         decided = np.isin(grid.cells, (FREE, OCCUPIED))
         return OccupancyGrid(np.where(decided, grid.cells, UNKNOWN), grid.resolution, grid.origin)
@@ -101,17 +101,17 @@ def read_drawing(source: Path, size: PaperSize, negate: bool) -> OccupancyGrid:
     resolution = size.resolution if size.width is None else size.width / cols
     if resolution is None:
         remedy = (
-            "Write the width of the whole image in meters with --width, or meters per pixel with --resolution: "
-            f"with 0.05 this image is {cols * 0.05:.1f} m x {rows * 0.05:.1f} m"
+            "Write the width of the whole image in meters with --width, or the meters per pixel with --resolution. "
+            f"With --resolution 0.05, this image is {cols * 0.05:.1f} m x {rows * 0.05:.1f} m"
         )
-        raise BadFile(source, "the size of an image in meters is not known", remedy)
+        raise BadFile(source, "the size of the image in meters is not known", remedy)
     if pixels.ndim == 3:
         colours = pixels[..., :3].mean(axis=2)
         # Transparent pixels count as white paper.
         opaque = pixels[..., 3] / 255.0 if pixels.shape[2] == 4 else 1.0
         pixels = np.rint(colours * opaque + 255.0 * (1.0 - opaque)).astype(np.uint8)
     if not LEAST_CELL <= resolution <= LARGEST_CELL:
-        message = f"a pixel would be {resolution:g} m wide, outside {LEAST_CELL} to {LARGEST_CELL} m"
+        message = f"a pixel would be {resolution:g} m wide, which is not within {LEAST_CELL} to {LARGEST_CELL} m"
         fail(BAD_INPUT, f"--width: {message}. Write the width of the whole image in meters.")
     if size.height is not None:
         across = size.height / rows
@@ -125,8 +125,8 @@ def read_drawing(source: Path, size: PaperSize, negate: bool) -> OccupancyGrid:
     if factor > 1:
         pixels = joined(pixels, factor)
         note(
-            f"A pixel is {resolution:g} m wide, finer than needed: {factor} x {factor} pixels become one cell "
-            f"of {factor * resolution:g} m. --thinner counts cells."
+            f"A pixel is only {resolution:g} m wide, so {factor} x {factor} pixels are merged into one cell "
+            f"of {factor * resolution:g} m. The option --thinner counts cells."
         )
     cells = interpret_image(pixels, negate, OCCUPIED_THRESH, FREE_THRESH)
     if (doubt := unseen_walls(cells, pixels, negate)) is not None:
@@ -140,15 +140,16 @@ def read_drawing(source: Path, size: PaperSize, negate: bool) -> OccupancyGrid:
 
 
 def _joined_pixels(count: int, resolution: float) -> int:
-    """Return how many pixels per side are merged into one cell, so that rooms are found in seconds."""
+    """Return the number of pixels per side to merge into one cell, so that finding rooms takes only seconds."""
     largest = FINE_ENOUGH if resolution < FINE else COARSE_ENOUGH if count > MOST_CELLS else resolution
     return max(int(largest / resolution + 1e-9), 1)
 
 
 def cleaned(source: Path, grid: OccupancyGrid, thinner: int | None) -> CleanedDrawing:
-    """Return the plan without lines thinner than `thinner` pixels; if None, keep them unless they block most paths.
+    """Return the plan without lines thinner than `thinner` pixels. If it is 0 or None, keep all lines.
 
-    Openings of a building to the paper around it are closed, unless the map was made by a robot.
+    If it is None and thin lines block most of the floor, end the command. Close the openings of the building to the
+    outside, except in a map.yaml whose lines are all kept, because a robot has probably made this map.
     """
     inscribed = radii(np.array(FOOTPRINT))[0]
     if thinner:
@@ -185,7 +186,7 @@ def _closed(drawing: CleanedDrawing, inscribed: float) -> CleanedDrawing:
     grid, openings = closed_to_outside(drawing.grid, inscribed)
     if openings:
         places = _listed([f"({x:.1f}, {y:.1f})" for x, y in openings])
-        say(f"Closed: openings to the outside, such as entrances and windows, at {places}. Robots stay inside.")
+        say(f"Closed: openings to the outside, such as entrances and windows, at {places}, so that robots stay inside")
     return CleanedDrawing(grid, drawing.left_out)
 
 
@@ -195,32 +196,31 @@ def _listed(places: Sequence[str]) -> str:
 
 
 def _note_lost_walls(grid: OccupancyGrid, drawing: CleanedDrawing, thinner: int, inscribed: float) -> None:
-    """Print a warning if more than lines and letters was removed, and suggest a value of --thinner that keeps the
-    walls."""
+    """Print a warning if walls were probably removed, and suggest a value of --thinner that keeps the walls."""
     share = float(drawing.left_out.sum() / max(np.count_nonzero(grid.cells != FREE), 1))
     if share > MOST_INK:
         closed = blocked_paths(grid, inscribed)
         better = "a smaller number" if closed is None or closed.thinner == thinner else f"--thinner {closed.thinner}"
-        note(f"That is {share:.0%} of all that is drawn, so it probably includes walls. Use {better}.")
+        note(f"This is {share:.0%} of the drawn area, so it probably includes walls. Use {better}.")
 
 
 def _note_closed_floor(grid: OccupancyGrid, inscribed: float, remedy: str | None) -> None:
     """Print a warning if most of the floor is unreachable.
 
-    If `remedy` is given, also print one if a room is unreachable.
+    If `remedy` is given, also print a warning if a room is unreachable.
     """
     reached, others = reached_floor(grid, inscribed)
     if 0.0 < reached < MOST_FLOOR:
         message = f"Only {reached:.0%} of the floor is reachable"
-        remedy = remedy or "If lines, furniture or letters close them, use --thinner"
+        remedy = remedy or "If lines, furniture or letters close doors, use --thinner"
     elif others and remedy is not None:
         places = _listed([f"({x:.1f}, {y:.1f}), {area:.1f} m²" for (x, y), area in others])
-        message = f"Floor cannot be reached at {places}"
+        message = f"Parts of the floor are not reachable, at {places}"
     else:
         return
     note(
-        f"{message}: doors may be closed, or narrower than a robot. {remedy}, use an image with more pixels, or open "
-        "the doors in the image."
+        f"{message}: doors may be closed, or narrower than a robot. {remedy}. Otherwise use an image with more pixels, "
+        "or open the doors in the image."
     )
 
 
@@ -229,8 +229,8 @@ def find_arena(grid: OccupancyGrid, rooms: int | None, robots: int, names: Seque
     found = find_rooms(grid, *radii(np.array(FOOTPRINT)), wanted=rooms)
     arena = arena_of(grid, found, robots, names)
     names_found = ", ".join(f"{entry.room.people} {entry.name}" for entry in arena.rooms)
-    wanted = "" if rooms is None or rooms == len(arena.rooms) else f" of {rooms} wanted"
-    say(f"Rooms: {len(arena.rooms)}{wanted} found{': ' if names_found else ''}{names_found}")
+    wanted = "" if rooms is None or rooms == len(arena.rooms) else f" ({rooms} requested)"
+    say(f"Rooms: {len(arena.rooms)} found{wanted}{': ' if names_found else ''}{names_found}")
     say(f"Start poses: {len(arena.starts)}{'' if len(arena.starts) == robots else f' of {robots} (no space for more)'}")
     return arena
 
@@ -247,7 +247,7 @@ def require_rooms(arena: Arena, grid: OccupancyGrid, source: Path, *, negated: b
         else "If walls are bright and the floor is dark, the image is inverted: use --negate, or `negate: 1` in its "
         "map.yaml. "
     )
-    remedy = f"{inverted}If the rooms are too small, the resolution is wrong. Otherwise draw the rooms with --draw"
+    remedy = f"{inverted}If rooms are too small for robots, correct the resolution. Otherwise draw rooms with --draw"
     fail(FAILED, f"{source}: no rooms were found; {seen}. {remedy}.")
 
 
@@ -258,7 +258,8 @@ def note_size(grid: OccupancyGrid) -> None:
     if max(width, height) > WIDEST:
         door = 1.0 / grid.resolution
         note(
-            f"This is very large: a door of 1 m is {door:.1f} pixels wide. Check the resolution, or use --width METERS."
+            f"This map is very large: a door of 1 m would be {door:.1f} pixels wide. Check the resolution, or use "
+            "--width METERS."
         )
 
 
@@ -266,7 +267,7 @@ def read_left_out(folder: Path, grid: OccupancyGrid) -> Mask | None:
     """Return the cells that were removed from the plan of a map; None if the map has no file `LEFT_OUT`.
 
     Raises:
-        BadFile: the record cannot be read.
+        BadFile: the file cannot be read.
     """
     path = folder / LEFT_OUT
     pixels = read_image(path) if path.is_file() else None
@@ -280,7 +281,7 @@ def write_map(folder: Path, drawing: CleanedDrawing, arena: Arena) -> None:
         BadFile: the folder cannot be written.
     """
     if folder.exists():
-        # The window may save several times.
+        # The person may save several times in the window.
         write_rooms(folder, arena.rooms, arena.starts)
     else:
         with new_folder(folder, "choose another place with --to") as new:
@@ -300,11 +301,12 @@ def check_written(folder: Path) -> None:
         say(f"{finding.severity}: {finding.fault}")
     say(f"Checked: {len(check.errors)} errors, {len(check.findings) - len(check.errors)} warnings")
     if check.errors:
-        fail(BAD_INPUT, f"{folder}: correct rooms.yaml, or draw the rooms with `{command('maps', 'edit', folder)}`.")
+        remedy = f"Correct rooms.yaml, or draw the rooms with `{command('maps', 'edit', folder)}`"
+        fail(BAD_INPUT, f"{folder}: no game can be played on this map. {remedy}.")
 
 
 def same_trips(one: Arena, other: Arena) -> bool:
-    """Return True if the trips on two versions of a map have the same start and goal poses, room by room."""
+    """Return True if two versions of a map have the same start poses and, in each room, the same goal pose."""
     return one.starts == other.starts and [room.goal for room in one.rooms] == [room.goal for room in other.rooms]
 
 
@@ -315,8 +317,8 @@ def measure_map(folder: Path, place: Map, runs: int, jobs: int, tell: Tell) -> b
     """
     count = len(place.rooms)
     again = command("maps", "measure", folder, "--runs", runs, "--out", folder / MAP_TIMES)
-    message = f"Measuring {runs * count * count} trips on {jobs} cores; to skip this, use --no-times."
-    note(message if count < MANY else f"{message} You can stop this, and continue it with `{again}`.")
+    message = f"Measuring {runs * count * count} trips on {jobs} cores. To skip the measurement, use --no-times."
+    note(message if count < MANY else f"{message} You can stop the measurement, and continue it with `{again}`.")
     course = MeasurementSetup(place, WorldParameters(), RobotParameters(), SEED)
     with bad_input():
         times = measure_trips(course, runs, jobs, folder / MAP_TIMES, tell, f"`{again}`")
@@ -330,7 +332,7 @@ def measure_map(folder: Path, place: Map, runs: int, jobs: int, tell: Tell) -> b
 
 
 def unreached_words(times: Sequence[TripTimes], folder: Path) -> str:
-    """Return a sentence about the paths that no trip completed: their rooms, the main reason, and what to do."""
+    """Return sentences about the paths that no trip completed: their rooms, the main reason, and remedies."""
     failed = [pair for pair in times if pair.mean is None]
     ends = Counter(place for pair in failed for place in (pair.start, pair.goal) if not place.is_corridor)
     rooms = ", ".join(
@@ -338,8 +340,8 @@ def unreached_words(times: Sequence[TripTimes], folder: Path) -> str:
     )
     reason = Counter(refusal for pair in failed for refusal in pair.refusals).most_common(1)[0][0]
     return (
-        f"{len(failed)} of {len(times)} paths were not completed and are no moves (99); main reason: {reason}. "
-        f"Most begin or end in {rooms}. Remove obstacles there in the image, "
+        f"{len(failed)} of {len(times)} paths were not completed, so games do not allow these moves (99 in mapTimes). "
+        f"Main reason: {reason}. Most of these paths begin or end in {rooms}. Remove obstacles there in the image, "
         f"delete rooms with `{command('maps', 'edit', folder)}`, or play without these moves."
     )
 

@@ -13,7 +13,7 @@ def maps_check(
     name: Annotated[str, typer.Argument(help="Name of a map, or the path of its folder.")],
     to: Annotated[
         Path | None,
-        typer.Option(help="Also draw the map with rooms, doors, goals and starts: a .png, .svg or .pdf."),
+        typer.Option(help="Also draw the map with rooms, doors, goals and start poses, as a .png, .svg or .pdf."),
     ] = None,
     as_json: AsJson = False,
 ) -> None:

@@ -21,20 +21,21 @@ def maps_measure(
     to: Annotated[
         Path | None,
         typer.Option(
-            "--out", help="mapTimes file to write; must not exist. `-` is standard output. Default: only print."
+            "--out", help="mapTimes file to write; must not exist. `-` is standard output. Default: only print a table."
         ),
     ] = None,
     study_option: StudyOption = None,
     seed: Annotated[int | None, typer.Option(help="Random seed.", min=0, max=2**31 - 1)] = None,
     jobs: Annotated[
-        int | None, typer.Option(help="Number of trips simulated at a time; default: one per core.", min=1, max=256)
+        int | None,
+        typer.Option(help="Number of trips simulated at the same time; default: one per core.", min=1, max=256),
     ] = None,
     progress: ProgressOption = ProgressKind.AUTO,
     as_json: AsJson = False,
 ) -> None:
     """Measure a map: drive a robot from each place to each room, and write the mean durations as a mapTimes file.
 
-    A stopped run can be continued: until the file is written, the trips are kept next to it.
+    You can stop the command and later continue with the same command: it keeps finished trips next to the file.
     """
     from thbridge.app.compose.installed_parts import installed_parts
     from thbridge.files.map_files import read_map
@@ -80,7 +81,7 @@ def maps_measure(
         show_times(times, f"{place.name}: mean seconds of {runs} trips each")
     unreached = sum(pair.mean is None for pair in times)
     if unreached:
-        note(f"{unreached} of {len(times)} pairs were never completed: they have no time (99 in the file).")
+        note(f"{unreached} of {len(times)} pairs of places have no time (99 in the file): no trip arrived.")
     if to != STANDARD_OUTPUT:
         note(_next_step(to, folder))
     if unreached:
@@ -88,12 +89,12 @@ def maps_measure(
 
 
 def _next_step(to: Path | None, folder: Path) -> str:
-    """Return a sentence about what was written, and what to do so that games use it."""
+    """Return sentences about the written file, and how to use it in games."""
     from thbridge.files.map_times import MAP_TIMES
 
     home = folder / MAP_TIMES
     if to is None:
-        return f"Nothing was written. `--out {home}` saves the times with the map, for its games."
+        return f"No file was written. To use the times in games on this map, add `--out {home}`."
     if to.resolve() == home.resolve():
-        return f"Wrote {to} into the map's folder. Games on this map now use it."
+        return f"Wrote {to} into the map's folder. Games on this map now use these times."
     return f"Wrote {to}. To use it in games, copy it to {home}, or name it under `game: costs:` in the study."

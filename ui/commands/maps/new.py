@@ -16,7 +16,7 @@ P = ParamSpec("P")
 def maps_new(
     source: Annotated[Path, typer.Argument(help="A map.yaml of map_server, or an image with dark walls.")],
     to: Annotated[
-        Path | None, typer.Option(help="Folder to create; must not exist. Default: named like the file.")
+        Path | None, typer.Option(help="Folder to create; must not exist. Default: named after the file.")
     ] = None,
     resolution: Annotated[
         float | None, typer.Option(help="Meters per pixel, for an image without a map.yaml.", min=0.001, max=0.5)
@@ -45,7 +45,7 @@ def maps_new(
     ] = None,
     negate: Annotated[bool, typer.Option("--negate", help="The image has bright walls and a dark floor.")] = False,
     rooms: Annotated[
-        int | None, typer.Option(help="Number of rooms; the largest are used. Default: all.", min=1, max=999)
+        int | None, typer.Option(help="Number of rooms: use only the largest rooms. Default: all.", min=1, max=999)
     ] = None,
     names: Annotated[
         str | None, typer.Option(help="Names of the rooms in the order of their numbers, separated by commas.")
@@ -56,9 +56,10 @@ def maps_new(
         int, typer.Option(help="Number of trips from each place to each room; the mean is used.", min=1)
     ] = 1,
     jobs: Annotated[
-        int | None, typer.Option(help="Number of trips simulated at a time; default: one per core.", min=1, max=256)
+        int | None,
+        typer.Option(help="Number of trips simulated at the same time; default: one per core.", min=1, max=256),
     ] = None,
-    draw: Annotated[bool, typer.Option("--draw", help="First correct rooms and start poses in a window.")] = False,
+    draw: Annotated[bool, typer.Option("--draw", help="Correct rooms and start poses in a window first.")] = False,
     look: LookOption = ColourScheme.SYSTEM,
     progress: ProgressOption = ProgressKind.AUTO,
 ) -> None:
@@ -85,11 +86,11 @@ def maps_new(
         fail(BAD_INPUT, f"--to: {folder} already exists. Name a new folder.")
     called = [name.strip() for name in unicodedata.normalize("NFC", names).split(",")] if names else []
     if "" in called or len(set(called)) < len(called):
-        fail(BAD_INPUT, f"--names: {names!r} has an empty name or one twice. Use a different name for each room.")
+        fail(BAD_INPUT, f"--names: {names!r} has an empty or repeated name. Use a different name for each room.")
     if names is not None and ";" in names and "," not in names:
-        fail(BAD_INPUT, f"--names: {names!r} is one name. Separate names by commas.")
+        fail(BAD_INPUT, f"--names: {names!r} is a single name. Separate names by commas.")
     if width is not None and resolution is not None:
-        fail(BAD_INPUT, "--width, --resolution: each gives the size of the image. Omit one of the two.")
+        fail(BAD_INPUT, "--width, --resolution: both options set the size of the image. Omit one of the two.")
     with bad_input():
         whole = read_drawing(source, PaperSize(resolution, width, height, turn), negate)
     note_size(whole)
@@ -100,7 +101,7 @@ def maps_new(
         problem = f"{len(called)} names, but {len(arena.rooms)} rooms were found"
         more = "add rooms with --draw, and name them there"
         more = f"set --rooms {len(called)}" if rooms == len(arena.rooms) else more
-        fail(BAD_INPUT, f"--names: {problem}. Write fewer names; or {more}.")
+        fail(BAD_INPUT, f"--names: {problem}. Write fewer names, or {more}.")
     if draw:
         from ui.windows.arena import draw_arena
 
@@ -127,9 +128,8 @@ def maps_new(
         with shown_progress(progress, "trips") as tell:
             complete = measure_map(folder, place, runs, jobs or usable_cores(), tell)
     else:
-        say(
-            f"Not measured. Games need travel times: {command('maps', 'measure', folder, '--out', folder / 'mapTimes')}"
-        )
+        measure = command("maps", "measure", folder, "--out", folder / "mapTimes")
+        say(f"Trips were not measured, but games need travel times. Measure them: {measure}")
     say(f"Draw the map: {command('maps', 'check', folder, '--to', f'{folder.name}-rooms.png')}")
     path = folder if folder.is_absolute() else f"./{folder}"
     if times:
@@ -139,7 +139,7 @@ def maps_new(
 
 
 def maps_edit(
-    folder: Annotated[Path, typer.Argument(help="Folder of one of your maps.")],
+    folder: Annotated[Path, typer.Argument(help="Folder of your own map.")],
     look: LookOption = ColourScheme.SYSTEM,
 ) -> None:
     """Edit the rooms, goals and start poses of a map in a window; saving replaces its rooms.yaml."""
@@ -150,7 +150,8 @@ def maps_edit(
 
     _require_window(f"Or edit {folder / 'rooms.yaml'} as text, and check it with `thbridge maps check`")
     if not folder.is_dir():
-        fail(BAD_INPUT, f"{folder}: there is no such folder. Name the folder of your map; copy a shipped map first.")
+        remedy = "Name the folder of your own map. To change a map that thbridge includes, copy it first"
+        fail(BAD_INPUT, f"{folder}: there is no such folder. {remedy}.")
     check = check_map(folder)
     if check.map is None:
         fail(BAD_INPUT, "\n".join(str(fault) for fault in check.errors))
@@ -186,10 +187,10 @@ def maps_edit(
         return
     say(f"Wrote {rooms}")
     if measured and not times.exists():
-        say(f"The old travel times no longer apply; they were renamed to {old}.")
+        say(f"The old travel times no longer apply. Their file was renamed to {old}.")
     check_written(folder)
     if not times.exists():
-        say(f"Games need travel times: {command('maps', 'measure', folder, '--out', times)}")
+        say(f"Games need travel times. Measure them: {command('maps', 'measure', folder, '--out', times)}")
 
 
 def _require_window(otherwise: str) -> None:
@@ -201,7 +202,7 @@ def _require_window(otherwise: str) -> None:
 
 
 def _why_not(write: Callable[P, object], *arguments: P.args, **named: P.kwargs) -> str | None:
-    """Write something; return the reason why that failed, or None."""
+    """Call a function that writes files; return the reason if it fails, otherwise None."""
     from thbridge.files.errors import BadFile, reason_of
 
     try:

@@ -30,9 +30,9 @@ def show_survey(seen: MapSurvey, folder: Path) -> None:
     first = place.starts[0] if place.starts else None
     where = "" if first is None else f"; robot 1 starts at ({first.x:g}, {first.y:g})"
     say(f"start poses: {len(place.starts)}{where}")
-    say(f"paths: {seen.reachable} of {seen.pairs} from the start and each room to each other room")
+    say(f"reachable: {seen.reachable} of {seen.pairs} paths from the start and each room to each other room")
     measure = command("maps", "measure", folder, "--out", folder / MAP_TIMES)
-    known = f"known, in {MAP_TIMES}" if place.costs else f"none yet: `{measure}`"
+    known = f"known, in {MAP_TIMES}" if place.costs else f"none yet; measure them with `{measure}`"
     say(f"travel times: {known}")
 
 
@@ -42,7 +42,7 @@ def _beyond(door: Doorway, room: Room) -> Room:
 
 
 def survey_as_json(seen: MapSurvey) -> dict[str, object]:
-    """Return the figures as a JSON object: meters, square meters, shares."""
+    """Return the figures as a JSON object, in meters, square meters, and shares of 0 to 1."""
     place, grid = seen.place, seen.place.grid
     return {
         "name": place.name,

@@ -34,9 +34,9 @@ def measure_trips(
         course: map and robot.
         runs: trips per pair of places.
         jobs: number of trips driven at the same time.
-        result: file for the times. Finished trips are stored next to it, and a later run drives only the missing ones.
+        result: file for the times. Finished trips are stored next to it, and a later run drives only missing trips.
             If None, no trips are stored.
-        `tell`: receives the progress.
+        `tell`: function that receives the progress.
         again: command that continues after a stop.
 
     Raises:
@@ -47,11 +47,11 @@ def measure_trips(
         return by_pair(_driven(course, wanted, {}, None, jobs, tell).values())
     with KeptTrips(result, digest_of(course, versions(part_keys(course.robot)))) as kept:
         if kept.dropped:
-            note(f"{kept.path} has trips on another map or with other settings. Measuring from the beginning.")
+            note(f"{kept.path} contains trips on another map or with other settings. Measuring from the beginning.")
         done = {trip: kept.done[trip] for trip in wanted if trip in kept.done}
         if done:
             note(
-                f"{len(done)} of {len(wanted)} trips were kept from an earlier run ({kept.path}). Measuring the others."
+                f"{len(done)} of {len(wanted)} trips are known from an earlier run ({kept.path}). Measuring the others."
             )
         try:
             with stopped_by_sigterm():
@@ -68,10 +68,10 @@ def _driven(
     jobs: int,
     tell: Tell,
 ) -> dict[RoomTrip, TripResult]:
-    """Drive the missing trips; return all trips."""
+    """Drive the missing trips, and return the results of all trips."""
     left = [trip for trip in wanted if trip not in done]
     tell("trips", len(done), len(wanted))
-    # A forked process would copy the thread that shows progress in the middle of its work.
+    # Processes are spawned, because a fork would copy the thread that shows progress in the middle of its work.
     pool = ProcessPoolExecutor(jobs, get_context("spawn"), signal.signal, (signal.SIGINT, signal.SIG_IGN))
     try:
         for ended in as_completed(pool.submit(partial(drive, course), trip) for trip in left):
@@ -123,5 +123,5 @@ def show_times(times: Sequence[TripTimes], title: str) -> None:
 
 
 def spoken_place(place: Room) -> str:
-    """Return the name of a place for people."""
+    """Return the name of a place as people say it."""
     return "the corridor" if place.is_corridor else f"room {place.people}"

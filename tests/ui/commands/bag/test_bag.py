@@ -24,7 +24,7 @@ def bad(tmp_path: Path) -> Path:
 def test_check_of_a_clean_bag(bag: Path) -> None:
     done = invoke("bag", "check", bag)
     assert done.exit_code == 0
-    assert done.stdout.count("can read it\n") == 5
+    assert done.stdout.count("can read the recording\n") == 5
 
 
 def test_check_does_not_say_that_evo_takes_a_bag_without_a_trajectory(tmp_path: Path) -> None:
@@ -32,8 +32,8 @@ def test_check_does_not_say_that_evo_takes_a_bag_without_a_trajectory(tmp_path: 
     planted.entries = planted.of("/scan")
     (tmp_path / "a.bag").write_bytes(content(planted))
     done = invoke("bag", "check", tmp_path / "a.bag")
-    assert "evo         finds no trajectory in it" in done.stdout
-    assert "PlotJuggler can read it" in done.stdout
+    assert "evo         finds no trajectory in the recording" in done.stdout
+    assert "PlotJuggler can read the recording" in done.stdout
 
 
 def test_check_says_what_where_and_what_to_do(bad: Path) -> None:

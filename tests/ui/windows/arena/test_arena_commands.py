@@ -55,7 +55,7 @@ def test_other_rooms_put_the_times_aside(qtbot: QtBot, folder: Path) -> None:
 
     done = run(delete_a_room, "edit", "three")
     assert done.exit_code == 0, done.stderr
-    assert "they were renamed to three/mapTimes.old" in done.stdout
+    assert "Their file was renamed to three/mapTimes.old" in done.stdout
     assert done.stdout.endswith("thbridge maps measure three --out three/mapTimes\n")
     assert [room.name for room in read_map(folder).rooms] == ["Middle", "East"]
 
