@@ -69,14 +69,15 @@ LISTS: dict[EntryKind, tuple[str, str, tuple[str, ...]]] = {
     "input": ("Inputs", "Inputs", ("Sender", "Kind", "Content")),
     "log": ("Log", "Log of ROS nodes", ("Node", "Level", "Text")),
 }
-"""Lists in the order of their tabs: title of the tab, name of the list, and columns in addition to the time."""
+"""Lists in the order of their tabs. Each has the title of the tab, the name of the list, and the columns after the
+time."""
 
 _WANTED = QSize(1480, 940)
-"""Size of the window on a large screen; on a smaller screen, all parts are smaller."""
+"""Size of the window on a large screen. On a smaller screen, all parts are smaller."""
 
 
 class DockedWindow(QMainWindow):
-    """Window with its parts, buttons and keys; a subclass supplies data and actions.
+    """Window with parts, buttons and keys. A subclass supplies the data and the actions.
 
     Args:
         title: name of the session or recording.
@@ -85,23 +86,22 @@ class DockedWindow(QMainWindow):
         canvas: the map.
 
     Signals:
-        tool_selected: this tool was selected.
-        robot_stepped: select the next robot (1), or the previous one (-1).
+        tool_selected: a person selected this tool.
+        robot_stepped: select the next (1) or the previous (-1) robot.
         kill, revive, clear_costmaps, follow_toggled, fit: actions of the buttons of these names.
         speed_stepped: faster (1) or slower (-1).
-        jumped: go to the next mark (1), or the previous one (-1).
-        jumped_to_end: go to the beginning (-1) or the end (1).
+        jumped: go to the next (1) or the previous (-1) mark.
+        jumped_to_end: go to the end (1) or the beginning (-1).
         bookmark_toggled: set a bookmark at the time shown, or remove it.
         bookmark_chosen: go to this bookmark, seconds since the beginning.
-        loop_toggled: play between two bookmarks repeatedly, or stop that.
+        loop_toggled: start or stop playing repeatedly between two bookmarks.
         video_wanted: save a section of the recording as a video.
         section_wanted: save a section of the recording as a bag.
         map_chosen: show the map of this `map.yaml`.
-        open_wanted: a person wants to open something else.
+        open_wanted: a person wants to open another recording or session.
         settings_wanted: a person wants to open the settings.
-        source_chosen: a person wants to open this path, which they dropped here, or which is the recording of the ended
-            session.
-        closed: the window is closed.
+        source_chosen: a person wants to open this path of a dropped file, or the recording of the ended session.
+        closed: the window was closed.
     """
 
     tool_selected = Signal(object)
@@ -151,7 +151,7 @@ class DockedWindow(QMainWindow):
         self._add_time()
         self._add_keys(live)
         self.tool_help = PlainLabel()
-        self.tool_help.setAccessibleDescription("How to use the selected tool")
+        self.tool_help.setAccessibleDescription("Instructions for the selected tool")
         self.statusBar().addPermanentWidget(self.tool_help)
         self.statusBar().messageChanged.connect(lambda text: self.statusBar().setAccessibleName(text))
         canvas.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
@@ -159,7 +159,7 @@ class DockedWindow(QMainWindow):
         canvas.setFocus()
         self._order_focus()
         for view in self.findChildren(QGraphicsView):
-            # Without this, the scenes of these views would receive dropped files, and the window would not.
+            # Without this, the scenes of these views would receive dropped files instead of the window.
             view.setAcceptDrops(False)
             view.viewport().setAcceptDrops(False)
 
@@ -179,12 +179,12 @@ class DockedWindow(QMainWindow):
         )
 
     def show_status(self, text: str, seconds: float = 8.0) -> None:
-        """Show a sentence in the status bar, and announce it to assistive technology."""
+        """Show a sentence in the status bar, and announce it to screen readers."""
         self.statusBar().showMessage(text, round(seconds * 1000.0))
         QAccessible.updateAccessibility(QAccessibleAnnouncementEvent(self, text))
 
     def select_tool(self, tool: MapTool) -> None:
-        """Select a tool, as its button does."""
+        """Select a tool as if its button were pressed."""
         self._tool_actions[tool].trigger()
 
     def show_waiting(self, things: int) -> None:
@@ -192,7 +192,7 @@ class DockedWindow(QMainWindow):
         self._docks[-1].setWindowTitle(f"Wizard ({things} waiting)" if things else "Wizard")
 
     def disable_tools(self, reason: str) -> None:
-        """Disable all actions that send requests to the robots; tool tips show this reason."""
+        """Disable all actions that send requests to the robots. Their tool tips show this reason."""
         for action in self.tool_actions:
             action.setEnabled(False)
             action.setToolTip(reason)
@@ -201,7 +201,7 @@ class DockedWindow(QMainWindow):
         self.wizard.refuse(reason)
 
     def show_contents(self, drawable: bool) -> None:
-        """Show the topics of a recording: in their dock, or in place of the map if nothing can be drawn."""
+        """Show the topics of a recording in their dock. If the map cannot be drawn, show the topics in its place."""
         topics, plots = self.dock("Topics"), self.dock("Plots")
         if drawable:
             topics.setWidget(self.topics)
@@ -214,7 +214,7 @@ class DockedWindow(QMainWindow):
         for dock in self._docks:
             dock.setVisible(drawable or dock is plots)
         self.topics.show()
-        # Qt moves the tabs of hidden docks far outside the window, where the Tab key would still reach them.
+        # Qt moves the tabs of hidden docks far outside the window, but the Tab key would reach them there.
         for tabs in self.findChildren(QTabBar):
             tabs.setFocusPolicy(Qt.FocusPolicy.TabFocus if drawable else Qt.FocusPolicy.NoFocus)
         if drawable:
@@ -227,7 +227,7 @@ class DockedWindow(QMainWindow):
         return next(dock for dock in self._docks if dock.objectName() == title)
 
     def raise_dock(self, title: str) -> None:
-        """Bring the dock with this title to the front of its group."""
+        """Bring the dock with this title to the front of its group of tabs."""
         dock = self.dock(title)
         dock.show()
         dock.raise_()
@@ -246,18 +246,18 @@ class DockedWindow(QMainWindow):
         figures = self._docks[2:]
         bottom = [*(self._dock(LISTS[kind][0], log, BOTTOM) for kind, log in self.logs.items())]
         if live:
-            # A session has no dock for the topics. Without a parent, the parts of this dock would outlive the window.
+            # A session has no dock for topics. The widgets of this dock need a parent to be deleted with the window.
             self.topics.setParent(self)
             self.topics.hide()
         else:
             bottom.append(self._dock("Topics", self.topics, BOTTOM))
         bottom.append(self._dock("Wizard", self.wizard, BOTTOM))
-        self.wizard.hide()  # It is hidden until its tab is in front, because the window must not grow for it.
+        self.wizard.hide()  # Hide it until its tab is in front, so that it does not enlarge the window.
         for group in (bottom, figures):
             for before, after in pairwise(group):
                 self.tabifyDockWidget(before, after)
             group[0].raise_()
-            # Without this, Qt leaves a second row of tabs behind when the next group is created.
+            # Without this, Qt leaves a second row of tabs behind when the next group of tabs is created.
             if (layout := self.layout()) is not None:
                 layout.activate()
         for tabs in self.findChildren(QTabBar):
@@ -274,7 +274,7 @@ class DockedWindow(QMainWindow):
         self.resizeDocks([bottom], [round(265 * high)], Qt.Orientation.Vertical)
 
     def _order_focus(self) -> None:
-        """Set the order of Tab to the reading order: tools, left docks, map, right docks, lower docks."""
+        """Let Tab follow the reading order: tools, left docks, map, right docks, lower docks."""
         parts: list[QWidget] = [*self.findChildren(QToolBar, "Tools"), *self._docks[:2], self.canvas, *self._docks[2:]]
         parts += [*self.findChildren(QTabBar), self.playback]
         stops = [
@@ -295,7 +295,7 @@ class DockedWindow(QMainWindow):
             title: title and object name of the dock.
             part: content of the dock.
             area: side of the window. If None, the caller makes the dock a tab of another one.
-            keeps_room: True to keep the size of the part while another tab is in front; False to let the group of tabs
+            keeps_room: True to keep the part's space while another tab is in front; False to let the group of tabs
                 shrink.
         """
         dock = QDockWidget(title, self)
@@ -307,7 +307,7 @@ class DockedWindow(QMainWindow):
             rows.setContentsMargins(0, 0, 0, 0)
             rows.addWidget(part)
         dock.setWidget(content)
-        # Qt moves parts behind another tab far outside the window, where the Tab key would still reach them.
+        # Qt moves parts behind another tab far outside the window, but the Tab key would reach them there.
         dock.visibilityChanged.connect(part.setVisible)
         if area is not None:
             self.addDockWidget(area, dock)
@@ -343,8 +343,8 @@ class DockedWindow(QMainWindow):
         bar.addWidget(self._shape)
         bar.addSeparator()
         for label, key, tip, signal in (
-            ("Kill", "Delete", "Stop the software of the selected robot until it is revived; asks first", self.kill),
-            ("Revive", "R", "Restart a dead robot", self.revive),
+            ("Kill", "Delete", "Stop the software of the selected robot until you revive the robot", self.kill),
+            ("Revive", "R", "Restart the software of a dead robot", self.revive),
             ("Clear costmaps", "C", "Clear the obstacles that the selected robot remembers", self.clear_costmaps),
         ):
             action = self._action(f"{label} ({key})", key, signal.emit)
@@ -356,7 +356,9 @@ class DockedWindow(QMainWindow):
         self.follow.setCheckable(True)
         self.follow.setToolTip("Keep the selected robot in the middle of the map")
         bar.addAction(self.follow)
-        bar.addAction(self._action("All (A)", "A", self.fit.emit))
+        whole_map = self._action("All (A)", "A", self.fit.emit)
+        whole_map.setToolTip("Show the whole map")
+        bar.addAction(whole_map)
         spacer = QWidget()
         spacer.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Preferred)
         bar.addWidget(spacer)
@@ -410,7 +412,7 @@ class DockedWindow(QMainWindow):
 
     def _bookmark_menu(self) -> QMenu:
         self._bookmarks = QMenu(self)
-        self._toggle_bookmark = self._action("Set or remove a bookmark here", "B", self.bookmark_toggled.emit)
+        self._toggle_bookmark = self._action("Set or remove a bookmark at this time", "B", self.bookmark_toggled.emit)
         self.loop = self._action(
             "Loop between two bookmarks", "L", lambda: self.loop_toggled.emit(self.loop.isChecked())
         )
@@ -439,7 +441,7 @@ class DockedWindow(QMainWindow):
         self._action("One step forward", ".", lambda: self.playback.stepped.emit(1))
         self._action("Faster", "]", lambda: self.speed_stepped.emit(1))
         self._action("Slower", "[", lambda: self.speed_stepped.emit(-1))
-        self._action("Put the tool away", "Esc", lambda: self.select_tool(MapTool.LOOK))
+        self._action("Stop using the tool", "Esc", lambda: self.select_tool(MapTool.LOOK))
         self._action("Next part", "F6", lambda: self._next_part(1))
         self._action("Previous part", "Shift+F6", lambda: self._next_part(-1))
         self._action("Filter", "Ctrl+F", self._filter)
@@ -487,7 +489,7 @@ class DockedWindow(QMainWindow):
         KeySheet(self, GROUPS).open()
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Let Tab move from robot to robot while the map has the focus; F6 moves the focus away from the map."""
+        """While the map has the focus, let Tab select the next robot. F6 moves the focus away from the map."""
         if watched is self.canvas and isinstance(event, QKeyEvent) and event.type() == QEvent.Type.KeyPress:
             if event.key() == Qt.Key.Key_Tab and not event.modifiers():
                 self.robot_stepped.emit(1)
@@ -498,7 +500,7 @@ class DockedWindow(QMainWindow):
         return super().eventFilter(watched, event)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Let Enter activate the focused button or combo box, because Space means pause in this window."""
+        """Let Enter activate the focused button or combo box, because Space pauses or plays in this window."""
         focus = self.focusWidget()
         if event.key() not in {Qt.Key.Key_Return, Qt.Key.Key_Enter}:
             super().keyPressEvent(event)
@@ -532,7 +534,7 @@ def _in_sight(dock: QDockWidget) -> bool:
 
 
 def _first_focus(part: QWidget) -> QWidget:
-    """Return the first widget of a part that accepts the focus, in the order of Tab."""
+    """Return the first widget in a part that accepts the focus, in the order of the Tab key."""
     widget = part.nextInFocusChain()
     while widget is not None and widget is not part:
         wanted = widget.isVisible() and widget.isEnabled() and widget.focusPolicy() & Qt.FocusPolicy.TabFocus

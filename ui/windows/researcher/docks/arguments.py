@@ -14,15 +14,14 @@ from ui.windows.untrusted_text import shown
 MOVES = ("Time", "Speaker", "Move", "Sentence", "State")
 DETAILS = ("Content", "Source", "Status")
 PART = 110
-"""Smallest height of each part, logical pixels at the normal size of text; if the parts do not fit, the dock
-scrolls."""
+"""Smallest height of each part, `px`. If the parts do not fit, the dock scrolls."""
 
 
 class ArgumentsDock(QWidget):
-    """Latest dialogue of the selected robot at the time shown.
+    """Dock with the latest dialogue of the selected robot, at the time shown.
 
     Signals:
-        chosen: a person wants to see the moment of a move, seconds since the beginning.
+        chosen: a person wants to go to the time of a move; seconds since the beginning.
     """
 
     chosen = Signal(float)
@@ -31,12 +30,12 @@ class ArgumentsDock(QWidget):
         super().__init__()
         self._course = DialogueCourse()
         self._times: tuple[float, ...] = ()
-        # With the arrow keys, people can reach the end of a sentence that is wider than the field.
+        # The arrow keys show the end of a sentence that is wider than the field.
         self.heading = QLineEdit(readOnly=True, frame=False)
         self.heading.setAccessibleName("Dialogue shown")
         self.list = ChoiceBox()
         self.list.addItems(list(DialogueList))
-        self.list.setAccessibleName("What to show next to the moves")
+        self.list.setAccessibleName("Contents shown next to the moves")
         self.list.setSizeAdjustPolicy(ChoiceBox.SizeAdjustPolicy.AdjustToContents)
         self.list.setMinimumContentsLength(8)
         self.list.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Fixed)
@@ -76,7 +75,7 @@ class ArgumentsDock(QWidget):
         Args:
             robot: index of the robot.
             course: its latest dialogue.
-            start_ns: ROS time from which the displayed times are counted.
+            start_ns: ROS time at which the displayed times are zero.
         """
         if (text := shown(heading(robot, course))) != self.heading.text():
             self.heading.setText(text)

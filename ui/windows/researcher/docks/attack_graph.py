@@ -11,12 +11,12 @@ from ui.model.watching.dialogue_rows import describe_attacks, holders
 from ui.windows.look import GAP, colours, font, px, smooth_painter
 
 HEAD, SPREAD = 9.0, 0.42
-"""Length of an arrowhead, logical pixels, and the angle between its axis and its edges, radians."""
+"""Length of an arrowhead, logical pixels, and angle between its axis and its edges, radians."""
 STANDS = "✓"
 
 
 class AttackGraph(QWidget):
-    """Arguments as numbered boxes on an ellipse, and attacks as arrows.
+    """Picture of arguments as numbered boxes on an ellipse, and of attacks as arrows.
 
     An argument in the grounded extension has a tick and a double edge.
     """
@@ -33,7 +33,7 @@ class AttackGraph(QWidget):
         self.update()
 
     def minimumSizeHint(self) -> QSize:
-        """Return the size at which some arguments can be distinguished."""
+        """Return the size at which a few arguments can be distinguished."""
         return QSize(px(120), px(90))
 
     def boxes(self) -> list[QRectF]:
@@ -51,14 +51,14 @@ class AttackGraph(QWidget):
         found = []
         for place in range(count):
             angle = 2.0 * math.pi * place / count - math.pi / 2.0
-            # Two arguments are placed side by side, because there is more space.
+            # Place two arguments side by side, because there is more space.
             angle -= math.pi / 2.0 if count == 2 else 0.0
             box.moveCenter(middle + QPointF(wide * math.cos(angle), high * math.sin(angle)))
             found.append(QRectF(box))
         return found
 
     def paintEvent(self, event: QPaintEvent) -> None:
-        """Draw the attacks, then the arguments on top of them."""
+        """Draw the attacks, and then the arguments on top of the attacks."""
         painter, palette, boxes = smooth_painter(self), colours(), self.boxes()
         standing = set(self._portrait.grounded)
         for one, other in self._portrait.attacks:
@@ -79,7 +79,7 @@ class AttackGraph(QWidget):
         painter.end()
 
     def event(self, event: QEvent) -> bool:
-        """Show a tool tip with the argument under the pointer."""
+        """Show the argument under the pointer in a tool tip."""
         if isinstance(event, QHelpEvent) and event.type() == QEvent.Type.ToolTip:
             pointed = (place for place, box in enumerate(self.boxes()) if box.contains(QPointF(event.pos())))
             place = next(pointed, None)

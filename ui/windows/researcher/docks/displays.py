@@ -1,4 +1,4 @@
-"""Check boxes for everything that the map can show."""
+"""Check boxes that choose the data shown on the map."""
 
 from dataclasses import dataclass
 from enum import StrEnum
@@ -31,12 +31,12 @@ class MapDisplay(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class DisplaySwitch:
-    """Switch for one kind of data on the map.
+    """Switch that shows or hides one kind of data on the map.
 
     Attributes:
-        key: shortcut that switches it on or off; empty if it has none.
+        key: shortcut of the switch; empty if there is none.
         label: name of the display for people.
-        on: True if the display is on at first.
+        on: True if the display is on when the window opens.
         hint: description of the display.
     """
 
@@ -47,13 +47,15 @@ class DisplaySwitch:
 
 
 SWITCHES = {
-    MapDisplay.TRUTH: DisplaySwitch("1", "Truth", True, "True poses: dashed, linked to the believed poses"),
-    MapDisplay.ELLIPSES: DisplaySwitch("2", "Uncertainty", True, "95 % of the robot's belief about its position"),
+    MapDisplay.TRUTH: DisplaySwitch("1", "Truth", True, "True poses, dashed and linked to the believed poses"),
+    MapDisplay.ELLIPSES: DisplaySwitch(
+        "2", "Uncertainty", True, "Area that contains the robot with a probability of 95 %, by its own belief"
+    ),
     MapDisplay.CLOUDS: DisplaySwitch(
-        "3", "Particle clouds", True, "All particles of the selected robot, fewer of others"
+        "3", "Particle clouds", True, "All particles of the selected robot, and fewer of the other robots"
     ),
     MapDisplay.SCANS: DisplaySwitch(
-        "4", "Laser scans", True, "Drawn from the believed pose; a wrong pose moves them off the walls"
+        "4", "Laser scans", True, "Scans as seen from the believed pose; they miss the walls if this pose is wrong"
     ),
     MapDisplay.GLOBAL_COSTMAP: DisplaySwitch(
         "5", "Global costmap", False, "Costmap of the selected robot's global planner"
@@ -61,22 +63,22 @@ SWITCHES = {
     MapDisplay.LOCAL_COSTMAP: DisplaySwitch(
         "6", "Local costmap", False, "Costmap of the selected robot's local planner"
     ),
-    MapDisplay.PLANS: DisplaySwitch("7", "Plans", True, "The whole path to the goal"),
-    MapDisplay.LOCAL_PLANS: DisplaySwitch("8", "Local plans", True, "The path for the next moments"),
-    MapDisplay.PATHS: DisplaySwitch("9", "Paths", True, "Believed positions so far"),
-    MapDisplay.TRUE_PATHS: DisplaySwitch("0", "True paths", False, "True positions so far"),
+    MapDisplay.PLANS: DisplaySwitch("7", "Plans", True, "Complete planned path to the goal"),
+    MapDisplay.LOCAL_PLANS: DisplaySwitch("8", "Local plans", True, "Path that the local planner follows next"),
+    MapDisplay.PATHS: DisplaySwitch("9", "Paths", True, "Past positions, as the robot believed them"),
+    MapDisplay.TRUE_PATHS: DisplaySwitch("0", "True paths", False, "True past positions"),
     MapDisplay.ODOMETRY: DisplaySwitch(
-        "", "Odometry", False, "Path that the wheels counted, shifted to end at the believed pose"
+        "", "Odometry", False, "Path measured by the wheels, shifted to end at the believed pose"
     ),
-    MapDisplay.GOALS: DisplaySwitch("", "Goals", True, "Target poses with their directions"),
-    MapDisplay.FOOTPRINTS: DisplaySwitch("", "Footprints", False, "Outlines of the robots, as last published"),
+    MapDisplay.GOALS: DisplaySwitch("", "Goals", True, "Poses of the robots' goals, with their directions"),
+    MapDisplay.FOOTPRINTS: DisplaySwitch("", "Footprints", False, "Latest published outlines of the robots"),
     MapDisplay.THINGS: DisplaySwitch("", "Things in the way", True, "Obstacles that are not on the map"),
-    MapDisplay.ROOMS: DisplaySwitch("", "Rooms", True, "Room numbers, hidden treasures and the names given to them"),
+    MapDisplay.ROOMS: DisplaySwitch("", "Rooms", True, "Room numbers, hidden treasures, and the treasures' given names"),
 }
 
 
 class DisplaysPanel(QScrollArea):
-    """List of displays, as in rviz; it scrolls if there is not enough space.
+    """List of displays, as in rviz. It scrolls if there is too little space.
 
     Signals:
         changed: a display was switched on or off.
@@ -118,7 +120,7 @@ class DisplaysPanel(QScrollArea):
         return QSize(wide, 4 * self.fontMetrics().height())
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Ask the layout for a new size when the labels change theirs."""
+        """Ask the layout for a new size when the labels change their size."""
         if event.type() == QEvent.Type.LayoutRequest:
             self.updateGeometry()
         return super().eventFilter(watched, event)

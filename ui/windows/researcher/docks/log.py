@@ -1,4 +1,4 @@
-"""Lists in chronological order: lines of the protocol, dialogue, events, and inputs."""
+"""Lists of protocol lines, dialogue, events and inputs, in chronological order."""
 
 from bisect import bisect_right
 from collections.abc import Sequence
@@ -13,9 +13,9 @@ from ui.windows.tables import NO_PARENT, RIGHT, ModelIndex, TableModel, row_tabl
 from ui.windows.untrusted_text import PlainLabel, shown
 
 MAX_ROWS = 20_000
-"""Largest number of rows kept; the oldest are dropped first."""
+"""Largest number of rows in a list. The oldest rows are dropped first."""
 DROPPED_AT_ONCE = MAX_ROWS // 10
-"""Number of rows dropped at once, so that a full list need not drop a row each time a row is added."""
+"""Number of rows dropped at once, so that a full list does not drop a row for each added row."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,7 +25,7 @@ class LogRow:
     Attributes:
         time: seconds since the beginning.
         cells: texts of the columns after the time.
-        robot: index of the robot that gives the color. If None, there is no color.
+        robot: index of the robot whose color the row has. If None, the row has no color.
     """
 
     time: float
@@ -36,7 +36,7 @@ class LogRow:
 class LogModel(TableModel):
     """Rows that match the filter, in chronological order.
 
-    Rows after the time shown are dimmed, because a recording also has later rows.
+    Rows later than the time shown are dimmed; a recording contains these rows as well.
 
     Args:
         columns: titles of the columns after the time.
@@ -70,7 +70,7 @@ class LogModel(TableModel):
         return self._shown[number]
 
     def extend(self, rows: Sequence[LogRow]) -> None:
-        """Append rows, which must be later than all earlier rows."""
+        """Append rows, in chronological order, after the rows of the list."""
         if not rows:
             return
         rows = rows[-MAX_ROWS:]
@@ -96,7 +96,7 @@ class LogModel(TableModel):
         self.endResetModel()
 
     def set_filter(self, text: str) -> None:
-        """Show only rows that contain all these words, in upper or lower case."""
+        """Show only rows that contain all these words, without regard to case."""
         self._words = tuple(text.lower().split())
         self._choose()
 
@@ -134,14 +134,14 @@ class LogModel(TableModel):
 
 
 class LogView(QWidget):
-    """List with a filter. It follows the time shown until a person scrolls away.
+    """List with a filter. It scrolls with the time shown until a person scrolls the list.
 
     Args:
-        name: name of the list for people.
+        name: name of the list for screen readers.
         columns: titles of the columns after the time.
 
     Signals:
-        chosen: a person wants to see the moment of a row, seconds since the beginning.
+        chosen: a person wants to go to the time of a row; seconds since the beginning.
     """
 
     chosen = Signal(float)
@@ -154,7 +154,7 @@ class LogView(QWidget):
         self._filter.setAccessibleName(f"Filter of {name}")
         self._filter.textChanged.connect(self._filtered)
         self._follows = QCheckBox("Follow the time")
-        self._follows.setAccessibleDescription("Scrolls with the time shown until you scroll away")
+        self._follows.setAccessibleDescription("Scroll with the time shown, until you scroll the list yourself")
         self._follows.setChecked(True)
         self._follows.toggled.connect(self._keep_up)
         self._count = PlainLabel()
@@ -177,7 +177,7 @@ class LogView(QWidget):
         self._show_size()
 
     def extend(self, rows: Sequence[LogRow]) -> None:
-        """Append rows, which must be later than all earlier rows."""
+        """Append rows, in chronological order, after the rows of the list."""
         if rows:
             self.model.extend(rows)
             self._show_size()
@@ -189,7 +189,7 @@ class LogView(QWidget):
         self._show_size()
 
     def show_time(self, now: float) -> None:
-        """Scroll to this time, unless a person has scrolled away."""
+        """Scroll to this time, unless a person has scrolled to other rows."""
         before = self.model.last_past
         self.model.show_time(now)
         if self.model.last_past != before:
@@ -200,7 +200,7 @@ class LogView(QWidget):
         self._filter.setFocus(Qt.FocusReason.ShortcutFocusReason)
 
     def copy(self) -> None:
-        """Copy the selected rows to the clipboard, with tabs between cells."""
+        """Copy the selected rows to the clipboard, with tab characters between cells."""
         numbers = sorted(index.row() for index in self.table.selectionModel().selectedRows())
         rows = (self.model.row(number) for number in numbers)
         QGuiApplication.clipboard().setText("\n".join("\t".join((f"{row.time:.3f}", *row.cells)) for row in rows))
@@ -217,12 +217,12 @@ class LogView(QWidget):
     def _keep_up(self) -> None:
         if self._follows.isChecked() and self.model.last_past >= 0:
             self._scrolls = True
-            self.table.doItemsLayout()  # Otherwise the scroll bar would ignore the newest rows.
+            self.table.doItemsLayout()  # Without this, the scroll bar would ignore the newest rows.
             self.table.scrollTo(self.model.index(self.model.last_past, 0), QTableView.ScrollHint.EnsureVisible)
             self._scrolls = False
 
     def _scrolled(self) -> None:
-        """After a person has scrolled, follow the time only if the row of the time shown is visible."""
+        """After a person has scrolled, follow the time only if the row at the time shown is visible."""
         if self._scrolls or self.model.last_past < 0:
             return
         place = self.table.visualRect(self.model.index(self.model.last_past, 0))

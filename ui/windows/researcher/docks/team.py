@@ -13,15 +13,15 @@ from ui.windows.tables import RIGHT, ModelIndex, TableModel, row_table
 
 @dataclass(frozen=True, slots=True)
 class RobotRow:
-    """Row of a robot; unknown values are None.
+    """Values in a robot's row; unknown values are None.
 
     Attributes:
-        name: name for people.
-        state: activity in words.
+        name: name of the robot for people.
+        state: activity of the robot in words.
         error: meters between true and estimated position.
         sigma: standard deviation of the estimated position, meters.
-        energy: energy left.
-        speed: m/s.
+        energy: remaining energy.
+        speed: speed, m/s.
         trouble: True if the state needs attention.
     """
 
@@ -36,10 +36,10 @@ class RobotRow:
 
 TITLES = ("Robot", "Error, m", "σ, m", "Energy", "m/s")
 HINTS = (
-    "Name and activity",
+    "Name and activity of the robot",
     "Distance between true and believed position, meters",
-    "Uncertainty that the robot reports: standard deviation of its position, meters",
-    "Energy left",
+    "Standard deviation of the position, as the robot reports it, meters",
+    "Remaining energy",
     "Speed, meters per second",
 )
 
@@ -47,14 +47,14 @@ CHARACTERS = (16, 8, 6, 7, 5)
 """Widths of the columns, characters; the first column also gets the remaining width."""
 
 IMPORTANCE = (1, 3, 2, 4)
-"""Columns of figures, the most important first.
+"""Columns with figures, the most important column first.
 
-If names need the space, the last columns are hidden; the plots show their values as well.
+If names need the space, the last columns are hidden. The plots also show their values.
 """
 
 
 class TeamModel(TableModel):
-    """Model of the rows. The number of rows seldom changes; the values change many times a second."""
+    """Model of the rows. Their number seldom changes, but their values change many times a second."""
 
     _shown: tuple[RobotRow, ...] = ()
 
@@ -102,10 +102,10 @@ class TeamModel(TableModel):
 
 
 class TeamView(QWidget):
-    """List of robots; a click or the arrow keys select one.
+    """List of robots. A click or the arrow keys select a robot.
 
     Signals:
-        selected: row of the selected robot.
+        selected: a robot was selected; with its row.
     """
 
     selected = Signal(int)
@@ -125,7 +125,7 @@ class TeamView(QWidget):
         follow_text(self, lambda it: it._choose_columns())
 
     def show_rows(self, rows: Sequence[RobotRow], selected: int) -> None:
-        """Show these rows, starting with robot 1, and select one."""
+        """Show these rows, starting with robot 1, and select the row `selected`."""
         self.model.show_rows(rows)
         if 0 <= selected < len(rows) and self.table.currentIndex().row() != selected:
             self.table.selectRow(selected)

@@ -8,7 +8,7 @@ from ui.model.watching.tools import LEAST_SIZE
 
 
 class MapTool(StrEnum):
-    """Tool that determines the effect of a press on the map."""
+    """Tool that decides the effect of the left mouse button on the map."""
 
     LOOK = "look"
     GOAL = "goal"
@@ -18,14 +18,14 @@ class MapTool(StrEnum):
 
 
 CLICK_DISTANCE = 0.1
-"""Distance of a drag, meters, below which it counts as a click."""
+"""Distance below which a drag counts as a click, meters."""
 DEFAULT_SIZE = 0.5
-"""Diameter or side of an obstacle that is added by a click, meters."""
+"""Diameter or side of an obstacle that a click adds, meters."""
 
 
 @dataclass(frozen=True, slots=True)
 class Gesture:
-    """Stroke from the press of the button to the present place of the pointer; map frame, meters."""
+    """Stroke on the map, from the press of the button to the current place of the pointer; map frame, meters."""
 
     tool: MapTool
     x: float
@@ -35,7 +35,7 @@ class Gesture:
 
     @property
     def length(self) -> float:
-        """Distance of the drag, meters."""
+        """Length of the drag, meters."""
         return math.hypot(self.to_x - self.x, self.to_y - self.y)
 
     @property
@@ -50,7 +50,7 @@ class Gesture:
 
     @property
     def size(self) -> float:
-        """Diameter or side of an obstacle whose stroke starts at its middle, meters."""
+        """Diameter or side of an obstacle that is drawn from its middle, meters."""
         return DEFAULT_SIZE if self.is_click else max(2.0 * self.length, LEAST_SIZE)
 
 
@@ -61,7 +61,7 @@ class ToolHelp:
     Attributes:
         label: text on the button.
         key: shortcut that selects the tool.
-        how: instructions in the status bar while the tool is selected.
+        how: instructions that are shown while the tool is selected.
     """
 
     label: str
@@ -72,13 +72,13 @@ class ToolHelp:
 TOOLS = {
     MapTool.LOOK: ToolHelp("Move", "M", "Drag to move the map, turn the wheel to zoom, click a robot to select it."),
     MapTool.GOAL: ToolHelp(
-        "Goal", "G", "Press where {robot} should go, drag in the direction it should face, and release."
+        "Goal", "G", "Press the button at the goal of {robot}, drag in the direction it should face, and release."
     ),
     MapTool.POSE: ToolHelp(
-        "Pose", "P", "Press where {robot} should believe it is, drag in the direction it faces, and release."
+        "Pose", "P", "Press the button where {robot} should assume it is, drag in its direction, and release."
     ),
-    MapTool.CARRY: ToolHelp("Kidnap", "K", "Drag a robot to another place; its software is not informed."),
+    MapTool.CARRY: ToolHelp("Kidnap", "K", "Drag a robot to another place. The robot's software is not informed."),
     MapTool.OBSTACLE: ToolHelp(
-        "Obstacle", "O", "Drag from the middle of a new obstacle; click an obstacle to remove it."
+        "Obstacle", "O", "Drag from the middle of a new obstacle to its edge. Click an obstacle to remove it."
     ),
 }
