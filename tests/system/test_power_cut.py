@@ -136,7 +136,7 @@ def check_keys(folder: Path, said: Sequence[object]) -> None:
     # A name whose making was cut off can be taken again; a file that is left over is never overwritten.
     for name in {"ada", "bob"} - set(entries):
         if (left := folder / "keys" / f"{name}.key").exists():
-            with pytest.raises(BadFile, match="Move it elsewhere"):
+            with pytest.raises(BadFile, match="Move the file to another"):
                 ring.add(name, [Right.WATCH], "another secret", None)
             left.unlink()
         ring.add(name, [Right.WATCH], "another secret", None)

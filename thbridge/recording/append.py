@@ -6,7 +6,7 @@ from typing import IO
 
 
 def append_whole(file: IO[bytes], content: bytes, *, synced: bool) -> None:
-    """Write at the end of a file. After an error, the written part is removed again if possible.
+    """Append to a file. After an error, remove the written part again if possible.
 
     Args:
         file: an unbuffered file, positioned at its end.
@@ -14,7 +14,7 @@ def append_whole(file: IO[bytes], content: bytes, *, synced: bool) -> None:
         synced: True to wait until the content is on the disk (fsync).
 
     Raises:
-        OSError: the disk is full or gone.
+        OSError: the disk is full or unavailable.
     """
     before = file.tell()
     try:
@@ -24,7 +24,7 @@ def append_whole(file: IO[bytes], content: bytes, *, synced: bool) -> None:
         if synced:
             os.fsync(file.fileno())
     except OSError:
-        # This may fail too; then readers of the file ignore the incomplete record at its end.
+        # If this also fails, readers of the file ignore the incomplete record at its end.
         with contextlib.suppress(OSError):
             file.truncate(before)
             file.seek(before)

@@ -1,4 +1,4 @@
-"""Lines of JSON with their length and a checksum, chained to all lines before, so that damage is never read as data.
+"""Lines of JSON with their length and a checksum, chained to all earlier lines, so that damage is never read as data.
 
 A line is an object. Its last members are `"length"` (bytes of the line without these two members) and `"sum"` (64 bits
 of BLAKE2b over the previous sum and the line without its own sum, hexadecimal). For other readers it is plain JSON.
@@ -40,11 +40,11 @@ def verified(line: bytes, before: str) -> tuple[bytes, str]:
     """
     found = _END.search(line, max(0, len(line) - 60))
     if found is None or found.end() != len(line):
-        raise DamagedLine("the line has no checksum at its end: it was damaged")
+        raise DamagedLine("the line was damaged: the checksum at its end is missing")
     body = line[: found.start()]
     own = _sum(body + line[found.start() : found.end() - len(f',"sum":"{16 * "0"}"}}')], before)
     if int(found[1]) != len(body) + 1 or own.encode() != found[2]:
-        raise DamagedLine("the checksum does not fit: this line, or one before it, was damaged or is missing")
+        raise DamagedLine("the checksum is wrong: this line, or an earlier line, was damaged or is missing")
     return body + b"}", own
 
 

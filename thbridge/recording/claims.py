@@ -29,7 +29,7 @@ def claim(bag: Path) -> None:
     Raises:
         BadFile: another running program has claimed it (the message says which, and since when), or a link of another
             account leads to its folder.
-        OSError: there is no such folder, or it is not writable.
+        OSError: the folder does not exist, or is not writable.
     """
     path = _lock_path(bag)
     if path in _claims:
@@ -42,7 +42,7 @@ def claim(bag: Path) -> None:
             file.seek(0)
             owner = file.read().strip() or "another program"
             file.close()
-            raise BadFile(bag, f"{owner} is recording there", "choose another name, or wait until it ends") from None
+            raise BadFile(bag, f"{owner} is recording there", "choose another name, or wait until that ends") from None
         # The previous owner may have removed the file in the meantime. Then this lock is on a deleted file: try again.
         if path.exists() and os.fstat(file.fileno()).st_ino == path.stat().st_ino:
             break

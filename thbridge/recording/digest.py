@@ -3,7 +3,7 @@
 It is a SHA-256 over all messages except the session's own record, oldest first; messages with one stamp are in the
 order of recording. Each message adds: topic (UTF-8), type (UTF-8), stamp in nanoseconds, data. Topic, type and data
 have their length in bytes before them. Lengths and stamps are unsigned little-endian integers of 8 bytes. Compression,
-parts, chunks, definitions and publishers have no influence.
+parts, chunks, definitions and publishers do not affect the digest.
 """
 
 import struct
@@ -47,7 +47,7 @@ def digest_of(bag: Path) -> str:
         bag: a bag, or the name of a split recording.
 
     Raises:
-        BadFile: there is no such file, it is not a ROS 1 bag, or it is cut off or damaged.
+        BadFile: the file does not exist, is not a ROS 1 bag, or is cut off or damaged.
     """
     digest = MessageDigest()
     for publisher, stamp_ns, data in recorded(bag):

@@ -1,8 +1,8 @@
 """The journal: one file per game, one event per line; each event is on the disk before it is published.
 
 A game that was interrupted by a crash or a power failure is recovered from its journal. The last line may be incomplete
-and is then dropped. Damage anywhere else is an error: each line has its length and a checksum, chained to all lines
-before (`checked_lines`). Journals of 0.1.0 have no checksums, and are read without a check.
+and is then dropped. Damage anywhere else is an error: each line has its length and a checksum, chained to all earlier
+lines (`checked_lines`). Journals of 0.1.0 have no checksums, and are read without a check.
 """
 
 import contextlib
@@ -37,7 +37,8 @@ class RecoveredGame:
         state: the state after all events.
         size: bytes of the complete lines of the file, each with its newline.
         checksum: checksum of the last line; None if the journal has no checksums.
-        torn: the incomplete last line, which was being written when the writer died, or None; it is not in `events`.
+        torn: the incomplete last line, which was being written when the program was killed, or None; it is not in
+            `events`.
     """
 
     started: GameStarted
@@ -60,11 +61,11 @@ def next_game(folder: Path) -> int:
 
 
 def read_journal(path: Path) -> RecoveredGame:
-    """Read a journal, also one that is still being written.
+    """Read a journal, also if it is still being written.
 
     Raises:
-        BadFile: it cannot be read, it does not begin with the start of a game, or a line is not an event of this game
-            (unless it is an incomplete last line).
+        BadFile: the file cannot be read, does not begin with the start of a game, or has a line that is no event of
+            this game. An incomplete last line is no fault.
     """
     try:
         content = content_of(path)
@@ -93,7 +94,7 @@ def read_journal(path: Path) -> RecoveredGame:
             raise BadFile(path, str(error), _remedy(number), line=number) from None
         events.append(event)
     if started is None or state is None:
-        raise BadFile(path, "no game has started in it", "remove the file; nothing is lost")
+        raise BadFile(path, "this journal has no start of a game", "remove the file; nothing is lost")
     return RecoveredGame(started, tuple(events), state, size, checksum, torn)
 
 
@@ -132,7 +133,7 @@ class Journal:
         """Begin the journal of a new game; its folder is created if it is missing.
 
         Raises:
-            BadFile: a journal with this number exists already, or it cannot be written.
+            BadFile: a journal with this number already exists, or the new journal cannot be written.
         """
         path = journal_path(folder, started.game)
         # The file gets its name only with its first event, because a journal without events would block the next game.
@@ -152,7 +153,7 @@ class Journal:
             try:
                 put_in_free_place(part, path)
             except FileExistsError:
-                problem = "the journal of this game exists already"
+                problem = "the journal of this game already exists"
                 raise BadFile(path, problem, "start the game with the next number") from None
             except OSError as error:
                 raise _not_writable(path, error) from None
@@ -188,7 +189,7 @@ class Journal:
         """Write events, in order; they are on the disk when this returns.
 
         Raises:
-            BadFile: the disk is full or gone. Lines that were written are then removed again if possible.
+            BadFile: the disk is full or unavailable. Lines that were written are then removed again if possible.
         """
         lines, checksum = [], self._checksum
         for event in events:
@@ -223,12 +224,11 @@ class Journal:
 
 
 def _not_writable(path: Path, error: OSError) -> BadFile:
-    return BadFile(
-        path, f"cannot be written ({error.strerror})", "choose a folder you may write to, with room on its disk"
-    )
+    remedy = "choose a folder that you may write to, on a disk with free space"
+    return BadFile(path, f"cannot be written ({error.strerror})", remedy)
 
 
 def _remedy(line: int) -> str:
     if line == 1:
         return "restore the file from a copy, or start a new game"
-    return f"restore the file from a copy, or keep its first {line - 1} lines and lose what came after"
+    return f"restore the file from a copy, or keep its first {line - 1} lines; later events are then lost"

@@ -66,7 +66,7 @@ class JournalStore:
             return content_of(path, 1000).decode(errors="replace")
         except OSError as error:
             problem = f"cannot be read or written ({error.strerror})"
-            raise BadFile(path, problem, "choose a folder you may write to, with room on its disk") from None
+            raise BadFile(path, problem, "choose a folder that you may write to, on a disk with free space") from None
 
     def resume(self) -> UnfinishedGame | None:
         """Resume the last game if it has not ended; return None if there is no such game.

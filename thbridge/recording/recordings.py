@@ -42,7 +42,7 @@ def parts_of(bag: Path) -> tuple[Path, ...]:
     that is being written.
 
     Args:
-        bag: the recording's name, or a file; it is returned if there are no parts.
+        bag: name of the recording, or a file; returned unchanged if there are no parts.
     """
     if bag.exists():
         return (bag,)
@@ -53,8 +53,8 @@ def digest_of(bag: Path) -> str:
     """Return the SHA-256 of a recording's file, or of the joined files of a split recording.
 
     Raises:
-        BadFile: it is a pipe or a device.
-        OSError: it does not exist, or cannot be read.
+        BadFile: the path is a pipe or a device.
+        OSError: the file does not exist, or cannot be read.
     """
     digest = hashlib.sha256()
     for part in parts_of(bag):
@@ -84,7 +84,7 @@ def make_room(bag: Path) -> Path | None:
 
     Raises:
         BadFile: another running program records there.
-        OSError: it cannot be renamed.
+        OSError: the older recording cannot be renamed.
     """
     if bag.parent.is_dir():
         claim(bag)
@@ -101,10 +101,10 @@ def make_room(bag: Path) -> Path | None:
 
 
 def try_place(bag: Path) -> None:
-    """Check that a bag can be started at this path, before anything that takes time is done.
+    """Check that a bag can be started at this path, before any slow step.
 
     Raises:
-        OSError: it cannot be started there.
+        OSError: no bag can be started there.
     """
     active = active_of(bag)
     make_folder(bag.parent)

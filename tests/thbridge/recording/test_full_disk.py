@@ -55,7 +55,7 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_a_recording_on_a_full_disk_is_complete_but_for_its_end(
     disk: Path, whole: Path, compression: Compression, splitting: SplitLimits
 ) -> None:
-    with pytest.raises(BagNotWritten, match=r"no space left.*all but the last second") as raised:
+    with pytest.raises(BagNotWritten, match=r"no space left.*everything except the last second") as raised:
         record(disk / "a.bag", compression, splitting)
     assert raised.value.path in parts_of(disk / "a.bag")
     assert not list(disk.glob("*.active"))

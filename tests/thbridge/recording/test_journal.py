@@ -139,7 +139,7 @@ def test_damage_in_the_middle_is_refused_with_its_line(written, damage, line):
 
 def test_a_journal_whose_start_was_torn_holds_no_game(written):
     written.write_bytes(written.read_bytes()[:20])
-    with pytest.raises(BadFile, match="no game has started"):
+    with pytest.raises(BadFile, match="no start of a game"):
         read_journal(written)
 
 

@@ -31,14 +31,14 @@ _STUMBLES = (
 
 
 class TooLargeChunk(ValueError):  # noqa: N818 - it names the fault of a chunk
-    """A chunk unpacks to more than is allowed; the text is the problem as a clause."""
+    """A chunk whose unpacked size is above a limit; the text is the problem as a clause."""
 
 
 def check_is_bag(path: Path) -> None:
     """Raise BadFile unless a file begins like a ROS 1 bag.
 
     Raises:
-        BadFile: it begins otherwise, it cannot be read, or it is still being written under its name with `.active`.
+        BadFile: the file begins differently, cannot be read, or is still being written (as `NAME.active`).
     """
     try:
         with open_regular(path) as file:
@@ -52,7 +52,8 @@ def check_is_bag(path: Path) -> None:
     if not head.startswith(MAGIC):
         raise BadFile(path, "this is not a ROS 1 bag", "name a file that rosbag or thbridge recorded")
     if head != MAGIC + VERSION:
-        raise BadFile(path, "this bag has another version than 2.0", "convert it with `rosbag fix` of its own ROS")
+        remedy = "convert it with `rosbag fix`, in the ROS release that recorded it"
+        raise BadFile(path, "the format of this bag is not version 2.0", remedy)
 
 
 @contextmanager
@@ -61,7 +62,7 @@ def damage_as_bad_file(path: Path) -> Iterator[None]:
     try:
         yield
     except TooLargeChunk as error:
-        remedy = "it is forged or damaged; `thbridge bag reindex` saves the rest of it"
+        remedy = "the bag is forged or damaged; `thbridge bag reindex` saves all other messages"
         raise BadFile(path, str(error), remedy) from error
     except _STUMBLES as error:
         raise damaged(path) from error
@@ -78,4 +79,4 @@ def unfinished(path: Path) -> BadFile:
         problem = "the bag is still being written, or its writer was killed"
         remedy = f"wait until its session has ended; otherwise run `thbridge bag reindex {path}`"
         return BadFile(path, problem, remedy)
-    return BadFile(path, "the bag was cut off: it has no index", f"run `thbridge bag reindex {path}`")
+    return BadFile(path, "the bag was cut off, so the index is missing", f"run `thbridge bag reindex {path}`")

@@ -31,10 +31,10 @@ class SplitLimits:
     """Limits of a file, after which a recording continues in another file.
 
     Attributes:
-        size: bytes after which a file ends; None for no limit. A file always ends with a whole chunk and all messages
-            of one stamp. Latched messages that are repeated at a file's beginning do not count, because they alone may
-            be larger.
-        duration_ns: longest recorded time of a file; None for no limit.
+        size: bytes after which a file ends. If None, there is no limit. A file always ends with a whole chunk and all
+            messages of one stamp. Latched messages that are repeated at the beginning of a file do not count, because
+            they alone may exceed the limit.
+        duration_ns: longest recorded time of a file. If None, there is no limit.
     """
 
     size: int | None = None
@@ -42,7 +42,7 @@ class SplitLimits:
 
     @property
     def wanted(self) -> bool:
-        """True when there is a limit, so that there may be several files."""
+        """True if there is a limit; a recording may then have several files."""
         return self.size is not None or self.duration_ns is not None
 
 
@@ -55,5 +55,5 @@ class Readers(StrEnum):
 
     @property
     def umask(self) -> int:
-        """Permissions that new files and folders do not get."""
+        """Permissions that are removed from new files and folders."""
         return {Readers.OWNER: 0o077, Readers.GROUP: 0o027, Readers.EVERYONE: 0o022}[self]

@@ -50,7 +50,7 @@ def reindex(path: Path) -> RepairResult:
     definition of its type's name, if its first message fits. The old file stays until the new one is complete.
 
     Raises:
-        BadFile: it is not a ROS 1 bag, a file would be overwritten, or the disk is full.
+        BadFile: the file is not a ROS 1 bag, another file would be overwritten, or the disk is full.
     """
     compression = compression_of(path)
     repaired = path.with_name(path.name.removesuffix(ACTIVE))
@@ -58,7 +58,8 @@ def reindex(path: Path) -> RepairResult:
     fresh = repaired.with_name(repaired.name + ".reindexing")
     for taken in {backup, repaired} - {path}:
         if taken.exists():
-            raise BadFile(taken, "this file exists, and the repair would overwrite it", "move it elsewhere first")
+            remedy = "move this file to another folder first"
+            raise BadFile(taken, "this file exists, and the repair would overwrite it", remedy)
     try:
         fresh.unlink(missing_ok=True)
         messages, end_ns, losses = _copy(path, fresh, compression)
@@ -78,7 +79,7 @@ def reindex(path: Path) -> RepairResult:
     except OSError as error:
         fresh.unlink(missing_ok=True)
         reason = (error.strerror or str(error)).lower()
-        raise BadFile(path, f"it cannot be repaired here: {reason}", "free disk space in its folder") from error
+        raise BadFile(path, f"the repair failed: {reason}", "free disk space for a second copy of the bag") from error
     return RepairResult(repaired, backup, messages, end_ns, losses.bytes, tuple(losses.sentences()))
 
 
@@ -109,8 +110,7 @@ class _Losses:
             self.spans[-1] = replace(self.spans[-1], lost=self.spans[-1].lost + span.lost)
 
     def renumbered(self, known: BagConnection, other: BagConnection) -> BagConnection:
-        """Note that another connection has a known connection's number; return the other connection with a new
-        number."""
+        """Note that two connections have the same number; return the second connection with a new number."""
         shared = self.sharing.setdefault(other.number, {(known.topic, known.msgtype): known.number})
         fresh = SHARED_NUMBERS + sum(map(len, self.sharing.values()))  # of integers
         shared.setdefault((other.topic, other.msgtype), fresh)
@@ -122,7 +122,7 @@ class _Losses:
 
     def sentences(self) -> Iterator[str]:
         for span in self.spans:
-            yield f"{span.lost} bytes from byte {span.position} on: {span.problem}."
+            yield f"{span.lost} bytes from byte {span.position} on cannot be read: {span.problem}."
         for number, count in sorted(self.messages.items()):
             what = f"{count} messages of connection {number}, {self.message_bytes[number]} bytes"
             yield f"{what}: no readable record has its topic and type."

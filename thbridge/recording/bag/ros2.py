@@ -66,7 +66,7 @@ def as_ros1(path: Path) -> Path:
     """Return the path of a recording as a ROS 1 bag: `path` itself unless it is of ROS 2 or MCAP.
 
     Raises:
-        BadFile: it cannot be read or converted.
+        BadFile: the recording cannot be read or converted.
     """
     return converted(path).path if is_other_recording(path) else path
 
@@ -75,7 +75,7 @@ def converted(path: Path) -> ConvertedRecording:
     """Return the converted bag of a ROS 2 recording or an MCAP file.
 
     Raises:
-        BadFile: it cannot be read or converted.
+        BadFile: the recording cannot be read or converted.
     """
     found = path.stat()
     return _converted(path.resolve(), found.st_mtime_ns, found.st_size)
@@ -97,8 +97,8 @@ def _converted(path: Path, _mtime_ns: int, _size: int) -> ConvertedRecording:
         raise
     except TooLargeChunk as error:
         bag.unlink(missing_ok=True)
-        raise BadFile(path, str(error), "it is forged or damaged; name another recording") from error
-    except Exception as error:  # For damaged bytes, rosbags and its parsers raise errors of many kinds.
+        raise BadFile(path, str(error), "the recording is forged or damaged; name another recording") from error
+    except Exception as error:  # For damaged bytes, rosbags and its parsers raise many kinds of errors.
         bag.unlink(missing_ok=True)
         if isinstance(error, OSError) and error.errno in _DISK_FAULTS:
             remedy = "free space in the folder of temporary files (TMPDIR)"

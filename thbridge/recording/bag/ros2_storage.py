@@ -26,17 +26,17 @@ from thbridge.recording.bag.unpacking import ALWAYS, UnpackedBytes, check_mcap, 
 
 METADATA = "metadata.yaml"
 LARGEST_METADATA = 1 << 26
-"""Largest size of metadata.yaml, in bytes. It has some hundred bytes per file and topic, and the study of our
-sessions."""
+"""Largest size of metadata.yaml, in bytes. It has a few hundred bytes for each file and topic. For our sessions, it
+also contains the study."""
 MOST_VALUES = 1 << 20
 """Largest number of values in metadata.yaml, with aliases expanded."""
 _INFORMATION = "rosbag2_bagfile_information"
 
 _STEPS_ALWAYS, _STEPS_BYTE, _STEPS_ONCE = 1 << 26, 128, 1 << 16
-"""Steps of SQLite's virtual machine: allowed for any file, allowed in addition for each byte of the file, and made
-between two counts of the steps.
+"""Steps of SQLite's virtual machine: steps allowed for any file, further steps allowed for each byte of the file, and
+steps between two checks.
 
-A message has at least a dozen bytes, and needs some twenty steps in each of three queries.
+A message has at least a dozen bytes, and needs about twenty steps in each of three queries.
 """
 
 
@@ -50,10 +50,9 @@ def plain_recording(path: Path, work: Path) -> Iterator[Path]:
         path: the file or folder.
         work: a folder for the copy.
 
-    Raises:
-        TooLargeChunk: it unpacks to more than is allowed.
+    Raises: TooLargeChunk: its unpacked size is above the limit.
         BadFile: one of its files is a pipe or a device, or a link leads out of its folder.
-        OSError, YAMLError: it cannot be read.
+        OSError, YAMLError: a file cannot be read.
     """
     for file in path.rglob("*") if path.is_dir() else [path]:
         if file.is_symlink() and file != path:
@@ -102,8 +101,8 @@ def bounded_sqlite(path: Path) -> Iterator[None]:
     """Limit SQLite's work on the files of a recording that are opened during the block.
 
     Raises:
-        TooLargeChunk: it takes more steps than a recording of its size can need. (A table can refer to a page of the
-            file any number of times.)
+        TooLargeChunk: a query takes more steps than a recording of this size can need. (A table can refer to a page of
+            the file any number of times.)
     """
     left = _STEPS_ALWAYS + _STEPS_BYTE * size_of(path)
     exceeded = False
@@ -125,7 +124,8 @@ def bounded_sqlite(path: Path) -> Iterator[None]:
         raise
     except Exception as error:
         if exceeded or isinstance(error, apsw.TooBigError):
-            raise TooLargeChunk("its database expands to more than a recording of its size can hold") from error
+            problem = "the database expands to more data than a recording of this size can contain"
+            raise TooLargeChunk(problem) from error
         raise
     finally:
         apsw.connection_hooks.remove(bound)
@@ -180,4 +180,5 @@ def _check_aliases(path: Path, text: str) -> None:
             if isinstance(event, CollectionStartEvent):
                 open_nodes.append((event.anchor, count - 1))
         if count > MOST_VALUES:
-            raise BadFile(path, f"more than {MOST_VALUES} values", "it is forged or damaged; name another recording")
+            remedy = "the file is forged or damaged; name another recording"
+            raise BadFile(path, f"more than {MOST_VALUES} values", remedy)

@@ -53,7 +53,7 @@ class UnpackedBytes:
         """Count a chunk. Raises TooLargeChunk above the file's limit."""
         self._left -= size
         if self._left < 0:
-            raise TooLargeChunk("its chunks unpack to more than a recording of its size can hold")
+            raise TooLargeChunk("the chunks expand to more data than a recording of this size can contain")
 
 
 def unpacked(compression: str, packed: bytes, size: int) -> bytes:
@@ -64,8 +64,7 @@ def unpacked(compression: str, packed: bytes, size: int) -> bytes:
         packed: its bytes in the file.
         size: bytes of its data according to its record.
 
-    Raises:
-        TooLargeChunk: it unpacks to more than its record says, or more than is allowed for a chunk.
+    Raises: TooLargeChunk: its unpacked size is above that in its record, or above the limit for a chunk.
         ValueError: there is no such compression.
         OSError, RuntimeError, EOFError: the stream is damaged.
     """
@@ -87,8 +86,7 @@ def unpacked(compression: str, packed: bytes, size: int) -> bytes:
 def unpacked_message(packed: bytes, so_far: UnpackedBytes) -> bytes:
     """Return the data of a rosbag2 message that is packed with zstd, and count them.
 
-    Raises:
-        TooLargeChunk: it unpacks to more than is allowed for a chunk of its size, or for the file.
+    Raises: TooLargeChunk: its unpacked size is above the limit for a chunk of its size, or for the file.
         ZstdError: it is damaged.
     """
     data = b"".join(_zstd_pieces(BytesIO(packed), max(ALWAYS, TIMES_PACKED * len(packed)), so_far))
@@ -100,8 +98,7 @@ def unpacked_message(packed: bytes, so_far: UnpackedBytes) -> bytes:
 def unpack_file(packed: Path, to: Path, so_far: UnpackedBytes) -> None:
     """Unpack a file of rosbag2 that is packed with zstd as a whole.
 
-    Raises:
-        TooLargeChunk: it unpacks to more than is allowed for a file of its size.
+    Raises: TooLargeChunk: its unpacked size is above the limit for a file of its size.
         ZstdError: it is damaged.
         OSError: a file cannot be read or written.
     """
@@ -116,8 +113,7 @@ def check_mcap(path: Path) -> None:
 
     Files of other kinds are ignored.
 
-    Raises:
-        TooLargeChunk: they unpack to more than records say, or more than is allowed.
+    Raises: TooLargeChunk: an unpacked size is above that in the record, or above the limit.
         OSError: the file cannot be read.
     """
     if not is_regular(path):
@@ -162,7 +158,7 @@ def _zstd_pieces(packed: BinaryIO, most: int, so_far: UnpackedBytes) -> Iterator
         while piece := stream.read(_PIECE):
             found += len(piece)
             if found > most:
-                raise TooLargeChunk(f"it unpacks to more than the allowed {most} bytes")
+                raise TooLargeChunk(f"the unpacked size is above the limit of {most} bytes")
             so_far.add(len(piece))
             yield piece
 
@@ -189,10 +185,10 @@ def _check_claim(packed: int, size: int) -> None:
     """Raise TooLargeChunk if a chunk claims an unpacked size above the limit."""
     most = max(ALWAYS, TIMES_PACKED * packed)
     if size > most:
-        raise TooLargeChunk(f"a chunk of {packed} bytes claims to unpack to {size}, more than the allowed {most}")
+        raise TooLargeChunk(f"a chunk of {packed} bytes claims an unpacked size of {size} bytes; the limit is {most}")
 
 
 def _check_size(found: int, size: int) -> None:
     """Raise TooLargeChunk if a chunk unpacks to more than it claims."""
     if found > size:
-        raise TooLargeChunk(f"a chunk unpacks to more than the {size} bytes that its record says")
+        raise TooLargeChunk(f"a chunk unpacks to more than the {size} bytes in its record")

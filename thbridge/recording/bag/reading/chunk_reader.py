@@ -51,7 +51,7 @@ class ChunkInfo:
     counts: Mapping[int, int]
 
     def is_before(self, stamp_ns: int | None) -> bool:
-        """Return True when all its messages are before a stamp; False if the stamp is None."""
+        """Return True if all messages of the chunk are before a stamp. For None, return False."""
         return stamp_ns is not None and self.end_ns < stamp_ns
 
 
@@ -117,7 +117,7 @@ class ChunkReader:
             return found
 
     def message(self, chunk: ChunkInfo, offset: int) -> bytes:
-        """Return the message with its record at an offset of the unpacked chunk."""
+        """Return the message whose record is at an offset of the unpacked chunk."""
         packed = self._packed.get(chunk)
         if packed is None:
             with damage_as_bad_file(self._parts[chunk.file]):
@@ -148,7 +148,7 @@ class ChunkReader:
         return who[order], stamps[order], offsets[order]
 
     def messages(self, chunk: ChunkInfo, offsets: NDArray[np.int64]) -> Iterator[bytes]:
-        """Yield the messages with their records at these offsets of the unpacked chunk."""
+        """Yield the messages whose records are at these offsets of the unpacked chunk."""
         with damage_as_bad_file(self._parts[chunk.file]):
             packed = self._packed_at(chunk)
         if packed.plain and (packed.size > WHOLE or len(offsets) <= FEW):

@@ -55,7 +55,7 @@ def contents(path: Path) -> BagContents:
     """Read the index of one bag, 12 bytes per message; messages are not read.
 
     Raises:
-        BadFile: there is no such file, it is not a ROS 1 bag, or it is cut off or damaged.
+        BadFile: the file does not exist, is not a ROS 1 bag, or is cut off or damaged.
     """
     with opened(path) as (end, reader):
         compressions: dict[str, int] = {}

@@ -42,11 +42,11 @@ def read_end(file: BinaryIO, number: int, part: Path, end: FileEnd) -> Iterator[
         file: the file.
         number: its number among the recording's parts.
         part: its path.
-        end: object for the result.
+        end: object that receives the result.
 
     Raises:
         BadFile: the bag is encrypted, or has no index.
-        ReaderError: it is damaged; see `damage_as_bad_file`.
+        ReaderError: the bag is damaged; see `damage_as_bad_file`.
     """
     file.seek(len(MAGIC) + len(VERSION))
     head = Header.read(file, RecordType.BAGHEADER)

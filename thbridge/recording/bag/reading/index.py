@@ -285,7 +285,7 @@ def open_index(path: Path) -> Generator[float, None, BagIndex]:
         The index; the caller closes it.
 
     Raises:
-        BadFile: there is no such file, it is not a ROS 1 bag, it has not been closed by its writer, or it is damaged.
+        BadFile: the file does not exist, is not a ROS 1 bag, was not closed by its writer, or is damaged.
     """
     parts = parts_of(path)
     files: list[BinaryIO] = []

@@ -174,7 +174,7 @@ def scan(path: Path) -> Iterator[BagRecord]:
     the next record, also inside chunks, unless the lengths of the record are invalid.
 
     Raises:
-        BadFile: there is no such file, or it does not begin like a bag.
+        BadFile: the file does not exist, or does not begin like a bag.
     """
     path = as_ros1(path)
     check_is_bag(path)
@@ -374,7 +374,7 @@ def _fields(header: bytes) -> dict[bytes, bytes]:
 def _kind(fields: dict[bytes, bytes]) -> int:
     kind = fields.get(b"op", b"")
     if len(kind) != 1:
-        raise _Torn("a record does not say what kind it is")
+        raise _Torn("the kind of a record is missing")
     return kind[0]
 
 

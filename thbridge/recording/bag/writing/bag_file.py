@@ -85,7 +85,7 @@ class ChunkFile:
         self._put(_records(self._head(chunk), chunk, Compression.NONE))
 
     def sync(self) -> None:
-        """Force the file onto the disk (fsync). Raises OSError, also when the file was deleted."""
+        """Force the file onto the disk (fsync). Raises OSError, for example if the file was deleted."""
         os.fsync(self._file.fileno())
         if os.fstat(self._file.fileno()).st_nlink == 0:
             raise FileNotFoundError("the file was deleted")

@@ -11,8 +11,9 @@ from thbridge.recording.bag.records import U32, BagConnection, message_head, tim
 
 CHUNK_BYTES = 768 * 1024
 CHUNK_NS = 1_000_000_000
-"""Limits of a chunk. It ends after all messages of the stamp at which it becomes larger than `CHUNK_BYTES`, or before
-it spans more time than `CHUNK_NS`. The size is rosbag's own: each chunk has an index for every topic in it."""
+"""Limits of a chunk. When a chunk becomes larger than `CHUNK_BYTES`, it ends after all messages of the present stamp. A
+chunk also ends before it spans more time than `CHUNK_NS`. The size is rosbag's default, because each chunk has an index
+for every topic in it."""
 
 MOST_BYTES = 2 * CHUNK_BYTES
 """Size above which a chunk ends even between messages with equal stamps."""
@@ -79,7 +80,7 @@ class ChunkBuilder:
         self._start_ns = 0
 
     def accepts(self, stamp_ns: int) -> bool:
-        """Return True when a message with this stamp still belongs to the chunk."""
+        """Return True if a message with this stamp still belongs to the chunk."""
         if not self.size:
             return True
         if stamp_ns == self._stamps[-1]:
@@ -113,7 +114,7 @@ class ChunkBuilder:
         self.size += size
 
     def snapshot(self) -> Chunk:
-        """Return the chunk so far, which continues to grow."""
+        """Return a copy of the chunk, which continues to grow."""
         count = len(self._messages)
         numbers = np.fromiter((connection.number for connection in self._connections), np.int64, count)
         sizes = np.fromiter(map(len, self._messages), np.int64, count)
@@ -138,7 +139,7 @@ class ChunkBuilder:
         )
 
     def take(self) -> Chunk:
-        """Return the chunk; the next message begins another one."""
+        """Return the chunk; the next message begins another chunk."""
         chunk = self.snapshot()
         self._begin()
         return chunk

@@ -1,4 +1,4 @@
-"""The disk to which threads write a bag: its delays, and the rescue of a recording when it fails."""
+"""The disk to which threads write a bag: its delays, and the rescue of a recording when the disk fails."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -11,7 +11,7 @@ from thbridge.recording.claims import claim, release
 from thbridge.recording.recordings import active_of, part_of, parts_of
 
 BEHIND_SECONDS = 10.0
-"""Delay of the disk that ends the recording."""
+"""Delay of the disk, in seconds, after which the recording ends."""
 
 WAITING_BYTES = 2 * 2**20
 """Bytes waiting for the disk above which the session waits too: the amount that bz2 packs in 0.1 s."""
@@ -19,11 +19,11 @@ WAITING_BYTES = 2 * 2**20
 CLOSE_SECONDS = 60.0
 """Longest wait for the disk at the end of a recording."""
 
-ALMOST_ALL = "it holds all but the last second"
+ALMOST_ALL = "the file has everything except the last second"
 
 
 class BagNotWritten(BadFile):
-    """A recording could not begin or continue; the message says what is kept, and in which file."""
+    """A recording could not begin or continue; the message names the file, and the data in it."""
 
     def __init__(self, path: Path, problem: str, remedy: str) -> None:
         super().__init__(path, problem, remedy)
@@ -118,13 +118,13 @@ class BagDisk:
         """Abandon the threads of a disk that does not respond, and return the error to raise."""
         self.end()
         problem = f"the disk has not responded for {CLOSE_SECONDS:.0f} s"
-        return self._left(problem, "it holds what reached the disk: when that works again,")
+        return self._left(problem, "the file has all data that reached the disk; when the disk works again,")
 
     def _left(self, problem: str, remedy: str) -> BagNotWritten:
         """Return the error for a file that could not be completed, with its remedy."""
         active = self._parts.unfinished
         if active is None or not active.exists():
-            return BagNotWritten(self._path, problem, "record again, into a folder that is not deleted")
+            return BagNotWritten(self._path, problem, "record again, into a folder that no program deletes")
         return BagNotWritten(active, problem, f"{remedy} run `thbridge bag reindex {active}`")
 
     def end(self) -> None:
@@ -139,7 +139,8 @@ def _refuse_taken(path: Path) -> None:
     finished = [file for file in parts_of(path) if file.exists()]
     active = [file for file in (active_of(path), active_of(part_of(path, 0))) if file.exists()]
     if finished:
-        raise BagNotWritten(finished[0], "this file exists already", "choose another name, or move it elsewhere")
+        remedy = "choose another name, or move this file to another folder"
+        raise BagNotWritten(finished[0], "this file already exists", remedy)
     if active:
         raise BagNotWritten(
             active[0],

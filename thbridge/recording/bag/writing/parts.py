@@ -101,7 +101,7 @@ class SplitBagWriter:
             file.close()
 
     def _turn_to(self, piece: QueuedChunk) -> None:
-        """Begin another file if the chunk does not belong to the present one."""
+        """Begin another file if the chunk does not belong to the present file."""
         # Messages with one stamp stay in one file, so that readers see them in order.
         if not (self._full and piece.chunk.start_ns > self._end_ns) and piece.period == self._period:
             return

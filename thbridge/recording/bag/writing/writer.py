@@ -97,7 +97,8 @@ class BagWriter:
         """Write one message, unless it is filtered out; a topic's connection is made with its first message.
 
         Raises:
-            BagNotWritten: the disk is full, gone or too slow. The bag is closed, and the messages in it are kept.
+            BagNotWritten: the disk is full, unavailable or too slow. The bag is closed, and the messages in it are
+                kept.
             ValueError: the message is older than the last one, or the bag is closed.
         """
         for topic, stamp_ns, data, _ in self._keep((message,)):
@@ -139,7 +140,7 @@ class BagWriter:
         """Complete the bag and give it its final name; a second call does nothing.
 
         Raises:
-            BagNotWritten: the disk is full or gone, or takes too long.
+            BagNotWritten: the disk is full, unavailable or too slow.
         """
         if not self._open:
             return
@@ -233,10 +234,12 @@ class BagWriter:
         if (behind := self._disk.behind) > BEHIND_SECONDS:
             self.close()
             problem = f"the disk is too slow: it was {behind:.0f} s behind"
-            raise BagNotWritten(self._disk.last, problem, "it holds everything up to here; record onto a faster disk")
+            remedy = "the file has everything up to now; record onto a faster disk"
+            raise BagNotWritten(self._disk.last, problem, remedy)
 
     def _check_failures(self) -> None:
         if (failure := self._disk.failure) is not None:
-            self._give_chunk()  # The file may be intact: perhaps only its folder is gone, or its name is taken.
+            # The file may be intact: perhaps only its folder was deleted, or another file has its name.
+            self._give_chunk()
             self._open = False
             raise self._disk.saved(failure)
