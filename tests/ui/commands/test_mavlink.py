@@ -165,7 +165,7 @@ def test_a_robot_that_does_not_want_to(at: Address, fleet: Fleet) -> None:
 
 @pytest.mark.usefixtures("impatient")
 def test_a_robot_that_is_not_there(at: Address, fleet: Fleet) -> None:
-    assert "Robot 7 sends nothing; robots that do: 1, 2." in failure("goto", 7, 0, 0, "--at", at)
+    assert "Robot 7 sends nothing; robots that send: 1, 2." in failure("goto", 7, 0, 0, "--at", at)
 
 
 def test_nobody_there(at: Address) -> None:

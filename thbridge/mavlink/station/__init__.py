@@ -1,1 +1,1 @@
-"""Minimal ground station for the command line, the other end of a link."""
+"""Minimal ground station for commands of the command line."""

@@ -1,6 +1,6 @@
-"""Minimal ground station for the command line, without its socket.
+"""Minimal ground station for commands of the command line, without its socket.
 
-It sends heartbeats, repeats commands until they are acknowledged, and keeps the latest telemetry of every robot.
+It sends heartbeats, repeats commands until robots acknowledge them, and stores the latest telemetry of every robot.
 
 Source: the MAVLink developer guide, "Heartbeat" and "Command Protocol".
 """
@@ -22,7 +22,7 @@ HEARTBEAT_PERIOD = 1.0
 ACK_TIMEOUT = 0.5
 TRIES = 5
 PROGRESS_TIMEOUT = 3.0
-"""Seconds to wait for the next acknowledgement of a command that is in progress."""
+"""Seconds after an acknowledgement of progress until the next one. Then the command counts as unanswered."""
 
 _MOST_SYSTEMS = 255
 
@@ -33,8 +33,8 @@ class StationCommand:
 
     Attributes:
         number: a code of MAV_CMD.
-        parameters: up to seven; missing ones are 0.
-        frame: a code of MAV_FRAME for COMMAND_INT; None for COMMAND_LONG.
+        parameters: up to seven parameters; missing parameters are 0.
+        frame: a code of MAV_FRAME, which is sent in COMMAND_INT. If None, the command is sent in COMMAND_LONG.
     """
 
     number: int
@@ -44,19 +44,16 @@ class StationCommand:
 
 @dataclass(frozen=True, slots=True)
 class CommandAcked:
-    """Final acknowledgement of a command; `result` is a code of MAV_RESULT."""
+    """Final acknowledgement of a command. `result` is a code of MAV_RESULT."""
 
     system: int
     command: int
     result: int
 
 
-"""Command that was not acknowledged after all repetitions."""
-
-
 @dataclass(frozen=True, slots=True)
 class CommandUnanswered:
-    """Command that was not acknowledged, although it was sent repeatedly."""
+    """Command that was sent several times and not acknowledged."""
 
     system: int
     command: int
@@ -64,7 +61,7 @@ class CommandUnanswered:
 
 @dataclass(frozen=True, slots=True)
 class StatusTextReceived:
-    """Text of a robot for people; `severity` is a code of MAV_SEVERITY."""
+    """Text of a robot for people. `severity` is a code of MAV_SEVERITY."""
 
     system: int
     severity: int
@@ -76,7 +73,7 @@ StationEvent: TypeAlias = CommandAcked | CommandUnanswered | StatusTextReceived
 
 @dataclass(slots=True)
 class KnownRobot:
-    """Latest telemetry of a robot; times are seconds of the station's clock.
+    """Latest telemetry of a robot. Times are seconds of the station's clock.
 
     Attributes:
         system: its system id.
@@ -92,9 +89,9 @@ class KnownRobot:
         longitude: degrees.
         speed: m/s.
         energy: remaining fraction, from 0 to 1; NaN while unknown.
-        frames: number of frames received from it.
+        frames: number of frames received from the robot.
         lost: number of frames lost in transmission.
-        commander: its commander, see `conventions.COMMANDER`; None while unknown.
+        commander: its commander; see `conventions.COMMANDER`. None while unknown.
         text: its last text for people.
     """
 
@@ -153,12 +150,15 @@ class GroundStation:
         self._texts: dict[tuple[int, int], str] = {}
 
     def take_frames(self) -> list[Frame]:
-        """Return the frames to be sent, and clear this list."""
+        """Return the frames that must be sent, and remove them from the queue."""
         frames, self._outgoing = self._outgoing, []
         return frames
 
     def send_command(self, system: int, command: StationCommand, now: float) -> None:
-        """Send a command; `CommandAcked` or `CommandUnanswered` follows. It replaces the same command, if pending."""
+        """Send a command. It replaces a pending command with the same number.
+
+        The event `CommandAcked` or `CommandUnanswered` follows.
+        """
         self._transmit(system, _Pending(command, 1, now + ACK_TIMEOUT))
 
     def request(self, system: int, message_id: int, now: float) -> None:
@@ -166,7 +166,7 @@ class GroundStation:
         self.send_command(system, StationCommand(mav.MAV_CMD_REQUEST_MESSAGE, (float(message_id),)), now)
 
     def advance(self, now: float) -> list[StationEvent]:
-        """Send heartbeats and repeat commands that are due; return the events."""
+        """Send heartbeats, repeat commands that are due, and return the events."""
         if self._last_heartbeat is None or now - self._last_heartbeat >= HEARTBEAT_PERIOD:
             self._last_heartbeat = now
             kind, pilot, state = mav.MAV_TYPE_GCS, mav.MAV_AUTOPILOT_INVALID, mav.MAV_STATE_ACTIVE
@@ -175,6 +175,7 @@ class GroundStation:
         for (system, command), waiting in tuple(self._pending.items()):
             if now < waiting.due:
                 continue
+            # A command in progress has arrived, so it is not sent again.
             if waiting.in_progress or waiting.tries >= TRIES:
                 del self._pending[system, command]
                 events.append(CommandUnanswered(system, command))
@@ -184,7 +185,7 @@ class GroundStation:
         return events
 
     def receive_frame(self, frame: Frame, now: float) -> list[StationEvent]:
-        """Process a received frame and return the events; frames that do not come from robots are ignored."""
+        """Process a received frame and return the events. Frames that do not come from robots are ignored."""
         message = decoded(frame.message_id, frame.payload)
         if message is None or frame.component != ROBOT:
             return []
@@ -212,6 +213,7 @@ class GroundStation:
                 robot.autopilot, robot.last_heartbeat = message.autopilot, now
                 robot.custom_mode, robot.base_mode = message.custom_mode, message.base_mode
             case mav.MAVLink_local_position_ned_message():
+                # MAVLink's local frame has x north and y east. Maps have x east and y north.
                 robot.x, robot.y = message.y, message.x
                 robot.speed = elementary.hypot(message.vx, message.vy)
             case mav.MAVLink_global_position_int_message():
@@ -227,6 +229,7 @@ class GroundStation:
         return []
 
     def _acked(self, system: int, ack: mav.MAVLink_command_ack_message, now: float) -> list[StationEvent]:
+        # The target is an extension of the message. It is 0 if an autopilot does not send it.
         if (ack.target_system or self._system, ack.target_component or self._component) != (
             self._system,
             self._component,
@@ -243,8 +246,9 @@ class GroundStation:
         return [CommandAcked(system, ack.command, ack.result)]
 
     def _texted(self, robot: KnownRobot, message: mav.MAVLink_statustext_message) -> list[StationEvent]:
-        """Assemble the chunks of a long text; the last chunk is shorter than the others."""
+        """Join the chunks of a long text. The last chunk is shorter than the other chunks."""
         piece = _text(message.text)
+        # Id 0 means that the text fits into one message.
         if message.id:
             key = (robot.system, message.id)
             piece = self._texts.pop(key, "") + piece if message.chunk_seq else piece
@@ -260,6 +264,7 @@ class GroundStation:
         given = (*command.parameters, *(0.0,) * (7 - len(command.parameters)))
         first, second, third, fourth, x, y, z = given
         if command.frame is None:
+            # `confirmation` counts the repetitions, so that the robot does not execute a repeated command again.
             self._send(
                 mav.MAVLink_command_long_message(
                     system, ROBOT, command.number, waiting.tries - 1, first, second, third, fourth, x, y, z
@@ -277,7 +282,7 @@ class GroundStation:
         self._outgoing.append(
             Frame(self._system, self._component, self._sequence, message.get_msgId(), payload_of(message), seed)
         )
-        self._sequence = (self._sequence + 1) % 256
+        self._sequence = (self._sequence + 1) % 256  # The field has one byte.
 
 
 def _text(raw: str | bytes) -> str:

@@ -1,6 +1,6 @@
-"""Trip of one robot, commanded by a ground station: arm it, send it, wait for its arrival, disarm it.
+"""Trip of one robot that a ground station commands: arm the robot, send it, wait for its arrival, disarm it.
 
-Without sockets and clocks; it uses a `GroundStation`.
+The trip uses a `GroundStation`. It has no sockets and clocks.
 """
 
 import math
@@ -25,15 +25,15 @@ from thbridge.mavlink.wire.coordinates import PER_METRE, yaw_of
 from thbridge.mavlink.wire.dialect import mav
 
 ARRIVAL_RADIUS = 0.3
-"""Distance in meters within which a standing robot has arrived, even if it does not report its arrival."""
+"""Distance to the goal in meters within which a standing robot has arrived, even if it does not report its arrival."""
 
 DISCOVERY_TIMEOUT = 5.0
 HEARTBEAT_TIMEOUT = 5.0
 _TEXT_TIMEOUT = 0.5
-"""Seconds to wait for the text in which a robot gives the reason of a refusal."""
+"""Seconds to wait for the text with a robot's reason for a refusal."""
 _STANDING_SECONDS = 3.0
 _STANDING = 0.02
-"""Speed below which a robot stands, meters per second."""
+"""Speed in m/s below which a robot counts as standing."""
 
 _ARM = StationCommand(mav.MAV_CMD_COMPONENT_ARM_DISARM, (1.0,))
 _DISARM = StationCommand(mav.MAV_CMD_COMPONENT_ARM_DISARM, (0.0,))
@@ -44,8 +44,8 @@ class TripOutcome:
     """Outcome of a trip.
 
     Attributes:
-        problem: reason for people why the robot did not arrive; empty if it did.
-        unanswered: True if it did not answer a command.
+        problem: reason, for people, why the robot did not arrive. Empty if it arrived.
+        unanswered: True if the robot did not answer a command.
     """
 
     problem: str
@@ -65,18 +65,18 @@ class StationTripStage(Enum):
 
 
 class StationTrip:
-    """One trip.
+    """Trip of one robot.
 
     Args:
         station: ground station that commands the robot.
         system: system id of the robot.
-        destination: its goal.
-        keep: keep command of it afterwards.
+        destination: goal of the trip.
+        keep: True if the station commands the robot even after the trip.
         now: seconds of the station's clock.
 
     Attributes:
         stage: current stage.
-        outcome: the outcome; None until the trip is over.
+        outcome: outcome of the trip. None until the trip is over.
     """
 
     def __init__(self, station: GroundStation, system: int, destination: Target, keep: bool, now: float) -> None:
@@ -99,7 +99,7 @@ class StationTrip:
         return math.nan if robot is None else _distance(self._destination, robot)
 
     def advance(self, events: Iterable[StationEvent], now: float) -> None:
-        """Process the station's events and the passing of time."""
+        """Process the station's events, and check timeouts."""
         for event in events:
             if event.system == self._system:
                 self._handle_event(event, now)
@@ -110,14 +110,14 @@ class StationTrip:
                 self._send(StationTripStage.TAKING, _ARM, now)
             case StationTripStage.SEARCHING if waited > DISCOVERY_TIMEOUT:
                 there = ", ".join(str(system) for system in sorted(self._station.robots))
-                self._fail(f"robot {self._system} sends nothing; robots that do: {there or 'none'}", now)
+                self._fail(f"robot {self._system} sends nothing; robots that send: {there or 'none'}", now)
             case StationTripStage.UNDER_WAY if robot is not None:
                 self._watch(robot, now)
             case StationTripStage.LISTENING if waited > _TEXT_TIMEOUT:
                 self._hand_back(now)
 
     def give_up(self, now: float) -> None:
-        """Abort the trip: stop the robot and give command back."""
+        """Abort the trip. Disarm the robot, so that it stops and the participant commands it again."""
         self._problem = "given up"
         self._keep = False
         self._hand_back(now)
@@ -134,7 +134,7 @@ class StationTrip:
                 if result == mav.MAV_RESULT_ACCEPTED:
                     self.stage, self._since, self._stood = StationTripStage.UNDER_WAY, now, now
                 else:
-                    self._fail(f"robot {self._system} does not go there ({_word(result)})", now)
+                    self._fail(f"robot {self._system} refuses to drive there ({_word(result)})", now)
             case CommandUnanswered() if self.stage in (StationTripStage.TAKING, StationTripStage.ASKING):
                 self._unanswered = True
                 self._fail(f"robot {self._system} does not answer", now)
@@ -144,7 +144,7 @@ class StationTrip:
                 self._handle_text(severity, text, now)
 
     def _handle_text(self, severity: int, text: str, now: float) -> None:
-        """Process a text of the robot, which says more than a result code."""
+        """Process a text of the robot, because it explains more than a result code."""
         if self.stage is StationTripStage.UNDER_WAY and text == ARRIVED:
             self._hand_back(now)
         elif severity <= mav.MAV_SEVERITY_WARNING:
@@ -154,16 +154,16 @@ class StationTrip:
                 self._problem = text
 
     def _watch(self, robot: KnownRobot, now: float) -> None:
-        """Check heartbeat, position and arming of the robot, because texts may get lost."""
+        """Check heartbeat, position and arming of the robot, because its texts may be lost on the link."""
         if not robot.speed < _STANDING:
             self._stood = now
         if now - robot.last_heartbeat > HEARTBEAT_TIMEOUT:
-            self._fail(f"robot {self._system} has become silent", now)
+            self._fail(f"robot {self._system} no longer sends heartbeats", now)
         elif now - self._stood > _STANDING_SECONDS and _distance(self._destination, robot) < ARRIVAL_RADIUS:
             self._hand_back(now)
         elif (
             not robot.armed and robot.last_heartbeat - self._since > HEARTBEAT_PERIOD
-        ):  # earlier, the robot may not know its commander yet
+        ):  # In an earlier heartbeat, the robot may not know its commander yet.
             self._fail(f"another client now commands robot {self._system}", now)
 
     def _send(self, stage: StationTripStage, command: StationCommand, now: float) -> None:
@@ -185,8 +185,8 @@ class StationTrip:
 
 
 def _command_to(target: Target) -> StationCommand:
-    """Return the command that sends a robot there, in MAVLink's local frame, x north and y east."""
-    # NaN means any heading.
+    """Return the command that sends a robot to a goal, in MAVLink's local frame: x north, y east."""
+    # In MAVLink, NaN means any heading.
     yaw = math.nan if target.heading is None else yaw_of(target.heading)
     place = (round(target.y * PER_METRE), round(target.x * PER_METRE))
     parameters = (-1.0, float(mav.MAV_DO_REPOSITION_FLAGS_CHANGE_MODE), 0.0, yaw, *place, 0.0)
@@ -194,7 +194,7 @@ def _command_to(target: Target) -> StationCommand:
 
 
 def _distance(target: Target, robot: KnownRobot) -> float:
-    """Return the distance from a robot's own position estimate, meters; NaN while that is unknown."""
+    """Return the distance in meters from a robot's position estimate to a goal. NaN while the estimate is unknown."""
     return elementary.hypot(target.x - robot.x, target.y - robot.y)
 
 

@@ -1,1 +1,1 @@
-"""Values that vehicles, stations and roles share: options, conventions, and the interface of a vehicle to its robot."""
+"""Values that vehicles, stations and pilots share: options, conventions, and a vehicle's interface to its robot."""

@@ -1,11 +1,11 @@
-"""Conventions between thbridge's vehicles and ground station that MAVLink's standard leaves open."""
+"""Conventions between thbridge's vehicles and ground station that MAVLink's standard does not define."""
 
 COMMANDER = "COMMANDER"
-"""Name of the NAMED_VALUE_INT with the commander; common MAVLink has no message for it."""
+"""Name of the NAMED_VALUE_INT that contains the commander. The common messages of MAVLink have none for this."""
 
 BY_PARTICIPANT, BY_OTHERS = 0, -1
-"""Values of `COMMANDER` when no station is in command: the participant is, or a person outside the game (a
-researcher)."""
+"""Values of `COMMANDER` if no station commands the robot: the participant does, or a person outside the game, such as
+a researcher."""
 
 ARRIVED = "Arrived."
 """STATUSTEXT of a robot that has reached its goal."""

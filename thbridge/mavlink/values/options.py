@@ -1,21 +1,21 @@
-"""Options of vehicles, set by the study file."""
+"""Options of vehicles. The study file sets them."""
 
 from dataclasses import dataclass
 from enum import StrEnum
 
 SHORTEST_TIMEOUT, LONGEST_TIMEOUT = 1.0, 600.0
-"""Bounds of the heartbeat timeout, in seconds: without a heartbeat for this time, a ground station is lost."""
+"""Bounds of the heartbeat timeout, seconds. A ground station without a heartbeat for this time is lost."""
 
 
 class AutopilotIdentity(StrEnum):
-    """Autopilot that a vehicle claims to have; ground stations offer more functions to autopilots that they know."""
+    """Autopilot that a vehicle claims to have. Ground stations offer more functions for autopilots that they know."""
 
     GENERIC = "generic"
     ARDUPILOT = "ardupilot"
 
 
 class Failsafe(StrEnum):
-    """Action of a robot when its commanding ground station is lost."""
+    """Action of a robot after the loss of the ground station that commands it."""
 
     STOP = "stop"
     HOME = "home"
@@ -23,7 +23,7 @@ class Failsafe(StrEnum):
 
 
 class VisitedRooms(StrEnum):
-    """Action of a mission when its next item leads into an already visited room."""
+    """Action of a mission if its next item leads into an already visited room."""
 
     HALT = "halt"
     SKIP = "skip"
@@ -31,7 +31,7 @@ class VisitedRooms(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class GeoOrigin:
-    """Position of the map's origin, WGS84: degrees north and east, meters above sea level; north is map y."""
+    """Position of the map's origin in WGS84: degrees north and east, meters above sea level. Map y is north."""
 
     latitude: float
     longitude: float
@@ -46,7 +46,7 @@ class VehicleOptions:
         identity: autopilot that the vehicles claim to have.
         origin: position of the map's origin on earth.
         lost_after: seconds without a heartbeat after which a ground station is lost.
-        failsafe: action in that case.
+        failsafe: action of a robot whose ground station is lost.
         position_rate: default rate of position, attitude and speed messages, Hz.
         visited_rooms: action of a mission at an already visited room.
     """

@@ -1,7 +1,7 @@
-"""Interface between a vehicle and its robot: the commands that a ground station may give, and the robot's readings.
+"""Interface between a vehicle and its robot: commands that a ground station may give, and readings of the robot.
 
-A vehicle handles MAVLink and knows nothing about the game. The implementation of `VehicleInterface` handles robot and
-game, and knows nothing about MAVLink.
+A vehicle handles MAVLink and does not depend on the game. The implementation of `VehicleInterface` handles robot and
+game, and does not depend on MAVLink.
 """
 
 from collections.abc import Sequence
@@ -15,10 +15,10 @@ from sim.common.observations import STANDSTILL, Twist
 
 @dataclass(frozen=True, slots=True)
 class Station:
-    """Sender of messages to vehicles: a ground station, a companion computer, a script.
+    """Sender of messages to vehicles, such as a ground station, a companion computer or a script.
 
     Attributes:
-        system: its system id; most ground stations have 255.
+        system: its system id. Most ground stations have the id 255.
         component: its component id.
     """
 
@@ -47,9 +47,9 @@ class Denied:
 
     Attributes:
         sentence: reason for people, at most about 100 characters.
-        kind: kind of denial; `NOT_NOW` if a later attempt may succeed.
-        axis: axis of the map along which a point is off the map; None for every other reason.
-        is_done: True if it was done before and must not be done again.
+        kind: kind of denial. `NOT_NOW` means that a later attempt may succeed.
+        axis: axis of the map along which a point is outside the map. None for every other reason.
+        is_done: True if the command was executed before and must not be executed again.
     """
 
     sentence: str
@@ -65,7 +65,7 @@ class Target:
     Attributes:
         x: meters east, map.
         y: meters north, map.
-        heading: radians from east, anticlockwise; None for any heading.
+        heading: radians from east, anticlockwise. If None, any heading is allowed.
     """
 
     x: float
@@ -79,8 +79,8 @@ class HelmLeg:
 
     Attributes:
         number: number that `go_to` returned.
-        state: "under way", "arrived" or "failed"; the last two states remain until the next leg.
-        remaining: meters left to drive; 0 after its end.
+        state: "under way", "arrived" or "failed". A state "arrived" or "failed" remains until the next leg.
+        remaining: meters left to drive. 0 after the end of the leg.
         reason: reason of a failure, for people.
     """
 
@@ -105,19 +105,19 @@ class RobotReadings:
     Attributes:
         base_in_map: estimated pose; x east, y north, meters; theta from east, anticlockwise.
         twist: velocity by its own odometry, m/s and rad/s.
-        goal_in_map: its current goal, from any source; None at rest.
+        goal_in_map: its current goal, from any source. None if it has no goal.
         energy: remaining energy in the game's units.
         capacity: energy at the start, in the same units.
-        responsive: False if its software does not respond; all other values are then those of its last response.
-        lost: True if it has lost its position.
+        responsive: False if its software does not respond. Then all other values are those of its last response.
+        lost: True if it does not know its position.
         under_way: True while it drives to a goal from any source.
-        commander: the station in command, as text of `Station`; None if no station commands.
+        commander: the ground station that commands it, as text of `Station`. None if no station commands it.
         commanded_by: its commander for people: "participant", "ground station 255", "researcher".
-        leg: progress of the last `go_to`; None before the first.
-        announcements: texts of this tick for people at ground stations: a room reached, a treasure found, a refusal by
-            the game; at most about 100 characters each.
-        participant_requests: texts of this tick with requests of the participant to the station in command; at most
-            about 100 characters each.
+        leg: progress of the last `go_to`. None before the first `go_to`.
+        announcements: texts of this tick for people at ground stations, about a reached room, a found treasure or a
+            refusal by the game. Each text has at most about 100 characters.
+        participant_requests: texts of this tick with the participant's requests to the station that commands the
+            robot. Each text has at most about 100 characters.
     """
 
     base_in_map: Pose2
@@ -173,11 +173,11 @@ class ParameterDescription:
         meaning: one sentence.
         details: further explanation.
         section: section of the study file that contains it.
-        group: name of the group of parameters it belongs to.
-        unit: SI; empty for a pure number.
-        default: initial value; None if it differs between robots.
-        minimum: smallest value; None if unlimited.
-        maximum: largest value.
+        group: name of its group of parameters.
+        unit: SI unit; empty for a pure number.
+        default: initial value. None if the robots have different values.
+        minimum: minimum value. If None, there is no limit.
+        maximum: maximum value. If None, there is no limit.
         whole: True for whole numbers.
         words: meanings of the values 0, 1, 2...; empty for plain numbers.
         fixed: True if it cannot be changed.
@@ -201,39 +201,39 @@ class ParameterSettings(Protocol):
     """Numeric parameters of a robot."""
 
     def descriptions(self) -> Sequence[ParameterDescription]:
-        """Return the description of each parameter, in the order of `settings`; the result never changes."""
+        """Return the description of each parameter, in the order of `settings`. The result never changes."""
 
     def settings(self) -> Sequence[ParameterSetting]:
         """Return all parameters, always in the same order, with current or pending values."""
 
     def change(self, name: str, value: float) -> ParameterSetting | Denied:
-        """Change the parameter of this name, which must exist, and return its new value."""
+        """Change the parameter of this name and return its new value. The parameter must exist."""
 
 
 class VehicleInterface(Protocol):
-    """Controls of a robot. Each call returns at once; a granted command takes effect in the next tick."""
+    """Controls of a robot. Each call returns at once. A granted command has an effect in the next tick."""
 
     @property
     def parameters(self) -> ParameterSettings:
         """Parameters of the robot."""
 
     def take(self, station: Station) -> Denied | None:
-        """Put this station in command instead of any other. A repeated call has no effect."""
+        """Let this station command the robot instead of any other commander. A repeated call has no effect."""
 
     def release(self) -> None:
-        """Return command to the participant; a current leg continues unless it was stopped before."""
+        """Let the participant command the robot again. A current leg continues unless it was stopped before."""
 
     def go_to(self, target: Target) -> int | Denied:
-        """Send the robot to a point of the map; this replaces the current leg.
+        """Send the robot to a point of the map. This replaces the current leg.
 
         A point in a room is a move of the game, and ends at the goal pose of that room.
 
         Returns:
-            The number of the leg; `RobotReadings.leg` shows how it ends.
+            The number of the leg. `RobotReadings.leg` shows its result.
         """
 
     def stop_robot(self) -> None:
-        """Stop the robot, and abort the current leg or move of the game, regardless of who ordered it."""
+        """Stop the robot, and abort the current leg or move of the game, even if another commander ordered it."""
 
     def drive(self, twist: Twist) -> Denied | None:
         """Drive by hand for the next half second."""
@@ -242,13 +242,13 @@ class VehicleInterface(Protocol):
         """Return the speed limits of manual driving, m/s and rad/s, both positive."""
 
     def limit_speed(self, speed: float) -> Denied | None:
-        """Limit the speed from now on, m/s; a negative value restores the study's limit."""
+        """Limit the speed from now on, m/s. A negative value restores the study's limit."""
 
     def start(self) -> Pose2:
         """Return the start pose, map frame."""
 
     def misplaced(self, x: float, y: float) -> Denied | None:
-        """Return a denial if the robot can never stand at a point of the map; moving obstacles are ignored.
+        """Return a denial if the robot can never stand at a point of the map. Moving obstacles are ignored.
 
         Args:
             x: meters east.
@@ -256,7 +256,7 @@ class VehicleInterface(Protocol):
         """
 
     def unreachable(self, x: float, y: float) -> Denied | None:
-        """Return a denial if `go_to` can never lead to a point of the map; for points in rooms, the game decides.
+        """Return a denial if `go_to` can never lead to a point of the map. For points in rooms, the game decides.
 
         Args:
             x: meters east.
@@ -270,4 +270,4 @@ class VehicleInterface(Protocol):
         """Identify the treasure in the robot's room by the number of its name, from 1, in alphabetical order."""
 
     def leave(self) -> Denied | None:
-        """Leave the treasure in the robot's room."""
+        """Leave the treasure where it is, in the robot's room."""

@@ -1,7 +1,7 @@
-"""A robot as a MAVLink rover.
+"""Robot as a MAVLink rover.
 
-`vehicle` composes the rover of microservices; each microservice handles and sends messages.
+`vehicle` composes the rover from microservices. Each microservice handles and sends messages.
 
 The microservices are in `command`, `mission`, `mode`, `parameter`, `component_files`, `telemetry` and `ping_timesync`.
-They pass commands to `mode.state_machine`, which moves the robot in its current mode, for the station in command.
+They pass commands to `mode.state_machine`. It moves the robot in its current mode, for the station that commands it.
 """

@@ -254,7 +254,7 @@ def test_a_robot_that_is_not_there(air: Air) -> None:
     journey = Journey(air)
     air.heartbeat(2)
     journey.advance(7.0)
-    assert journey.trip.outcome == TripOutcome("robot 1 sends nothing; robots that do: 2")
+    assert journey.trip.outcome == TripOutcome("robot 1 sends nothing; robots that send: 2")
 
 
 def test_a_robot_that_does_not_answer(air: Air) -> None:
@@ -268,7 +268,7 @@ def test_a_robot_that_falls_silent_on_its_way(air: Air) -> None:
     journey = Journey(air, keep=True)
     journey.set_out()
     journey.advance(6.0)
-    assert journey.trip.outcome == TripOutcome("robot 1 has become silent")
+    assert journey.trip.outcome == TripOutcome("robot 1 no longer sends heartbeats")
 
 
 def test_a_robot_that_is_taken_away(air: Air) -> None:

@@ -1,4 +1,4 @@
-"""Deprecated messages, which ground stations sent before commands existed for the same purposes.
+"""Deprecated messages. Ground stations sent them before commands for the same purposes existed.
 
 Source: MAVLink's `common.xml`, SET_MODE, SET_HOME_POSITION and CHANGE_OPERATOR_CONTROL; ArduPilot, for mission items
 that do not belong to a mission, and for the acknowledgement of SET_MODE.
@@ -20,7 +20,7 @@ from thbridge.mavlink.wire.dialect import Message, mav
 from thbridge.mavlink.wire.outgoing import LinkId, OutgoingMessage
 
 _GUIDED_ITEM = 2
-"""Value of `current` in a mission item that is a goal to drive to now, not part of a mission."""
+"""Value of `current` in a mission item that is not part of a mission but a goal to which the robot drives at once."""
 
 _CONTROL_GRANTED, _CONTROL_ELSEWHERE = 0, 3
 _REQUEST_CONTROL = 0
@@ -32,9 +32,9 @@ class DeprecatedMessages(Microservice):
     """Deprecated messages to one vehicle.
 
     Args:
-        commands: command table; it knows the numbers of modes.
+        commands: command table, which translates the numbers of modes.
         modes: the robot's mode state machine.
-        control: the station in command of the robot.
+        control: state of the ground station that commands the robot.
         home: home position.
         earth: map projection.
         announce: sends texts to people.
@@ -57,7 +57,7 @@ class DeprecatedMessages(Microservice):
         self._announce = announce
 
     def handle_message(self, link: LinkId, sender: Station, message: Message) -> Iterator[OutgoingMessage]:
-        """Process a deprecated request for a mode, a goal, another home position or command of the robot."""
+        """Process a deprecated request to set a mode, a goal or the home position, or to command the robot."""
         match message:
             case mav.MAVLink_set_mode_message():
                 yield OutgoingMessage(self._set_mode(sender, message), link)
@@ -70,7 +70,7 @@ class DeprecatedMessages(Microservice):
                 yield OutgoingMessage(self._operator_control(sender, message), link)
 
     def _set_mode(self, sender: Station, message: mav.MAVLink_set_mode_message) -> Message:
-        """Set a mode; the answer is a COMMAND_ACK with the message's id in place of a command, as in ArduPilot."""
+        """Set a mode. The answer is a COMMAND_ACK with the message's id instead of a command, as in ArduPilot."""
         reply = self._commands.mode_reply(sender, message.base_mode, message.custom_mode, 0)
         if reply.sentence:
             self._announce(TextSeverity.WARNING, reply.sentence)
@@ -78,10 +78,10 @@ class DeprecatedMessages(Microservice):
         return mav.MAVLink_command_ack_message(number, reply.result, 0, 0, sender.system, sender.component)
 
     def _guided_item(self, sender: Station, item: _Item) -> Message:
-        """Drive to the place of a mission item."""
+        """Send the robot to the place of a mission item."""
         denied = self._control.objection(sender)
         if denied is None:
-            # MISSION_ITEM has degrees or meters; MISSION_ITEM_INT has degrees times ten million.
+            # MISSION_ITEM contains degrees. MISSION_ITEM_INT contains degrees times 10 million.
             scale = 1 if isinstance(item, mav.MAVLink_mission_item_int_message) else PER_DEGREE
             if item.frame not in GLOBAL or not (math.isfinite(item.x) and math.isfinite(item.y)):
                 denied = Denied("Only a latitude and a longitude can be gone to this way.")
@@ -93,14 +93,14 @@ class DeprecatedMessages(Microservice):
         return mav.MAVLink_mission_ack_message(sender.system, sender.component, result)
 
     def _set_home(self, sender: Station, place: GeoPoint) -> Denied | None:
-        """Set the home position; HOME_POSITION, sent to all links, is the only answer."""
+        """Set the home position. The only answer is the message HOME_POSITION on all links."""
         reserved = self._control.reserved(sender)
         if reserved is not None:
             return reserved
         return self._home.set_here() if place.is_unset else self._home.set_to(Target(*self._earth.map_point(place)))
 
     def _operator_control(self, sender: Station, message: mav.MAVLink_change_operator_control_message) -> Message:
-        """Take or release command of the robot, as arming and disarming do, but never by force."""
+        """Let the sender command the robot or stop commanding it, like arming and disarming, but never by force."""
         granted = _CONTROL_GRANTED
         if message.control_request == _REQUEST_CONTROL:
             denied = self._modes.arm(sender, by_force=False)

@@ -23,7 +23,7 @@ from thbridge.mavlink.wire.extra_messages import ProtocolVersion
 from thbridge.mavlink.wire.mode_numbers import Mode
 
 _LARGEST_ID = 0xFFFF
-"""Largest message id that fits into MESSAGE_INTERVAL."""
+"""Largest message id that MESSAGE_INTERVAL can contain."""
 
 
 class MessageRequests:
@@ -31,8 +31,8 @@ class MessageRequests:
 
     Args:
         streams: rates of its messages.
-        telemetry: makes its messages.
-        capabilities: makes its constant messages.
+        telemetry: source of its messages.
+        capabilities: source of its constant messages.
         state: returns its current state.
     """
 
@@ -45,7 +45,7 @@ class MessageRequests:
         self._state = state
 
     def commands(self) -> Mapping[int, CommandSpec]:
-        """Return the commands by their numbers; any station may give them."""
+        """Return the commands by their numbers. Any station may give them."""
         return {
             mav.MAV_CMD_SET_MESSAGE_INTERVAL: CommandSpec(self._set_message_interval),
             mav.MAV_CMD_GET_MESSAGE_INTERVAL: CommandSpec(self._get_message_interval),
@@ -56,7 +56,7 @@ class MessageRequests:
         }
 
     def _one(self, number: int) -> Callable[[ReceivedCommand], CommandReply]:
-        """Return a command that requests one fixed message."""
+        """Return a command that requests the message with this number."""
         return lambda _: self._requested(number)
 
     def _requested(self, number: int) -> CommandReply:
@@ -72,6 +72,7 @@ class MessageRequests:
         if number is None:
             return INVALID_PARAM
         if number == mav.MAVLINK_MSG_ID_AVAILABLE_MODES:
+            # Index 0 requests all modes. A single mode has an index from 1.
             place = request.whole_param(2, otherwise=0)
             if place is None or place > len(Mode):
                 return INVALID_PARAM
@@ -87,9 +88,10 @@ class MessageRequests:
             return INVALID_PARAM
         if number not in self._streams:
             return CommandReply(CommandResult.UNSUPPORTED)
+        # In this command, 0 means the default rate, and -1 switches the message off.
         ticks = None if microseconds == 0.0 else OFF if microseconds < 0.0 else ticks_of(microseconds)
         if number == mav.MAVLINK_MSG_ID_HEARTBEAT:
-            # Stations detect a vehicle by its heartbeats, so their rate stays once per second on every link.
+            # Stations detect a vehicle by its heartbeats. So every link gets one heartbeat per second.
             return ACCEPTED if ticks in (None, TICKS_PER_SECOND) else INVALID_PARAM
         self._streams.change(request.link, number, ticks)
         return ACCEPTED
@@ -98,6 +100,7 @@ class MessageRequests:
         number = request.whole_param(1)
         if number is None or number > _LARGEST_ID:
             return INVALID_PARAM
+        # In MESSAGE_INTERVAL, 0 means that the message is not available.
         microseconds = 0
         if number in self._streams:
             ticks = self._streams.every(request.link, number)

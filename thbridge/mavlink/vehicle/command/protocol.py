@@ -1,12 +1,13 @@
-"""Command protocol: checks, executes and acknowledges commands.
+"""Command protocol, which checks, executes and acknowledges commands.
 
-Each command is answered by one COMMAND_ACK to its sender, or by several with IN_PROGRESS and then a final one.
+The vehicle answers each command by one COMMAND_ACK to its sender. For a long command it first sends acknowledgements
+with IN_PROGRESS.
 
 Source: the MAVLink developer guide, "Command Protocol".
 Differs: a station that repeats a completed command does not always increase `confirmation` (MAVSDK never does). So, for
 commands that have a new effect at each execution, an equal command within a second also counts as a repetition.
-Commands that any station may send are executed at each repetition: a stop must never be mistaken for a repetition of an
-earlier stop.
+Commands that any station may send are executed at each repetition. Otherwise a stop could be mistaken for a repetition
+of an earlier stop.
 """
 
 import math
@@ -35,23 +36,23 @@ from thbridge.mavlink.wire.extra_messages import CommandCancel
 from thbridge.mavlink.wire.outgoing import LinkId, OutgoingMessage
 
 _REMEMBERED = 5 * TICKS_PER_SECOND
-"""Ticks for which an answered command is kept to recognize its repetition."""
+"""Ticks after the answer to a command in which its repetition is recognized."""
 
 _MOST_REMEMBERED = 64
 
 _Key: TypeAlias = tuple[LinkId, Station, int]
-"""Link, station and number of a command."""
+"""Link, sender and number of a command."""
 
 
 @dataclass(frozen=True, slots=True)
 class _Done:
-    """Command that was answered.
+    """Answered command.
 
     Attributes:
         request: command as received.
         tick: tick of the answer.
         result: result in the answer.
-        once: True if each execution has a new effect.
+        once: True if each execution of the command has a new effect.
     """
 
     request: ReceivedCommand
@@ -62,13 +63,13 @@ class _Done:
 
 @dataclass(slots=True)
 class _Running:
-    """Command in progress: a drive to a place.
+    """Command in progress, which is a drive to a place.
 
     Attributes:
         request: command as received.
         leg: number of the drive.
-        length: meters from its start; None while unknown.
-        progress: percentage of it that is done.
+        length: length of the drive in meters. None while unknown.
+        progress: percentage of the length that the robot has driven.
         reported: tick of the last acknowledgement.
     """
 
@@ -101,7 +102,7 @@ class CommandProtocol(Microservice):
         self._running: dict[_Key, _Running] = {}
 
     def handle_message(self, link: LinkId, sender: Station, message: Message) -> Iterator[OutgoingMessage]:
-        """Process a command, or the cancellation of one."""
+        """Process a command, or the cancellation of a command."""
         if isinstance(message, CommandCancel):
             yield from self._cancel(link, sender, message.command)
             return
@@ -114,7 +115,7 @@ class CommandProtocol(Microservice):
             yield repeated
             return
         if key in self._running:
-            # The command in progress continues; later acknowledgements are for that command.
+            # The command in progress continues, and later acknowledgements with this number are for it.
             yield _ack(request, CommandResult.TEMPORARILY_REJECTED)
             return
         reply = self._judged(request)
@@ -129,7 +130,7 @@ class CommandProtocol(Microservice):
             yield OutgoingMessage(answer, link)
 
     def step(self, tick: int, readings: RobotReadings) -> Iterator[OutgoingMessage]:
-        """Acknowledge progress and end of commands in progress."""
+        """Send acknowledgements for commands in progress: each second, and at their end."""
         self._tick = tick
         for key, running in list(self._running.items()):
             result = self._result_of(running)
@@ -141,7 +142,7 @@ class CommandProtocol(Microservice):
                 yield _ack(running.request, result, running.progress)
 
     def forget(self, link: LinkId) -> None:
-        """Forget a closed link; its commands continue without acknowledgements."""
+        """Forget a closed link. Its commands continue without acknowledgements."""
         self._done = {key: done for key, done in self._done.items() if key[0] != link}
         self._running = {key: running for key, running in self._running.items() if key[0] != link}
 
@@ -157,6 +158,7 @@ class CommandProtocol(Microservice):
             return CommandReply(CommandResult.COMMAND_INT_ONLY)
         if command.frames and request.frame is not None and request.frame not in command.frames:
             return CommandReply(CommandResult.UNSUPPORTED_MAV_FRAME)
+        # NaN means that a parameter is not given. Infinity has no meaning.
         if any(math.isinf(value) for value in request.params):
             return INVALID_PARAM
         objection = self._objection(command.access, request.station)
@@ -172,7 +174,7 @@ class CommandProtocol(Microservice):
                 return None
 
     def _repeated(self, key: _Key, request: ReceivedCommand) -> OutgoingMessage | None:
-        """Return the earlier acknowledgement again if a command is a repetition, otherwise None."""
+        """Return the earlier acknowledgement if a command is a repetition, otherwise None."""
         done = self._done.get(key)
         if done is None or not _same(request, done.request):
             return None
@@ -184,7 +186,7 @@ class CommandProtocol(Microservice):
     def _remember(self, key: _Key, request: ReceivedCommand, result: CommandResult) -> None:
         command = self._commands.find(request.number)
         if command is None or command.access is CommandAccess.ANYBODY:
-            # Commands that any station may send, such as a stop, are executed again: they may be needed again by now.
+            # Commands that any station may send, such as a stop, may be needed again. So they are executed again.
             return
         self._done.pop(key, None)
         while len(self._done) >= _MOST_REMEMBERED:
@@ -199,6 +201,7 @@ class CommandProtocol(Microservice):
 
     def _result_of(self, running: _Running) -> CommandResult:
         """Return the current result of a command in progress, and update its progress."""
+        # Another drive has replaced the drive of this command.
         if self._modes.drive.number != running.leg:
             return CommandResult.CANCELLED
         leg = self._modes.drive.leg
@@ -208,6 +211,7 @@ class CommandProtocol(Microservice):
             return CommandResult.ACCEPTED
         if leg.state is LegState.FAILED:
             return CommandResult.FAILED
+        # A new plan may be longer. Progress must stay between 0 and 99 % until the end.
         if running.length is None or leg.remaining > running.length:
             running.length = leg.remaining
         if running.length > 0.0:
@@ -216,7 +220,7 @@ class CommandProtocol(Microservice):
 
 
 def _same(one: ReceivedCommand, other: ReceivedCommand) -> bool:
-    """Return True for commands that are equal except for `confirmation`; NaN equals NaN."""
+    """Return True for commands that are equal except for `confirmation`. NaN counts as equal to NaN."""
     return one.frame == other.frame and all(
         a == b or (math.isnan(a) and math.isnan(b)) for a, b in zip(one.params, other.params, strict=True)
     )

@@ -1,4 +1,4 @@
-"""Common form of commands in COMMAND_LONG and COMMAND_INT, specifications of commands, and their replies."""
+"""Common form of the commands in COMMAND_LONG and COMMAND_INT, specifications of commands, and their replies."""
 
 import math
 from collections.abc import Callable
@@ -15,11 +15,11 @@ from thbridge.mavlink.wire.dialect import Message, mav
 from thbridge.mavlink.wire.outgoing import LinkId
 
 UNSET = 0x7FFFFFFF
-"""Value of a coordinate of COMMAND_INT that is not given."""
+"""Value in COMMAND_INT of a coordinate that is not given."""
 
 
 class CommandResult(IntEnum):
-    """Result of a command: MAV_RESULT, with the numbers that pymavlink's dialect lacks."""
+    """Result of a command: the codes of MAV_RESULT, and two codes that pymavlink's dialect does not have."""
 
     ACCEPTED = mav.MAV_RESULT_ACCEPTED
     TEMPORARILY_REJECTED = mav.MAV_RESULT_TEMPORARILY_REJECTED
@@ -41,9 +41,9 @@ class ReceivedCommand:
         link: link on which it arrived.
         station: its sender.
         number: a code of MAV_CMD.
-        params: its seven parameters; NaN if not given.
-        frame: coordinate frame of its place, a code of MAV_FRAME; None for COMMAND_LONG, which has no such frame.
-        confirmation: number of earlier transmissions; always 0 for COMMAND_INT, which does not count them.
+        params: its seven parameters. A parameter that is not given is NaN.
+        frame: coordinate frame of its place, a code of MAV_FRAME. None for COMMAND_LONG, which has no frame.
+        confirmation: number of earlier transmissions. Always 0 for COMMAND_INT, which does not count them.
     """
 
     link: LinkId
@@ -59,7 +59,15 @@ class ReceivedCommand:
         return None if math.isnan(value) else value
 
     def whole_param(self, place: int, otherwise: int | None = None) -> int | None:
-        """Return a parameter that must be a whole number from 0; `otherwise` if not given, None if invalid."""
+        """Return a parameter that must be a whole number from 0.
+
+        Args:
+            place: number of the parameter, from 1.
+            otherwise: result if the parameter is not given.
+
+        Returns:
+            The whole number. None if the parameter is invalid.
+        """
         value = self.param(place)
         if value is None:
             return otherwise
@@ -72,9 +80,10 @@ class CommandReply:
 
     Attributes:
         result: result in the acknowledgement.
-        messages: messages that follow it, to the sender of the command.
+        messages: messages to the sender of the command, sent after the acknowledgement.
         sentence: reason of a refusal, for people.
-        leg: number of the drive; the command ends when this drive ends. None if the command ends at once.
+        leg: number of the drive that the command has started. The command ends with this drive. If None, the command
+            ends at once.
     """
 
     result: CommandResult
@@ -104,11 +113,11 @@ class CommandSpec:
     """Specification of a command that the vehicle supports.
 
     Attributes:
-        do: function that executes it.
-        carrier: messages that may contain it.
-        frames: frames in which its place may be given; empty if it has no place.
-        access: stations that may send it.
-        once: True if each execution has a new effect.
+        do: function that executes the command.
+        carrier: messages that may contain the command.
+        frames: allowed frames of its place. Empty if the command has no place.
+        access: stations that may send the command.
+        once: True if each execution of the command has a new effect.
     """
 
     do: Callable[[ReceivedCommand], CommandReply]
@@ -155,21 +164,21 @@ def parse_command(link: LinkId, station: Station, message: Message) -> ReceivedC
 
 
 def decimal_of(value: float) -> float:
-    """Return the shortest decimal number with this 32-bit float value, such as 0.4 instead of 0.4000000059604645."""
+    """Return the shortest decimal number with the same 32-bit float, such as 0.4 instead of 0.4000000059604645."""
     return float(str(np.float32(value)))
 
 
 def destination(
     request: ReceivedCommand, base_in_map: Pose2, earth: MapProjection
 ) -> tuple[float, float] | Denied | None:
-    """Return the point of the map that a command gives, meters east and north.
+    """Return the point of the map in a command, meters east and north.
 
-    A COMMAND_INT uses one of the supported frames. COMMAND_LONG has degrees as 32-bit floats, accurate to some
-    decimeters.
+    A COMMAND_INT uses one of the supported frames. A COMMAND_LONG contains degrees as 32-bit floats, which are accurate
+    to some decimeters.
 
     Returns:
-        `Denied` if the latitude or longitude does not exist; None if the command gives no place: it omits the place, or
-        has (0, 0) in degrees.
+        The point. `Denied` if the latitude or longitude does not exist. None if the command contains no place, or
+        (0, 0) in degrees.
     """
     first, second = request.params[4], request.params[5]
     if math.isnan(first) or math.isnan(second):

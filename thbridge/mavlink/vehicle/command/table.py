@@ -1,8 +1,8 @@
-"""Command table: the MAVLink commands that a vehicle supports, with carriers, access and execution.
+"""Command table: the MAVLink commands of a vehicle, with allowed messages, allowed stations and execution.
 
 Source: MAVLink's `common.xml`, MAV_CMD.
-Differs: MISSION_START with zeros continues with the current item, as in ArduPilot, and not with item 0, because ground
-stations also send it to continue. To restart a mission, set item 0 as the current one.
+Differs: MISSION_START with zeros continues with the current item, as in ArduPilot, and not with item 0. The reason is
+that ground stations also send it to continue. To restart a mission, set item 0 as the current item.
 """
 
 import math
@@ -33,7 +33,7 @@ from thbridge.mavlink.wire.dialect import mav
 from thbridge.mavlink.wire.mode_numbers import Mode, mode_from_standard, requested_mode
 
 _FORCED = frozenset({21196, 2989})
-"""Values of the "force" parameter of arming: the standard's number and MAVProxy's."""
+"""Values of the "force" parameter of arming: the standard's number and MAVProxy's number."""
 
 _REPOSITION_CHANGES_MODE = 1
 _LARGEST_ID = 0xFFFF
@@ -48,10 +48,10 @@ class CommandTable:
         modes: the robot's mode state machine.
         control: the station in command of the robot.
         home: home position.
-        base_in_map: returns the robot's pose.
+        base_in_map: returns the robot's pose in the map.
         earth: map projection.
         identity: autopilot that the vehicle claims to have.
-        requests: commands that request messages, by their numbers.
+        requests: commands that request messages, by command number.
     """
 
     def __init__(
@@ -76,6 +76,7 @@ class CommandTable:
         by_commander = CommandAccess.COMMANDER
         self._known: dict[int, CommandSpec] = {
             **requests,
+            # Commands without `access` stop the robot, have no effect, or check the commander themselves.
             mav.MAV_CMD_COMPONENT_ARM_DISARM: CommandSpec(self._arm_disarm),
             mav.MAV_CMD_RUN_PREARM_CHECKS: CommandSpec(lambda _: ACCEPTED),
             mav.MAV_CMD_DO_SET_MODE: CommandSpec(self._set_mode),
@@ -117,7 +118,7 @@ class CommandTable:
         return self.mode_reply(request.station, base, main, sub)
 
     def mode_reply(self, station: Station, base: int, main: int, sub: int) -> CommandReply:
-        """Change the mode to the one with these numbers, given by DO_SET_MODE or SET_MODE."""
+        """Change the mode. DO_SET_MODE and SET_MODE contain these numbers of the new mode."""
         mode: Mode | None
         if base & mav.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED:
             mode = requested_mode(self._identity, main, sub)
@@ -175,7 +176,7 @@ class CommandTable:
             here = self._base_in_map()
             point = here.x, here.y
         if yaw == 0.0 and self._identity is AutopilotIdentity.ARDUPILOT:
-            # Stations send 0 to ArduPilot for any heading; ArduPilot's rovers ignore this parameter.
+            # Stations send 0 to ArduPilot if any heading is allowed. ArduPilot's rovers ignore this parameter.
             yaw = None
         denied = None if speed is None else self._robot.limit_speed(speed)
         return reply_to(denied or self._modes.go(Target(*point, None if yaw is None else theta_of(yaw))))
@@ -190,6 +191,7 @@ class CommandTable:
         kind, speed = request.whole_param(1, otherwise=mav.SPEED_TYPE_GROUNDSPEED), request.param(2)
         if kind not in (mav.SPEED_TYPE_AIRSPEED, mav.SPEED_TYPE_GROUNDSPEED):
             return INVALID_PARAM
+        # In this command, -1 keeps the speed, and -2 restores the default speed.
         if speed is None or speed == -1.0:
             return ACCEPTED
         if speed == -2.0:
@@ -200,7 +202,7 @@ class CommandTable:
         first, last = request.whole_param(1, otherwise=0), request.whole_param(2, otherwise=0)
         if first is None or last is None:
             return INVALID_PARAM
-        # Stations send zeros to continue, or to run the whole mission.
+        # Stations send zeros to continue a mission, or to run all of it.
         return reply_to(self._modes.start_mission(first or None, last or None))
 
     def _select_item(self, request: ReceivedCommand) -> CommandReply:
