@@ -1,8 +1,8 @@
 """Map projection: a plane tangent to the WGS84 ellipsoid at the map's origin, with its y axis north.
 
 Source: WGS 84 (NGA.STND.0036), semi-axes; the radii of curvature of an ellipsoid.
-Differs: the plane is flat, so points 1 km from the origin are off by some centimeters. Maps are smaller than that
-distance.
+Differs: the plane is flat, so points 1 km from the origin have an error of some centimeters. Maps are smaller than
+1 km.
 """
 
 import math
@@ -19,7 +19,7 @@ _ECCENTRICITY_SQUARED = _FLATTENING * (2.0 - _FLATTENING)
 Number = TypeVar("Number", int, float)
 
 PER_DEGREE = 10_000_000
-"""MAVLink's units per degree, 1.1 cm of latitude each."""
+"""MAVLink's units per degree. A unit of latitude is 1.1 cm."""
 
 _WHOLE_TURN = 360 * PER_DEGREE
 _POLE = 90 * PER_DEGREE
@@ -27,7 +27,7 @@ _POLE = 90 * PER_DEGREE
 
 @dataclass(frozen=True, slots=True)
 class GeoPoint:
-    """Point on earth, in ten-millionths of a degree: north of the equator, and east of Greenwich."""
+    """Point on earth: latitude north of the equator and longitude east of Greenwich, in units of 1e-7 degrees."""
 
     latitude: int
     longitude: int
@@ -39,7 +39,7 @@ class GeoPoint:
 
     @property
     def is_unset(self) -> bool:
-        """True for (0, 0), which ground stations send for "here" when they give no place."""
+        """True for (0, 0). Ground stations send it instead of a place, with the meaning "here"."""
         return self.latitude == 0 and self.longitude == 0
 
 
@@ -47,7 +47,7 @@ class MapProjection:
     """Conversion between meters of the map and degrees.
 
     Args:
-        origin: position of the map's origin; not at a pole.
+        origin: position of the map's origin. It must not be a pole.
     """
 
     def __init__(self, origin: GeoOrigin) -> None:
@@ -64,7 +64,7 @@ class MapProjection:
         self._east = math.degrees(1.0 / parallel) * PER_DEGREE
 
     def geo_point(self, x: float, y: float) -> GeoPoint:
-        """Convert a point of the map, meters east and north, to a point on earth, limited to the poles."""
+        """Convert a point of the map, meters east and north, to a point on earth. Latitudes end at the poles."""
         latitude = round(self._latitude + y * self._north)
         longitude = round(self._longitude + x * self._east)
         return GeoPoint(min(max(latitude, -_POLE), _POLE), _half_turn(longitude))
@@ -76,5 +76,5 @@ class MapProjection:
 
 
 def _half_turn(longitude: Number) -> Number:
-    """Return the same longitude between -180 and 180 degrees."""
+    """Return the same longitude in the range from -180 to 180 degrees."""
     return (longitude + _WHOLE_TURN // 2) % _WHOLE_TURN - _WHOLE_TURN // 2

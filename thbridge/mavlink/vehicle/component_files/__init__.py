@@ -1,1 +1,1 @@
-"""Files that a vehicle serves by MAVLink FTP: descriptions of its parameters for ground stations."""
+"""Files with descriptions of a vehicle's parameters. Ground stations read them by MAVLink FTP."""

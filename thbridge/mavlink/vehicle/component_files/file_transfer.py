@@ -1,18 +1,18 @@
-"""MAVLink FTP server of a vehicle; its files are read-only.
+"""MAVLink FTP server of a vehicle, with read-only files.
 
 Source: the MAVLink developer guide, "File Transfer Protocol (FTP)".
 Differs:
 
-* A session belongs to the station that opened it, so that stations cannot close or read the sessions of others. A
-  session has the number that the station proposes, because MAVProxy identifies its transfers by this number, and MAVSDK
+* A session belongs to the station that opened it, so that stations cannot close or read each other's sessions. The
+  station chooses the number of its session, because MAVProxy identifies its transfers by this number, and MAVSDK
   accepts no other number.
-* A station may propose the number of an open session. It gets the number if the open file was read to its end, is the
-  same file, or is idle, because the request that closes a session may be lost. Otherwise the answer is that no session
-  is free.
-* Requests to all vehicles at once are ignored: a file belongs to one vehicle, and bursts of all vehicles would be a
-  flood.
-* The last piece of a file ends its burst. No EOF follows that piece. If MAVSDK missed the piece, it would take the EOF
-  for a failure.
+* A station may choose the number of an open session, because a request to close a session may be lost. It gets this
+  number if the open file was read to its end, is the same file, or is idle. Otherwise the answer is that no session is
+  free.
+* Requests to all vehicles at once are ignored. A file belongs to one vehicle, and bursts of all vehicles would flood
+  the link.
+* The last piece of a file ends its burst, and no EOF follows. If MAVSDK missed the last piece, it would treat an EOF as
+  a failure.
 """
 
 from collections.abc import Callable, Iterator, Mapping
@@ -27,22 +27,22 @@ from thbridge.mavlink.wire.dialect import BROADCAST, Message, mav
 from thbridge.mavlink.wire.outgoing import LinkId, OutgoingMessage
 
 PIECES_PER_TICK = 3
-"""Pieces per tick of all bursts of one vehicle together: 36 kB per second."""
+"""Number of pieces that all bursts of one vehicle together send per tick. This is 36 kB per second."""
 
 _HEAD = Struct("<HBBBBBxI")
-"""Sequence, session, opcode, size of the data, opcode of the request, end of a burst, offset."""
+"""Header: sequence, session, opcode, size of the data, opcode of the request, end of a burst, offset."""
 
 _MOST_DATA = 239
 _PAYLOAD = _HEAD.size + _MOST_DATA
 
 _MOST_SESSIONS = 8
-"""Largest number of open sessions of one requester."""
+"""Maximum number of open sessions of one requester."""
 
 _IDLE = 10 * TICKS_PER_SECOND
-"""Ticks after which an unused session makes room for another, because a station may have disappeared."""
+"""Ticks after which another session may replace an unused session. Its station may have disappeared."""
 
 _MOST_REQUESTERS = 32
-"""Largest number of requesters; the one with the oldest last request is forgotten first."""
+"""Maximum number of requesters. The requester whose last request is oldest is forgotten first."""
 
 _ROOTS = ("", ".")
 
@@ -70,10 +70,10 @@ class _Request:
     """Decoded request.
 
     Attributes:
-        sequence: number of the request; answers continue to count from it.
+        sequence: number of the request. The numbers of the answers follow it.
         session: number of its session.
         opcode: a code of MAV_FTP_OPCODE.
-        size: size of the data, or number of requested bytes.
+        size: size of the data, or number of requested bytes, depending on the opcode.
         offset: offset into the file, or into the list of a directory.
         data: payload data.
     """
@@ -92,16 +92,17 @@ class _Request:
 
     @property
     def wanted(self) -> int:
-        """Number of bytes of a piece.
+        """Number of bytes in a piece of the answer.
 
-        A size of 0 requests the largest piece, as mavros does in reads and ArduPilot in bursts.
+        If the size is 0, pieces have the maximum size, because mavros sends 0 in reads. ArduPilot does the same in
+        bursts.
         """
         return self.size or _MOST_DATA
 
 
 @dataclass(frozen=True, slots=True)
 class _Refused:
-    """Refusal of a request, a code of MAV_FTP_ERR."""
+    """Refusal of a request. `error` is a code of MAV_FTP_ERR."""
 
     error: int
 
@@ -127,19 +128,19 @@ class _Client:
 
     Attributes:
         sessions: its open files, by number.
-        answered: last request of each session with an immediate answer, and this answer.
+        answered: for each session, the last request that had an immediate answer, and this answer.
     """
 
     sessions: dict[int, _Session] = field(default_factory=dict)
     answered: dict[int, tuple[bytes, bytes]] = field(default_factory=dict)
 
     def before(self, session: int, asked: bytes) -> bytes | None:
-        """Return the earlier answer if a request repeats the last one."""
+        """Return the earlier answer if a request is the same as the last request of its session."""
         last, answer = self.answered.get(session, (b"", b""))
         return answer if asked == last else None
 
     def remember(self, session: int, asked: bytes, answer: bytes | None) -> None:
-        """Keep the answer to a request; None for a burst, which a repeated request restarts."""
+        """Store the answer to a request. None is for a burst, because a repeated request restarts a burst."""
         self.answered.pop(session, None)
         if answer is not None:
             while len(self.answered) >= _MOST_SESSIONS:
@@ -149,7 +150,7 @@ class _Client:
 
 @dataclass(slots=True)
 class _Burst:
-    """File that is being sent, piece by piece.
+    """Transfer of a file to a station, piece by piece.
 
     Attributes:
         session: session of the transfer.
@@ -165,21 +166,21 @@ class _Burst:
 
 
 class FileTransfer:
-    """File server of one vehicle; a `Microservice`.
+    """File server of one vehicle. It is a `Microservice`.
 
     Args:
-        files: returns the contents by file name; all files are in the root directory.
+        files: returns the contents by file name. All files are in the root directory.
     """
 
     def __init__(self, files: Callable[[], Mapping[str, bytes]]) -> None:
         self._files = files
         self._tick = 0
         self._clients: dict[_Requester, _Client] = {}
-        # Bursts in the order of their turns: a burst sends a piece and then goes to the end.
+        # Bursts take turns in this order. After each piece, a burst moves to the end.
         self._bursts: dict[_Transfer, _Burst] = {}
 
     def handle_message(self, link: LinkId, sender: Station, message: Message) -> Iterator[OutgoingMessage]:
-        """Answer a request; a repeated one gets the same answer as before."""
+        """Answer a request. A repeated request gets the same answer as before."""
         if not isinstance(message, mav.MAVLink_file_transfer_protocol_message) or message.target_system == BROADCAST:
             return
         asked = bytes(message.payload)
@@ -189,6 +190,8 @@ class FileTransfer:
             return
         requester = link, sender
         client = self._client(requester)
+        # The answer may have been lost. If a repeated request were executed again, its answer could be wrong. For
+        # example, the second request to close a session would fail.
         answer = client.before(request.session, asked)
         if answer is None:
             answer = self._outcome(requester, client, request)
@@ -197,7 +200,7 @@ class FileTransfer:
             yield _message(requester, answer)
 
     def step(self, tick: int, readings: RobotReadings) -> Iterator[OutgoingMessage]:
-        """Send the next pieces of the bursts, which take turns."""
+        """Send the next pieces of the bursts. The bursts take turns."""
         self._tick = tick
         for _ in range(PIECES_PER_TICK):
             if not self._bursts:
@@ -215,6 +218,7 @@ class FileTransfer:
             self._dismiss(requester)
 
     def _client(self, requester: _Requester) -> _Client:
+        # The last requester is always at the end, so the first one has the oldest last request.
         client = self._clients.pop(requester, None) or _Client()
         if len(self._clients) >= _MOST_REQUESTERS:
             self._dismiss(next(iter(self._clients)))
@@ -226,7 +230,7 @@ class FileTransfer:
             self._bursts.pop((requester, number), None)
 
     def _outcome(self, requester: _Requester, client: _Client, request: _Request) -> bytes | None:
-        """Return the answer to a request; None for a burst."""
+        """Return the answer to a request. Return None for a burst, whose pieces follow in `step`."""
         if request.size > _MOST_DATA:
             return _answer(request, _WRONG_SIZE)
         match request.opcode:
@@ -287,6 +291,7 @@ class FileTransfer:
             if len(listed) + len(entry) > _MOST_DATA:
                 break
             listed += entry
+        # In this protocol, EOF in answer to an offset means that the list has no further entries.
         return listed or _END
 
     def _read(self, client: _Client, request: _Request) -> bytes | _Refused:
@@ -298,7 +303,7 @@ class FileTransfer:
         return piece or _END
 
     def _begin(self, requester: _Requester, client: _Client, request: _Request) -> bytes | None:
-        """Start a burst that replaces any other of this session; its pieces follow in the next ticks."""
+        """Start a burst. It replaces an earlier burst of this session. Its pieces follow in the next ticks."""
         session = self._used(client, request)
         if session is None:
             return _answer(request, _NO_SESSION)

@@ -2,9 +2,8 @@
 
 Source: the MAVLink developer guide, "Component Metadata Protocol"; the schemas in `component_metadata` of MAVLink's
 repository.
-Differs: files are not compressed, because compressed bytes depend on the library, and a replay must give the same bytes
-on any machine. The parameter file has version 1, the only one that QGroundControl reads, although a newer version
-exists.
+Differs: files are not compressed. Compressed bytes depend on the library, but a replay must send the same bytes on any
+machine. The parameter file has version 1, although a newer version exists, because QGroundControl reads only version 1.
 """
 
 import json
@@ -24,7 +23,7 @@ _TYPE_PARAMETER = 1
 """Code of COMP_METADATA_TYPE."""
 
 _KEPT = 16
-"""Number of parameter sets with cached files; most robots of a study share one set."""
+"""Number of parameter sets whose files are cached. Most robots of a study have the same set."""
 
 
 class MetadataFiles:
@@ -49,7 +48,8 @@ def uri(name: str) -> str:
 
 
 def checksum(content: bytes) -> int:
-    """Return a file's checksum as in MAVLink FTP: CRC-32 with start value 0 and without final inversion."""
+    """Return a file's checksum as MAVLink FTP defines it: CRC-32 with start value 0 and without final inversion."""
+    # zlib inverts the start value and the result. These two inversions undo both.
     return zlib.crc32(content, 0xFFFFFFFF) ^ 0xFFFFFFFF
 
 
@@ -62,7 +62,7 @@ def _contents(descriptions: tuple[ParameterDescription, ...]) -> Mapping[str, by
 
 
 def _parameter(described: ParameterDescription) -> dict[str, object]:
-    """Return a parameter's entry by the schema; values equal to the schema's defaults are omitted."""
+    """Return a parameter's entry by the schema. Values that are equal to the schema's defaults are omitted."""
     entry: dict[str, object] = {
         "name": described.name,
         "type": "Float",

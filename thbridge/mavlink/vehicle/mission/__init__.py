@@ -1,1 +1,1 @@
-"""Missions: upload, download, meaning of the items, and execution."""
+"""Missions: upload, download, meaning of the items, execution."""

@@ -1,4 +1,4 @@
-"""Mission download from a robot, by any number of stations at a time.
+"""Mission downloads from a robot. Any number of stations may download at the same time.
 
 Source: the MAVLink developer guide, "Mission Protocol".
 """
@@ -15,14 +15,14 @@ from thbridge.mavlink.wire.dialect import mav
 from thbridge.mavlink.wire.outgoing import LinkId, OutgoingMessage
 
 DOWNLOAD_TIMEOUT = 6 * 3 * TICKS_PER_SECOND // 2
-"""Ticks without a request after which a download has ended: the time of six tries of 1500 ms."""
+"""Ticks without a request after which a download has ended. This is the time of six attempts of 1500 ms."""
 
 _Request: TypeAlias = mav.MAVLink_mission_request_message | mav.MAVLink_mission_request_int_message
 
 
 @dataclass(slots=True)
 class _Download:
-    """Download of a plan, as the plan was when the download started."""
+    """Download of the plan that the robot had at the start of the download."""
 
     plan: tuple[MissionItem, ...]
     asked: int
@@ -32,7 +32,7 @@ class MissionDownloads:
     """Downloads of one robot's plan.
 
     Args:
-        run: mission with the plan.
+        run: mission that contains the plan.
     """
 
     def __init__(self, run: MissionRun) -> None:
@@ -41,7 +41,7 @@ class MissionDownloads:
         self._tick = 0
 
     def begin(self, peer: MissionPeer, mission_type: int) -> OutgoingMessage:
-        """Start a download: answer with the number of items."""
+        """Start a download. The answer contains the number of items."""
         if mission_type in EMPTY_TYPES:
             return _count(peer, 0, mission_type)
         if mission_type != MISSION:
@@ -50,12 +50,13 @@ class MissionDownloads:
         return _count(peer, len(self._run.plan), mission_type, self._run.plan_id)
 
     def item(self, peer: MissionPeer, message: _Request) -> OutgoingMessage:
-        """Return a requested item, in the form of the request."""
+        """Return a requested item. The request also determines the form of the answer."""
         if message.mission_type not in (MISSION, *EMPTY_TYPES):
             return peer.ack(mav.MAV_MISSION_UNSUPPORTED, message.mission_type)
         download = self._downloads.get(peer)
         if download is not None:
             download.asked = self._tick
+        # The plan may change during a download. The station must not get items of two plans.
         plan = self._run.readable if download is None else download.plan
         seq = message.seq
         if message.mission_type in EMPTY_TYPES or seq >= len(plan):
@@ -64,7 +65,7 @@ class MissionDownloads:
         return OutgoingMessage(item_of(plan[seq], seq, seq == self._run.current_item, peer.station), peer.link)
 
     def end(self, peer: MissionPeer) -> None:
-        """End a download, because the station has all items or has changed the plan."""
+        """End a download. The station has all items, or it has changed the plan."""
         self._downloads.pop(peer, None)
 
     def step(self, tick: int) -> None:

@@ -1,7 +1,7 @@
-"""Plan ids, by which a station detects whether its plan equals the robot's, and the messages that contain them.
+"""Plan ids, and messages that contain them. A station compares its plan with the robot's plan by these ids.
 
 Source: the MAVLink developer guide, "Mission Protocol", "Detecting Mission/Plan Changes". The fields are newer than
-pymavlink's dialect, so its messages are extended here; receivers that do not support the fields ignore them.
+pymavlink's dialect, so this module extends its messages. Receivers that do not support the fields ignore them.
 """
 
 import struct
@@ -16,7 +16,7 @@ _ITEM = struct.Struct("<HB4f2if?")
 
 
 def plan_id(items: Iterable[MissionItem]) -> int:
-    """Return a checksum of a plan; 0 for an empty plan."""
+    """Return a checksum of a plan. The checksum of an empty plan is 0."""
     crc = 0
     for item in items:
         crc = zlib.crc32(
@@ -36,14 +36,14 @@ class MissionAck(mav.MAVLink_mission_ack_message):
 
 @extended("uint32_t opaque_id")
 class MissionCount(mav.MAVLink_mission_count_message):
-    """MISSION_COUNT with the plan's id."""
+    """MISSION_COUNT with the id of the plan."""
 
     def __init__(self, target_system: int, target_component: int, count: int, mission_type: int, plan: int) -> None:
         super().__init__(target_system, target_component, count, mission_type)
         self.opaque_id = plan
 
 
-# The ids of fences and rally points would follow. They are omitted, because there are no fences and rally points.
+# In the standard, ids of fences and rally points follow. Robots have neither, so these ids are omitted.
 @extended("uint32_t mission_id")
 class MissionCurrent(mav.MAVLink_mission_current_message):
     """MISSION_CURRENT with the id of the robot's plan."""

@@ -1,8 +1,8 @@
 """Execution of mission items, one at a time, through the vehicle interface.
 
 Source: the MAVLink developer guide, "Mission Protocol", and the descriptions in MAV_CMD.
-Differs: a waypoint is reached only when the robot has arrived there, never by passing within the acceptance radius. The
-reason is that a point in a room is a move of the game, and ends at the goal pose of that room.
+Differs: a robot reaches a waypoint only by arriving at it, not by passing within the acceptance radius. The reason is
+that a point in a room is a move of the game, and ends at the goal pose of that room.
 """
 
 import math
@@ -19,7 +19,7 @@ from thbridge.mavlink.wire.coordinates import PER_METRE, theta_of
 from thbridge.mavlink.wire.dialect import mav
 
 _IN_ROOM = frozenset((mav.MAV_CMD_IMAGE_START_CAPTURE, mav.MAV_CMD_USER_1, mav.MAV_CMD_USER_2))
-"""Commands about the treasure of the room to which the previous item has led."""
+"""Commands about the treasure in the room to which the previous item has sent the robot."""
 
 _UNLIMITED = -1
 """Number of repeats of an endless jump."""
@@ -32,21 +32,21 @@ class _Driving:
 
 @dataclass(frozen=True, slots=True)
 class _Waiting:
-    """Stage of an item that waits until this tick; infinity means forever."""
+    """Stage of an item that waits until this tick. If it is infinite, the item waits forever."""
 
     until: float
 
 
 @dataclass(frozen=True, slots=True)
 class ItemJump:
-    """Jump to this item."""
+    """Jump to the item with this number."""
 
     to: int
 
 
 @dataclass(frozen=True, slots=True)
 class ItemSkip:
-    """Skip the item, for this reason."""
+    """Skip of the item. `sentence` is the reason."""
 
     sentence: str
 
@@ -56,14 +56,14 @@ _Stage = _Driving | _Waiting
 
 
 class ItemExecution:
-    """Execution of the mission items of one robot, from any mission.
+    """Execution of the mission items of one robot.
 
     Args:
         robot: interface to the robot.
         home: home position.
         earth: map projection.
-        ardupilot: leave headings at waypoints free, as ArduPilot does.
-        visited_rooms: action at an item that leads into a room already visited.
+        ardupilot: True if headings at waypoints are ignored, as in ArduPilot.
+        visited_rooms: action at an item that leads into an already visited room.
     """
 
     def __init__(
@@ -83,12 +83,13 @@ class ItemExecution:
         # Leg that the robot drives for the mission.
         self._leg: int | None = None
         self._jumps: Counter[int] = Counter()
-        # Items skipped since the last arrival of the robot, and True if the last item with a place was skipped.
+        # `_skipped`: items that were skipped since the robot's last arrival. `_is_elsewhere`: True if the last item
+        # with a place was skipped.
         self._skipped: set[int] = set()
         self._is_elsewhere = False
 
     def misplaced(self, item: MissionItem) -> Denied | None:
-        """Return the denial of an item with a place that the robot can never reach; None for all other items."""
+        """Return a denial if the robot can never reach the place of an item. Return None for all other items."""
         if not item.has_place or item.is_here:
             return None
         sets_home = item.command == mav.MAV_CMD_DO_SET_HOME
@@ -97,11 +98,11 @@ class ItemExecution:
     def step(
         self, number: int, item: MissionItem, tick: int, readings: RobotReadings
     ) -> _Stage | ItemJump | ItemSkip | Denied | None:
-        """Begin or continue the item of this number; return its stage, or how it ends: None if it is done."""
+        """Begin or continue the item with this number. Return its stage or result. None means that it is done."""
         stage = self._stage
         result = self._begin(number, item, tick) if stage is None else self._continue(stage, item, tick, readings)
         if isinstance(result, Denied | ItemSkip) or (isinstance(result, _Waiting) and stage is None):
-            # The robot may still be driving for an item that this one has replaced.
+            # The robot may still drive for an item that this item has replaced.
             self.stand()
         self._stage = result if isinstance(result, _Driving | _Waiting) else None
         return result
@@ -113,7 +114,7 @@ class ItemExecution:
             self._leg = None
 
     def drop(self) -> None:
-        """Stop executing the item, so that it will begin again. The caller must stop the robot."""
+        """Stop executing the item. Later it begins again from its start. The caller must stop the robot."""
         self._stage = self._leg = None
 
     def restart(self) -> None:
@@ -124,7 +125,7 @@ class ItemExecution:
         self._is_elsewhere = False
 
     def _begin(self, number: int, item: MissionItem, tick: int) -> _Stage | ItemJump | ItemSkip | Denied | None:
-        """Begin an item and return its stage; None if it is done at once."""
+        """Begin an item. Return its stage or its result. None means that it is done at once."""
         first, second, _, _ = item.params
         match item.command:
             case command if self._is_elsewhere and command in _IN_ROOM:
@@ -142,7 +143,7 @@ class ItemExecution:
             case mav.MAV_CMD_DO_JUMP:
                 return self._jump(number, int(first), int(second))
             case mav.MAV_CMD_DO_CHANGE_SPEED:
-                # NaN and -1 keep the limit; -2 and all other negative numbers restore the study's limit.
+                # NaN and -1 keep the limit. Other negative numbers, such as -2, restore the study's limit.
                 return None if math.isnan(second) or second == -1 else self._robot.limit_speed(second)
             case mav.MAV_CMD_IMAGE_START_CAPTURE:
                 return self._robot.photograph()
@@ -152,7 +153,7 @@ class ItemExecution:
                 return self._robot.leave()
 
     def _continue(self, stage: _Stage, item: MissionItem, tick: int, readings: RobotReadings) -> _Stage | Denied | None:
-        """Return an item's stage one tick later; None if it is done."""
+        """Return the stage of an item one tick later. None means that it is done."""
         if isinstance(stage, _Waiting):
             return stage if tick < stage.until else None
         leg = readings.leg
@@ -175,7 +176,7 @@ class ItemExecution:
         return _Driving()
 
     def _skip(self, item: int, denied: Denied) -> ItemSkip | Denied:
-        """Skip an item; deny it if it comes again without an arrival in between, because nothing is left to do."""
+        """Skip an item. If it was skipped since the last arrival, deny it, because nothing is left to do."""
         if item in self._skipped:
             return denied
         self._skipped.add(item)
@@ -188,7 +189,7 @@ class ItemExecution:
         return ItemJump(to)
 
     def _target(self, item: MissionItem) -> Target:
-        """Return the goal of an item, with its heading."""
+        """Return the goal of an item, including the heading."""
         yaw = item.params[3]
         looks_anywhere = self._ardupilot or item.command == mav.MAV_CMD_NAV_LOITER_TIME or math.isnan(yaw)
         return Target(*self._point(item), None if looks_anywhere else theta_of(math.radians(yaw)))
@@ -201,7 +202,7 @@ class ItemExecution:
 
 
 def _stay(item: MissionItem, tick: int) -> _Waiting | None:
-    """Return the stage in which the robot stays at an item's place; None if it does not stay."""
+    """Return the stage in which the robot stays at an item's place. Return None if it does not stay."""
     match item.command:
         case mav.MAV_CMD_NAV_WAYPOINT | mav.MAV_CMD_NAV_LOITER_TIME if item.params[0] > 0.0:
             return _Waiting(tick + item.params[0] * TICKS_PER_SECOND)

@@ -1,4 +1,4 @@
-"""Mission items: their encoding, and the check that a robot can execute them.
+"""Mission items: their encoding, and a check whether a robot can execute them.
 
 Source: the MAVLink developer guide, "Mission Protocol" and the enumerations MAV_CMD and MAV_FRAME.
 """
@@ -16,18 +16,18 @@ from thbridge.mavlink.wire.dialect import mav
 
 _LARGEST = 2**31 - 1
 _FRAMES = GLOBAL | {mav.MAV_FRAME_LOCAL_NED, mav.MAV_FRAME_MISSION}
-"""Frames of items; items without a place have MAV_FRAME_MISSION."""
+"""Frames of items. Items without a place have the frame MAV_FRAME_MISSION."""
 
 
 @dataclass(frozen=True, slots=True)
 class MissionItem:
-    """Item of a mission; `command` decides the meaning of the other fields.
+    """Item of a mission. Its command determines the meaning of the other fields.
 
     Attributes:
         command: a code of MAV_CMD.
         frame: a code of MAV_FRAME.
-        params: the first four parameters; NaN for an unused parameter.
-        x: the fifth parameter, as in MISSION_ITEM_INT: 1e-7 degrees of latitude, 1e-4 meters, or a plain number.
+        params: the first four parameters. Unused parameters are NaN.
+        x: the fifth parameter in the form of MISSION_ITEM_INT: 1e-7 degrees of latitude, 1e-4 meters, or a number.
         y: the sixth parameter, in the same form.
         z: the seventh parameter.
         autocontinue: True if the mission continues automatically after the item.
@@ -43,12 +43,12 @@ class MissionItem:
 
     @property
     def has_place(self) -> bool:
-        """True if it has a place; (0, 0) in degrees is no place."""
+        """True if it has a place. (0, 0) in degrees does not count as a place."""
         return _takes_place(self.command) and not (self.frame in GLOBAL and GeoPoint(self.x, self.y).is_unset)
 
     @property
     def is_here(self) -> bool:
-        """True if it sets the home position to where the robot is at that time."""
+        """True if it sets the home position to the robot's position at that time."""
         return self.command == mav.MAV_CMD_DO_SET_HOME and (self.params[0] == 1.0 or not self.has_place)
 
 
@@ -68,7 +68,7 @@ class InvalidItem:
 def item_of(
     message: mav.MAVLink_mission_item_message | mav.MAVLink_mission_item_int_message,
 ) -> MissionItem | InvalidItem:
-    """Return the item in a message of either form; `InvalidItem` if its place does not fit into 32 bits."""
+    """Return the item in a message. Return `InvalidItem` if its place does not fit into 32 bits."""
     if isinstance(message, mav.MAVLink_mission_item_int_message):
         x, y = message.x, message.y
     else:
@@ -92,7 +92,7 @@ def message_of(item: MissionItem, seq: int, current: bool, station: Station) -> 
 
 
 def old_message_of(item: MissionItem, seq: int, current: bool, station: Station) -> mav.MAVLink_mission_item_message:
-    """Return the item as MISSION_ITEM with coordinates as 32-bit floats, so degrees are accurate to some decimeters."""
+    """Return the item as MISSION_ITEM. Its degrees are 32-bit floats, which are accurate to some decimeters."""
     scale = _scale(item.command, item.frame)
     places = (item.x / scale, item.y / scale, item.z)
     head = (station.system, station.component, seq, item.frame, item.command, int(current), int(item.autocontinue))
@@ -100,7 +100,7 @@ def old_message_of(item: MissionItem, seq: int, current: bool, station: Station)
 
 
 def unfit(item: MissionItem, count: int) -> InvalidItem | None:
-    """Return the reason why the item cannot be part of a mission of `count` items, or None."""
+    """Return the reason why the item cannot be in a mission of `count` items, or None."""
     rules = _COMMANDS.get(item.command)
     if rules is None:
         known = ", ".join(map(str, sorted(_COMMANDS)))
@@ -115,7 +115,7 @@ def unfit(item: MissionItem, count: int) -> InvalidItem | None:
 
 
 def misplaced(denied: Denied) -> InvalidItem:
-    """Return the reason why an item with a denied place cannot be part of a mission; x is north here."""
+    """Return the reason why an item with a denied place cannot be in a mission. In the items, x is north."""
     result = {
         "y": mav.MAV_MISSION_INVALID_PARAM5_X,
         "x": mav.MAV_MISSION_INVALID_PARAM6_Y,
@@ -125,7 +125,7 @@ def misplaced(denied: Denied) -> InvalidItem:
 
 
 def _named(command: int) -> str:
-    """Return a command's number and name; the dialect has no names for commands of other autopilots."""
+    """Return a command's number and name. The dialect has no names for commands of other autopilots."""
     entry = mav.enums["MAV_CMD"].get(command)
     return f"{command} (no command of the dialect)" if entry is None else f"{command} ({entry.name})"
 
@@ -147,7 +147,8 @@ def _off_earth(item: MissionItem) -> InvalidItem | None:
 
 
 _Rule = tuple[Callable[[float, int], bool], str]
-"""Predicate of a valid parameter in a mission of a given number of items, and the complaint about an invalid one."""
+"""Predicate that is true for valid parameters, and message about invalid ones. The predicate's arguments are the
+parameter and the number of items in the mission."""
 
 _SECONDS: _Rule = (lambda value, _: value >= 0.0 and math.isfinite(value), "has to be seconds, 0 or more")
 _SECONDS_IF_ANY: _Rule = (lambda value, _: math.isnan(value) or 0.0 <= value < math.inf, _SECONDS[1])
@@ -177,7 +178,7 @@ _COMMANDS: Mapping[int, Mapping[int, _Rule]] = MappingProxyType(
         mav.MAV_CMD_USER_2: {},
     }
 )
-"""Commands in missions: for each, the rules for its first four parameters."""
+"""Commands in missions, each with the rules for its first four parameters."""
 
 _PLACES = frozenset(
     (
@@ -203,12 +204,12 @@ def _takes_place(command: int) -> bool:
 
 
 def _scale(command: int, frame: int) -> float:
-    """Return the factor that turns a coordinate into an integer."""
+    """Return the factor that converts a coordinate to an integer."""
     if not _takes_place(command):
         return 1.0
     return PER_METRE if frame == mav.MAV_FRAME_LOCAL_NED else PER_DEGREE
 
 
 def _number(value: float) -> float:
-    """Replace any NaN by one object, so that items with the same values are equal."""
+    """Replace any NaN by the same object. Python's tuples treat the same object as equal, so items can be compared."""
     return math.nan if math.isnan(value) else value

@@ -1,7 +1,7 @@
-"""Mission protocol without sockets and clocks: upload to a robot. The module `downloads` handles the other direction.
+"""Mission protocol without sockets and clocks: uploads to a robot. The module `downloads` handles downloads.
 
 Source: the MAVLink developer guide, "Mission Protocol".
-Differs: a station may send a part of the list, as in ArduPilot, but the plan changes only when all of that part has
+Differs: a station may send a part of the list, as in ArduPilot, but the plan changes only after the complete part has
 arrived.
 """
 
@@ -20,21 +20,21 @@ from thbridge.mavlink.wire.dialect import Message, mav
 from thbridge.mavlink.wire.outgoing import LinkId, OutgoingMessage
 
 LONGEST = 700
-"""Largest number of items of a mission."""
+"""Maximum number of items in a mission."""
 
 ITEM_TIMEOUT = -(-TICKS_PER_SECOND // 4)
-"""Ticks until an item is requested again: 250 ms."""
+"""Ticks until the next request for a missing item: 250 ms."""
 
 RETRIES = 5
-"""Number of repeated requests for an item before the transfer is aborted."""
+"""Number of repeated requests for an item after which the transfer is aborted."""
 
 TRIES_OF_NEW_FORM = 4
-"""Number of requests for the first item as MISSION_ITEM_INT; after these, it is requested as MISSION_ITEM."""
+"""Number of requests for the first item as MISSION_ITEM_INT. Later requests are for MISSION_ITEM."""
 
 _ItemMessage = mav.MAVLink_mission_item_message | mav.MAVLink_mission_item_int_message
 
 _GUIDED = (2, 3)
-"""Values of `current` of an item outside missions: a place to drive to at once, or an altitude."""
+"""Values of `current` in an item outside missions: a place to which the robot drives at once, or an altitude."""
 
 
 @dataclass(slots=True)
@@ -42,14 +42,14 @@ class _Upload:
     """Upload in progress.
 
     Attributes:
-        peer: the sender.
-        kept_before: items of the current plan before the first item that is sent.
-        kept_after: items of the current plan after the last item that is sent.
-        count: number of items that are sent.
+        peer: station that sends the mission.
+        kept_before: items of the current plan before the first sent item.
+        kept_after: items of the current plan after the last sent item.
+        count: number of sent items.
         asked: tick of the last request for the next item.
         retries: number of repeated requests for the next item.
-        old_form: True if it is requested as MISSION_ITEM.
-        items: items received, in order.
+        old_form: True if the next item is requested as MISSION_ITEM.
+        items: received items, in order.
     """
 
     peer: MissionPeer
@@ -73,14 +73,14 @@ class _Upload:
 
 
 class _Completed(NamedTuple):
-    """Last completed upload; its last item arrives again if the acknowledgement was lost."""
+    """Last completed upload. If its acknowledgement was lost, its last item arrives again."""
 
     peer: MissionPeer
     last: int
 
 
 class MissionProtocol(Microservice):
-    """Transfer of one robot's plan: one upload at a time, any number of downloads.
+    """Transfers of one robot's plan: one upload at a time, and any number of downloads.
 
     Args:
         run: stores the plan and executes it.
@@ -146,7 +146,7 @@ class MissionProtocol(Microservice):
             return
         upload.retries += 1
         if not upload.items:
-            # Until the first item arrives, the form that the station supports is unknown.
+            # Before the first item arrives, it is unknown which form of items the station supports.
             upload.old_form = upload.retries >= TRIES_OF_NEW_FORM
         yield self._next_request(upload)
 
@@ -167,7 +167,7 @@ class MissionProtocol(Microservice):
 
     def _handle_partial(self, peer: MissionPeer, first: int, last: int, mission_type: int) -> Iterator[OutgoingMessage]:
         plan = self._run.plan
-        # -1 means the end of the list. A station may also count one item more than the list has.
+        # -1 means the end of the list. Some stations send an index behind the end of the list.
         last = len(plan) - 1 if last == -1 else min(last, len(plan) - 1)
         if mission_type != MISSION:
             yield peer.ack(mav.MAV_MISSION_UNSUPPORTED, mission_type)
@@ -192,13 +192,14 @@ class MissionProtocol(Microservice):
         elif message.seq == upload.next:
             yield from self._next_item(upload, message)
         else:
-            # A repeated item: the station has missed the last request, but it is still connected.
+            # This is a repeated item. The station has missed the last request, but it is still connected.
             upload.retries = 0
 
     def _late_item(self, peer: MissionPeer, seq: int) -> Iterator[OutgoingMessage]:
         """Answer an item that arrives outside an upload."""
         if self._completed is None or self._completed.peer != peer:
             yield peer.ack(mav.MAV_MISSION_ERROR)
+        # The acknowledgement of the completed upload was lost.
         elif self._completed.last == seq:
             yield peer.ack(mav.MAV_MISSION_ACCEPTED, plan=self._run.plan_id)
 
@@ -213,6 +214,7 @@ class MissionProtocol(Microservice):
         upload.retries = 0
         if len(upload.items) < upload.count:
             yield self._next_request(upload)
+        # Another station may have started the mission during the upload.
         elif (denied := self._run.objection(upload.peer.station)) is not None:
             yield from self._refused(upload.peer, denied)
         else:
@@ -221,6 +223,7 @@ class MissionProtocol(Microservice):
 
     def _admitted(self, message: _ItemMessage, size: int) -> MissionItem | InvalidItem:
         item = item_of(message)
+        # ArduPilot's home item is only a placeholder, so its content is not checked.
         if isinstance(item, InvalidItem) or self._run.is_home(message.seq):
             return item
         if (invalid := unfit(item, size)) is not None:
@@ -252,7 +255,7 @@ class MissionProtocol(Microservice):
         if upload is None or upload.peer != peer or result == mav.MAV_MISSION_ACCEPTED:
             return
         if upload.old_form and not upload.items and result == mav.MAV_MISSION_UNSUPPORTED:
-            # The station does not support MISSION_ITEM, which was requested because it had not answered.
+            # The station does not support MISSION_ITEM. This form was requested because it had not answered.
             upload.old_form, upload.retries = False, 0
             yield self._next_request(upload)
         else:
@@ -265,14 +268,14 @@ class MissionProtocol(Microservice):
         return self._run.objection(peer.station)
 
     def _refused(self, peer: MissionPeer, denied: Denied, mission_type: int = MISSION) -> Iterator[OutgoingMessage]:
-        """Refuse to change the plan, and abort an upload of the same station."""
+        """Refuse to change the plan. If the station has an upload in progress, abort it."""
         if self._upload is not None and self._upload.peer == peer:
             self._upload = None
         self._announce(TextSeverity.WARNING, f"Mission refused. {denied.sentence}")
         yield peer.ack(mav.MAV_MISSION_DENIED, mission_type)
 
     def _begin(self, upload: _Upload) -> OutgoingMessage:
-        """Start an upload; an earlier upload of the same station is aborted."""
+        """Start an upload. An earlier upload of the same station is aborted."""
         self._upload, self._completed = upload, None
         return self._next_request(upload)
 

@@ -24,10 +24,10 @@ from thbridge.mavlink.wire.dialect import mav
 from thbridge.mavlink.wire.outgoing import OutgoingMessage
 
 _HOME = MissionItem(mav.MAV_CMD_NAV_WAYPOINT, mav.MAV_FRAME_GLOBAL)
-"""Placeholder in a plan for the home position, which can change."""
+"""Placeholder in a plan for the home position. The home position itself can change."""
 
 _NO_TOTAL = 2**16 - 1
-"""Total number of items if there is no mission."""
+"""Value of `total` in MISSION_CURRENT if there is no mission."""
 
 _IN_MISSION_MODE, _SUSPENDED = 1, 2
 
@@ -40,12 +40,12 @@ class MissionRun:
         home: home position.
         earth: map projection.
         announce: sends texts about the mission to people.
-        ardupilot: treat plans as ArduPilot does: the first item is home, even if a station sends another item; headings
-            at waypoints are free; a mission continues automatically, even if `autocontinue` is False.
+        ardupilot: True if plans are treated as in ArduPilot. The first item is home, even if a station sends another
+            item. Headings at waypoints are ignored. A mission continues automatically, even if `autocontinue` is False.
         visited_rooms: action at an item that leads into an already visited room.
 
     Attributes:
-        plan: all items; the first item of an ArduPilot plan is a placeholder for home.
+        plan: all items. The first item of an ArduPilot plan is a placeholder for home.
         plan_id: id of the plan.
         execution: execution of its items.
         current_item: number of the item that is executed or will be executed next.
@@ -74,12 +74,12 @@ class MissionRun:
 
     @property
     def readable(self) -> tuple[MissionItem, ...]:
-        """Items for download: the items of the plan; for ArduPilot, the home item even if the plan is empty."""
+        """Items for download: the items of the plan. For ArduPilot, there is a home item even if the plan is empty."""
         return (self._home_item(), *self.plan[1:]) if self._ardupilot else self.plan
 
     @property
     def running(self) -> bool:
-        """True while items are executed; this ends with the mission, and when an item fails."""
+        """True while items are executed. It becomes False when the mission ends or an item fails."""
         return self._state == mav.MISSION_STATE_ACTIVE
 
     def is_home(self, item: int) -> bool:
@@ -93,7 +93,7 @@ class MissionRun:
         return MissionCurrent(self.current_item, total, state, mode, self.plan_id)
 
     def objection(self, station: Station) -> Denied | None:
-        """Return a denial if the mission runs for another station."""
+        """Return a denial if the mission of another station is running."""
         if self.running and self._commander not in (None, str(station)):
             return Denied(f"A mission of {self._commander} is under way.", DenialKind.NOT_NOW)
         return None
@@ -101,7 +101,8 @@ class MissionRun:
     def replace(self, plan: tuple[MissionItem, ...]) -> None:
         """Replace the plan.
 
-        A running or paused mission keeps its current item if both plans are equal up to it. Otherwise it restarts.
+        If both plans are equal up to the current item, a running or paused mission continues with this item.
+        Otherwise it restarts.
         """
         if self._ardupilot and plan:
             plan = (_HOME, *plan[1:])
@@ -119,8 +120,9 @@ class MissionRun:
         """Execute the mission.
 
         Args:
-            first: the first item. If None, the current one, or item 0 after the end of the mission.
-            last: the last item. If None, the last one of the plan.
+            first: number of the first item. If None, start with the current item, or with item 0 if the mission has
+                ended.
+            last: number of the last item. If None, execute the plan to its end.
         """
         if self._size <= 0:
             return Denied("There is no mission.", DenialKind.NOT_NOW)
@@ -137,13 +139,13 @@ class MissionRun:
         return None
 
     def pause(self) -> None:
-        """Stop the execution; the current item begins again when the mission resumes."""
+        """Stop the execution. When the mission resumes, the current item begins again."""
         if self.running:
             self._state = mav.MISSION_STATE_PAUSED
             self.execution.drop()
 
     def select(self, item: int) -> Denied | None:
-        """Make this item the next one: at once if the mission is running, otherwise at its start."""
+        """Make this item the next one. A running mission continues with it at once. Otherwise, the next start uses it."""
         if item not in range(len(self.plan)):
             return Denied(f"The mission has no item {item}.")
         self._restart_at(item)
@@ -183,7 +185,7 @@ class MissionRun:
         return replace(_HOME, x=place.latitude, y=place.longitude, z=self._earth.altitude)
 
     def _restart_at(self, item: int) -> None:
-        """Make this item the current one, as if the mission started with it."""
+        """Make this item the current item, as if the mission started with it."""
         self.current_item = item
         self.execution.restart()
 
