@@ -1,7 +1,7 @@
-"""Participant's window as a program: connected to a server, or hosted by the program that runs the games.
+"""Participant's window as a program. It connects to a server itself, or the program that runs the games hosts it.
 
-It connects the window (`ParticipantWindow`), its model (`Participant`) and the thread that talks to the server
-(`ParticipantLink`).
+The program joins the window (`ParticipantWindow`), its model (`Participant`) and the thread that communicates with the
+server (`ParticipantLink`).
 """
 
 import time
@@ -63,26 +63,26 @@ FRAME = 15
 
 
 class GamePage(QWidget):
-    """Page with a game at a server: the participant's window, its model and link, and in practice a strip with advice.
+    """Page with a game at a server: the participant's window, model and link, and in practice a strip with advice.
 
-    As soon as the server has sent the language of the game, the page uses it.
+    As soon as the server has sent the language of the game, the page uses this language.
 
     Args:
         link: link to the server, not started yet.
         texts: texts to use until the server has sent the language.
         preferences: preferences of the participant.
-        practice: True for the practice game; its strip says what to do next.
-        back: function that returns to the start page from practice, or from the end of the game. If None, the
+        practice: True for the practice game, which has a strip with the next task.
+        back: function that returns to the start page from practice or from the end of the game. If None, the
             participant cannot return.
         clock: monotonic clock, seconds.
         way_back: label of the button that returns; its language does not change.
-        once: True if only one game is played, and another part of a study follows. The end page of the game then does
-            not change any more.
-        cancel: function that leaves before the game is reached. If None, canceling is not offered.
+        once: True if there is only one game, after which another part of a study follows. The end page of the game
+            then stays unchanged.
+        cancel: function that cancels before the game is reached. If None, there is no button *Cancel*.
 
     Attributes:
-        seen_over: signal: the end of the game is shown.
-        declined: signal: the participant does not take part in the study.
+        seen_over: signal: the page shows the end of the game.
+        declined: signal: the participant declines to take part in the study.
         went_on: signal: the participant continues after the game.
         help_shown: signal: the sheet of rules and keys was opened or closed.
     """
@@ -156,19 +156,19 @@ class GamePage(QWidget):
         self.setFocusProxy(window)
 
     def _follow_language(self) -> None:
-        """Open the game's window again if the server sent a language that is not the window's."""
+        """Open the game's window again if the server has sent another language."""
         if self._model.texts is self._texts:
             return
         before, self._texts = self._texts, self._model.texts
         if self._texts == before:
             return
         gone = self.window_of_game
-        # If no widget has the focus yet, set the focus for the time when the window becomes active.
+        # If no widget has the focus, set the focus now, so that it takes effect when the window becomes active.
         focus = QApplication.focusWidget()
         had_focus = focus is None or focus is gone or gone.isAncestorOf(focus)
         self._open_window()
         self.window_of_game.help.instructions = gone.help.instructions
-        # Otherwise the layout would show the window later, and it could not accept the focus now.
+        # Show the window now. The layout would show it later, and the window could not accept the focus before.
         self.window_of_game.show()
         gone.close()
         self._rows.removeWidget(gone)
@@ -186,7 +186,7 @@ class GamePage(QWidget):
         title.setWordWrap(False)
         row.addWidget(title)
         row.addSpacing(2 * GAP)
-        # Advice gets the same height with one line and with two lines, so that the map below does not move.
+        # Give advice of one line the height of two lines, so that the map below does not move.
         look.follow_text(self._advice, lambda it: it.setMinimumHeight(2 * it.fontMetrics().lineSpacing()))
         said = spaced(QVBoxLayout(), 0, 0)
         said.addWidget(self._advice)
@@ -209,7 +209,7 @@ class GamePage(QWidget):
             self._back()
 
     def require(self, to_do: tuple[str, ...]) -> None:
-        """Offer the button that returns only after all these tasks, given in words, are done."""
+        """Enable the button that returns only after all tasks in `to_do` are done."""
         if self._way_back is None or to_do == self._must_do:
             return
         self._must_do = to_do
@@ -229,7 +229,7 @@ class GamePage(QWidget):
 
     @property
     def in_progress(self) -> bool:
-        """True if the participant would lose a game by leaving now."""
+        """True if the participant would lose a game by leaving at this moment."""
         return not self._practice and self._model.screen(self._clock()).phase is Phase.PLAYING
 
     @property
@@ -238,13 +238,13 @@ class GamePage(QWidget):
         return self._model.leaving
 
     def ask_to_leave(self, ends: bool) -> None:
-        """Ask the participant whether to leave; `ends` is True if that ends the game."""
+        """Ask the participant whether to leave the game; `ends` is True if leaving ends the game."""
         self.window_of_game.do(CloseWindow(ends))
 
     def pump(self) -> None:
-        """Handle the events that the server sent, and set the open requests."""
+        """Handle the events that the link has received, and pass on the open requests."""
         if self._once and self._is_over:
-            return  # The server of this game may stop from now on.
+            return  # The server of this game may have stopped.
         now = self._clock()
         for received in self._link.take_events():
             match received.event:
@@ -268,32 +268,32 @@ class GamePage(QWidget):
 
     @property
     def is_over(self) -> bool:
-        """True once the end of the game is shown."""
+        """True once the page shows the end of the game."""
         return self._is_over
 
     def disconnect_from_game(self) -> None:
-        """Leave the server, but continue to show the end of the game."""
+        """Disconnect from the server, but continue to show the end of the game."""
         self._link.stop()
 
     def _choose_sound(self, on: bool) -> None:
-        """Apply a change in the settings of sound."""
+        """Apply a change of the sound setting to this game."""
         if on != self._model.sound_on:
             self.window_of_game.do(SwitchSound())
             self._keep_sound(on)
 
     def _keep_sound(self, on: bool) -> None:
-        """Store the participant's choice for other games; if sound is off, stop all sounds at once."""
+        """Store the participant's choice of sound for other games. If sound is off, stop all sounds at once."""
         self._sound_on = on
         self._preferences.choose_sound(on)
         if not on:
             self._sounds.stop()
 
     def decline(self) -> None:
-        """Report to the server, before the window leaves it, that the participant does not take part."""
+        """Report to the server that the participant declines to take part."""
         self._link.decline()
 
     def leave(self) -> None:
-        """Leave the server."""
+        """Disconnect from the server."""
         self._link.stop()
         self._sounds.stop()
         self._preferences.why_silent = str
@@ -305,9 +305,9 @@ class ParticipantMainWindow(QMainWindow):
 
     Args:
         preferences: preferences of the participant.
-        send: function that sends a message to the host; None if there is no host.
+        send: function that sends a message to the host. If None, there is no host.
         clock: monotonic clock, seconds.
-        texts: texts in the window's language. If None, they arrive with the first message of the host.
+        texts: texts in the window's language. If None, the first message of the host brings the texts.
     """
 
     _texts: Texts
@@ -368,12 +368,12 @@ class ParticipantMainWindow(QMainWindow):
                 self._show_thanks()
 
     def _use_texts(self, texts: Texts) -> None:
-        """Use the texts of a language from now on."""
+        """Use these texts from now on."""
         self._texts = self._preferences.texts = texts
         self.setWindowTitle(texts.text("window.title"))
 
     def join(self, link: ParticipantLink, practice: bool = False, once: bool = False) -> None:
-        """Show a game; `once` is True if no other game follows."""
+        """Show the page of a game; `once` is True if no other game follows."""
         back = None if self._send_to_host is None else lambda: self._send(Back())
         way_back = self._texts.text("pages.back_to_start")
         cancel = back or self.leave
@@ -388,19 +388,19 @@ class ParticipantMainWindow(QMainWindow):
         self._send(ChooseLanguage(language))
 
     def _cancel(self, page: ConnectingPage) -> None:
-        """Ask the host to return to the start page. The host does so after the game's program has stopped."""
+        """Ask the host to return to the start page. The host does this after the game's program has stopped."""
         self._going_back = True
         page.cancel.setEnabled(False)
         page.show_waiting(self._texts.text("pages.going_back"))
         self._send(Back())
 
     def leave(self) -> None:
-        """Close without asking."""
+        """Close the window without a question."""
         self._leaving = True
         self.close()
 
     def closeEvent(self, event: QCloseEvent) -> None:
-        """Ask for confirmation in the middle of a game."""
+        """In the middle of a game, ask for confirmation before the window closes."""
         if not self._leaving and self.game is not None and self.game.in_progress:
             event.ignore()
             self.game.ask_to_leave(ends=self._send_to_host is not None)
@@ -427,7 +427,7 @@ class ParticipantMainWindow(QMainWindow):
         self._show(consent_page(self._texts, text, answer, self._texts.text("game.decline_hint")))
 
     def _decline(self) -> None:
-        """Thank the participant, who does not take part, and ask nothing more."""
+        """Report to the host that the participant declined, and thank the participant."""
         self.declined = True
         if self.game is not None:
             self.game.decline()
@@ -473,7 +473,7 @@ class ParticipantMainWindow(QMainWindow):
 
 
 def why_lost(texts: Texts, lost: ConnectionLost) -> str:
-    """Return a sentence for the player about a lost connection; empty if nothing is known about the reason."""
+    """Return a sentence for the participant about a lost connection; empty if the reason is unknown."""
     match lost.reason:
         case LossReason.REFUSED if lost.detail:
             return texts.text("window.server_says", words=lost.detail)
@@ -488,10 +488,10 @@ def why_lost(texts: Texts, lost: ConnectionLost) -> str:
 
 
 def play_at(host: str, port: int, token: str, choice: look.Choice, key: ClientKey | None = None) -> int:
-    """Open the window at a server, with a key if there is one. Return the exit code after the window is closed."""
+    """Open the window for a game at a server; `key` is the key to present. Return the exit code when it is closed."""
     app = application()
     table = _table(app, choice, None, shipped_texts())
-    # A participant's key is valid for one game, so the window offers no further game.
+    # A participant's key is valid for one game, so the window does not offer another game.
     table.join(ParticipantLink(host, port, token, key=key), once=key is not None)
     table.show()
     code = app.exec()
@@ -499,7 +499,7 @@ def play_at(host: str, port: int, token: str, choice: look.Choice, key: ClientKe
 
 
 def play_hosted(choice: look.Choice) -> int:
-    """Open the window for the host at standard input and output; return when it is closed."""
+    """Open the window of the host at standard input and output. Return the exit code when the window is closed."""
     app = application()
     pipe = HostPipe(LOBBY)
     table = _table(app, choice, pipe.send)
@@ -511,7 +511,7 @@ def play_hosted(choice: look.Choice) -> int:
 def _table(
     app: QApplication, choice: look.Choice, send: Callable[[FromWindow], None] | None, texts: Texts | None = None
 ) -> ParticipantMainWindow:
-    """Return the main window with the colors and the size of text that the user chose."""
+    """Return the main window, with the colors and the size of text that the user has chosen."""
     preferences = preferences_of(app, "participant", choice, has_sound=True)
     table = ParticipantMainWindow(preferences, send, texts=texts)
     preferences.add_keys(table)

@@ -1,7 +1,7 @@
-"""Test if the pointer was moved onto a widget, or if the widget appeared under the resting pointer.
+"""Test whether the pointer was moved onto a widget, or whether the widget appeared under the resting pointer.
 
-Qt reports both in the same way. Therefore a window stores the place of the pointer before it shows new contents. While
-the pointer is still at this place, it points at nothing.
+Qt reports both cases in the same way. Therefore a window stores the place of the pointer before it shows new contents.
+While the pointer remains at this place, it has no effect on the new contents.
 """
 
 from PySide6.QtCore import QPointF
@@ -13,11 +13,11 @@ RESTS_AT = "restsAt"
 
 
 def note_rest(widget: QWidget) -> None:
-    """Store the resting place of the pointer, before this widget's window shows new contents."""
+    """Store the place of the pointer. Call this before the widget's window shows new contents."""
     widget.window().setProperty(RESTS_AT, QCursor.pos())
 
 
 def has_moved(widget: QWidget, position: QPointF) -> bool:
-    """Return True if a position of the pointer, in pixels of this widget, differs from its resting place."""
+    """Return True if the pointer's position, in pixels of this widget, differs from the stored place."""
     rests_at = widget.window().property(RESTS_AT)
     return rests_at is None or (widget.mapToGlobal(position) - QPointF(rests_at)).manhattanLength() >= 1.0

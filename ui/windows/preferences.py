@@ -1,7 +1,7 @@
-"""Preferences of a window's user: light or dark, size of text, sound, and the window's place on the screen.
+"""Preferences of a window's user: light or dark colors, size of text, sound, and the window's place on the screen.
 
-Each kind of window has its own preferences, in a file of the user's folder for settings. A change in one program does
-not affect windows of other running programs: a participant's choice changes nothing at the researcher's desk.
+Each kind of window has its own preferences, in a file of the user's settings folder. A change in one program does not
+affect windows of other running programs. For example, a participant's choice does not change the researcher's desk.
 """
 
 from collections.abc import Callable, Mapping
@@ -30,18 +30,18 @@ from ui.windows.controls import ChoiceBox
 from ui.windows.look import GAP, Choice, spaced
 
 TEXT_SIZES = (80, 90, 100, 110, 125, 150, 175, 200)
-"""Possible sizes of text, percent of the usual size."""
+"""Sizes of text to choose from, percent of the usual size."""
 
 WindowKind = Literal["participant", "kiosk", "watch", "desk", "study", "templates", "arena"]
-"""Kind of a window. It is also the name of the file with its settings."""
+"""Kind of a window. The kind is also the name of the file with the settings of these windows."""
 
 _LOOK, _TEXT, _SOUND, _GEOMETRY, _LANGUAGE = "look", "text/percent", "sound", "geometry", "language"
 _KEYS_OF = "keysOf"
-"""Name of a property of windows with shortcuts; it stores the id of their preferences."""
+"""Name of a property of windows that have the shortcuts; it stores the id of their preferences."""
 
 
 def user_settings(name: str) -> QSettings:
-    """Return the user's settings of this name: a file in their folder for settings."""
+    """Return the settings from the file of this name in the user's settings folder."""
     return QSettings(QSettings.Format.IniFormat, QSettings.Scope.UserScope, "thbridge", name)
 
 
@@ -61,7 +61,7 @@ def preferences_of(
 
 
 class Preferences(QObject):
-    """Preferences for one kind of window; they apply to all windows of this process and are stored for the next one.
+    """Preferences for one kind of window. They apply to all windows of this process, and are stored for later windows.
 
     Args:
         app: the application.
@@ -74,11 +74,11 @@ class Preferences(QObject):
         changed: signal with the new palette, for widgets that paint themselves.
         sound_chosen: signal: True if the user wants sounds, False if not.
         language_chosen: signal with the language that the user wants.
-        percent: size of text, percent of the usual size; see `look.usual_growth`.
-        texts: texts of the page of settings. If None, English ones.
+        percent: size of text, percent of the usual size, which depends on the screen; see `look.usual_growth`.
+        texts: texts of the settings dialog. If None, the texts are English.
         languages: languages to choose from at the moment, with their names for people.
-        why_silent: function that returns the reason why sound is not possible at the moment, as a sentence; empty if it
-            is possible.
+        why_silent: function that returns a sentence with the reason why sound is not possible at the moment; empty if
+            it is possible.
     """
 
     changed = Signal(object)
@@ -129,7 +129,7 @@ class Preferences(QObject):
         self._apply_text_size()
 
     def step_text_size(self, by: int) -> None:
-        """Choose the next larger size (1), the next smaller size (-1), or the normal size (0)."""
+        """Choose the next larger (1), the next smaller (-1) or the normal (0) size of text."""
         at = TEXT_SIZES.index(self.percent if by else 100) + by
         self.choose_text_size(TEXT_SIZES[min(max(at, 0), len(TEXT_SIZES) - 1)])
 
@@ -145,7 +145,7 @@ class Preferences(QObject):
 
     @property
     def language(self) -> str:
-        """Name of the language that the user wants; empty for no preference."""
+        """Name of the language that the user wants; empty if the user has no preference."""
         return self._value(_LANGUAGE, "")
 
     def choose_language(self, language: str) -> None:
@@ -154,7 +154,7 @@ class Preferences(QObject):
         self.language_chosen.emit(language)
 
     def forget(self) -> None:
-        """Reset the preferences to the defaults for the next person."""
+        """Reset the preferences to the defaults, for the next person."""
         self._settings.clear()
         self._settings.sync()
         self._apply_look()
@@ -163,8 +163,10 @@ class Preferences(QObject):
     # Windows
 
     def keep_place(self, window: QWidget) -> None:
-        """Restore the size and place of the last closed window of this kind, and store those of this window when it
-        closes."""
+        """Give a window the size and place of the last closed window of this kind.
+
+        When the window closes, its own size and place are stored.
+        """
         kept = self._settings.value(_GEOMETRY)
         if isinstance(kept, QByteArray) and not any(each.isVisible() for each in self._placed):
             window.restoreGeometry(kept)
@@ -172,14 +174,13 @@ class Preferences(QObject):
         window.installEventFilter(self)
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Store the place of a window that closes."""
+        """Store the size and place of a window that closes."""
         if event.type() == QEvent.Type.Close and isinstance(watched, QWidget):
             self._keep(_GEOMETRY, watched.saveGeometry())
         return False
 
     def add_keys(self, window: QWidget) -> None:
-        """Add a window's shortcuts for the size of text and for the settings; they also work in dialogs over the
-        window."""
+        """Add the shortcuts for the size of text and for the settings to a window and to its dialogs."""
         window.setProperty(_KEYS_OF, id(self))
         for keys, step in ((("Ctrl++", "Ctrl+="), 1), (("Ctrl+-",), -1), (("Ctrl+0",), 0)):
             shortcut = QShortcut(window)
@@ -189,14 +190,13 @@ class Preferences(QObject):
             QShortcut(QKeySequence(SETTINGS_KEYS), window).activated.connect(partial(self.open, window))
 
     def open(self, window: QWidget) -> "SettingsDialog":
-        """Open the page of settings over a window."""
+        """Open the settings dialog over a window."""
         dialog = SettingsDialog(self, window)
         dialog.open()
         return dialog
 
     def _add_keys_to_box(self) -> None:
-        """Add the shortcuts to a dialog that became active, because the dialog may block the shortcuts of its
-        window."""
+        """Add the shortcuts to the dialog that became active, because a dialog may block its window's shortcuts."""
         box = self._app.activeWindow()
         opener = None if box is None else box.parentWidget()
         if box is None or opener is None or box.property(_KEYS_OF) == id(self):
@@ -204,7 +204,7 @@ class Preferences(QObject):
         if opener.window().property(_KEYS_OF) == id(self):
             self.add_keys(box)
 
-    # Storing and applying
+    # Storage and application
 
     def _value(self, key: str, default: str) -> str:
         return str(self._settings.value(key, default))
@@ -228,7 +228,7 @@ class Preferences(QObject):
 
 
 class SettingsDialog(QDialog):
-    """Page of settings. Each choice takes effect at once.
+    """Settings dialog. Each choice takes effect at once.
 
     Args:
         preferences: preferences to change.
@@ -238,7 +238,7 @@ class SettingsDialog(QDialog):
     def __init__(self, preferences: Preferences, parent: QWidget) -> None:
         super().__init__(parent)
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
-        look.style_as_panel(self)  # Without a window manager, as at a kiosk, the dialog would have no edge.
+        look.style_as_panel(self)  # Without a window manager, for example at a kiosk, the dialog would have no edge.
         say = (preferences.texts or shipped_texts()).text
         self.setWindowTitle(say("settings.title"))
         self.look, self.text_size, self.sound = ChoiceBox(), ChoiceBox(), QCheckBox(say("settings.sound_on"))
@@ -277,6 +277,6 @@ class SettingsDialog(QDialog):
         rows.addWidget(done)
 
     def _speak(self, preferences: Preferences) -> None:
-        """Choose the language. The page closes, because its own texts are in the previous language."""
+        """Choose the language. The dialog closes, because its own texts are in the previous language."""
         self.accept()
         preferences.choose_language(self.language.currentData())

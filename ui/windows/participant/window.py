@@ -1,4 +1,4 @@
-"""Participant's window: shows a `Screen`, returns `Act`s, and decides nothing."""
+"""Participant's window. It shows a `Screen` and returns `Act`s, but makes no decisions."""
 
 from collections.abc import Callable
 
@@ -71,33 +71,33 @@ from ui.windows.participant.widgets.buttons import ParticipantButton
 from ui.windows.participant.widgets.panels import ModalOverlay, TitledPanel, set_text
 
 FRAME = 16
-"""Milliseconds between two updates of the window from its model."""
+"""Milliseconds between two updates of the window with data of its model."""
 
 ANSWER_DELAY = 0.3
-"""Seconds for which a new pop-up ignores answers, because a press was meant for the previous content.
+"""Seconds during which a new pop-up ignores answers, because a press was meant for the previous content.
 
-The next turn of the same dialogue also counts as new, because the second press of a double click is not an answer. A
-name can be submitted only after there was time to read it.
+The next turn of the same dialogue also counts as a new pop-up, because the second press of a double click is not an
+answer. After a name was picked, a person has time to read it before it can be submitted.
 """
 
 ROBOT_SIZE = 40
-"""Side of the square around a robot on the map that a pop-up should leave visible, logical pixels."""
+"""Width and height of the square around a robot that a pop-up should leave visible on the map, logical pixels."""
 
 
 class ParticipantWindow(QWidget):
-    """Map, robots next to it, rooms below them, pop-ups in a corner of the map.
+    """Window with the map, the robots and rooms next to the map, and pop-ups in a corner of the map.
 
-    It can be a window or a page of a window. It follows the model while it is shown. Its language is that of the model
-    when the window was created.
+    It can also be a page of another window. While it is visible, it shows the current state of the model. It keeps the
+    language that the model had when the window was created.
 
     Args:
-        model: source of all data shown.
+        model: source of all data that the window shows.
         clock: monotonic clock, seconds.
         palette: the colors.
-        can_cancel: True to offer *Cancel* before the game is reached.
+        can_cancel: True to show the button *Cancel* until the game is reached.
 
     Attributes:
-        declined: signal: the participant does not take part in the study.
+        declined: signal: the participant declines to take part in the study.
         sounded: signal with a `GameSound` to play.
         went_on: signal: the participant continues after the game.
         help_shown: signal: the sheet of rules and keys was opened or closed.
@@ -125,13 +125,13 @@ class ParticipantWindow(QWidget):
         self._announced: int | None = None
         self._popped: tuple[Act, ...] = ()
         self._popped_at = self._opened_at = -ANSWER_DELAY
-        # Time since which digits mean rooms again. A press shortly afterwards was meant for a numbered answer.
+        # Time from which digits stand for rooms again. A press shortly afterward was meant for a numbered answer.
         self._digits_at = -ANSWER_DELAY
-        # Time at which the game selected another robot. A room chosen shortly afterwards was meant for the previous
+        # Time at which the game selected another robot. A room chosen shortly afterward was meant for the previous
         # robot.
         self._selected_at = -ANSWER_DELAY
         self._acting = False
-        # When the currently held key was pressed, a pop-up was visible; this is the time at which it appeared.
+        # Time at which the pop-up appeared that was visible when the currently held key was pressed.
         self._pressed_since = self._opened_at
         self.setWindowTitle(self._texts.text("window.title"))
         self.setMinimumSize(760, 420)
@@ -145,7 +145,7 @@ class ParticipantWindow(QWidget):
         self._ticking = QTimer(self)
         self._ticking.setTimerType(Qt.TimerType.PreciseTimer)
         self._ticking.timeout.connect(self.refresh)
-        # No widget shows the focus until a person moves through the window by the keyboard.
+        # No widget shows the focus until a person uses the keyboard to move through the window.
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.setFocus()
         self.refresh()
@@ -181,8 +181,7 @@ class ParticipantWindow(QWidget):
         around = QVBoxLayout(self)
         around.setContentsMargins(0, 0, 0, 0)
         around.addWidget(self.pages)
-        # It is not a child of the pages, because for assistive technology these have no children other than the current
-        # page.
+        # It is not a child of the stack of pages, because screen readers find only the current page in the stack.
         self.overlay = ModalOverlay(self)
         self._connect()
 
@@ -207,7 +206,7 @@ class ParticipantWindow(QWidget):
 
     @property
     def regions(self) -> list[QWidget]:
-        """Stops of F6 in reading order; if a pop-up is in front, it is the only stop."""
+        """Regions that F6 visits, in reading order. If an overlay or a page is shown, it is the only region."""
         if self.overlay.isVisible():
             return [panel for panel in (self.question, self.help, self.large) if panel.isVisible()]
         if self._screen is not None and self._screen.phase in self._page_of:
@@ -234,7 +233,7 @@ class ParticipantWindow(QWidget):
         self._show_map(now)
 
     def do(self, act: Act) -> None:
-        """Let the model do this act, unless it was meant for the previous content."""
+        """Let the model do this act, unless the act was meant for the previous content."""
         if isinstance(act, DeclineConsentAct):
             self.declined.emit()
             return
@@ -257,14 +256,14 @@ class ParticipantWindow(QWidget):
         if isinstance(act, FitMap):
             self.map.fit()
         if isinstance(act, TypeLetter) and isinstance(QApplication.focusWidget(), ParticipantButton):
-            # Enter then submits the name, and does not press the button.
+            # With the focus in the list, Enter submits the name, and does not press the button.
             self.treasure.names.setFocus()
         self._acting = True
         self.refresh()
         self._acting = False
 
     def _do_on_map(self, act: Act) -> None:
-        """Do the act of a click on the map, unless it was meant for a pop-up that has just closed."""
+        """Do the act of a click on the map, unless the click was meant for a pop-up that has just closed."""
         if self._clock() - self._popped_at >= ANSWER_DELAY:
             self.do(act)
 
@@ -273,14 +272,14 @@ class ParticipantWindow(QWidget):
             self.do(FollowRobot())
 
     def _consider(self) -> None:
-        """Pass the room that the person looks at, on the map or among the tiles, to the model if it changed."""
+        """Report to the model if the person now considers another room, on the map or among the tiles."""
         room = self.map.hovered or self.column.tiles.considered
         if room != self._considered and not self._showing:
             self._considered = room
             self.do(ConsiderRoom(room))
 
     def set_palette(self, palette: Palette) -> None:
-        """Use these colors for the map and the history; all other parts use the application's palette."""
+        """Use these colors for the map and the history. All other parts use the application's palette."""
         self.map.set_palette(palette)
         self.history.repaint_words()
 
@@ -293,7 +292,7 @@ class ParticipantWindow(QWidget):
             if floor_plan != before:
                 self.map.show_floor_plan(floor_plan)
                 self.map_area.place_anew()
-                return  # Rooms and robots are updated in the next frame, because both together would block the window.
+                return  # Update rooms and robots in the next frame, so that the window is not blocked.
         self.map.show_rooms(self._model.rooms(now))
         first = self.map.robot_place(0) is None
         self.map.show_robots(self._model.robots(now))
@@ -373,7 +372,7 @@ class ParticipantWindow(QWidget):
             self._opened_at = now
 
     def _subject_on_map(self) -> list[QRect]:
-        """Return the places on the map of the pop-up's subject, pixels: the robot, and the middle of the room."""
+        """Return the places of the pop-up's subject on the map, pixels: the robot, and the middle of the room."""
         pop = None if self._screen is None else self._screen.popup
         if pop is None:
             return []
@@ -392,8 +391,10 @@ class ParticipantWindow(QWidget):
     # Keys and focus ---------------------------------------------------------------------------------------------------
 
     def event(self, event: QEvent) -> bool:
-        """Keep arrow keys that were pressed before a pop-up appeared away from its list, because they were meant for
-        other parts."""
+        """Ignore arrow keys that are held since before a pop-up appeared.
+
+        They were meant for other parts, so the pop-up's list must not receive them.
+        """
         if event.type() == QEvent.Type.ShortcutOverride and isinstance(event, QKeyEvent):
             if not event.isAutoRepeat():
                 self._pressed_since = self._opened_at
@@ -403,16 +404,17 @@ class ParticipantWindow(QWidget):
         return super().event(event)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Handle a letter without a shortcut.
+        """Handle a key without a shortcut.
 
-        In a dialogue, let arrow keys move to the answers, and other keys turn pages.
+        In a dialogue, arrow keys move the focus to the answers, and Page Up or Page Down scrolls. Letters
+        can be part of a name.
         """
         if self.dialogue.isVisible():
             self.dialogue.go_to(event.key())
         self._keyboard.type(event)
 
     def focusNextPrevChild(self, forward: bool) -> bool:
-        """Keep Tab inside the overlay."""
+        """Let Tab move only within the overlay while it is shown."""
         return self.overlay.keeps_tab(forward=forward) or super().focusNextPrevChild(forward)
 
     def _stepper(self, step: int) -> Callable[[], None]:
@@ -426,16 +428,16 @@ class ParticipantWindow(QWidget):
         return next((home for home in self.regions if home is focused or home.isAncestorOf(focused)), None)
 
     def _keep_focus(self, before: QWidget | None) -> None:
-        """Move the focus from a region that disappeared to the region that replaced it."""
+        """If the region with the focus has disappeared, move the focus to the region that replaced it."""
         regions = self.regions
         if before is not None and before not in regions and regions:
             if regions[0] is self.top:
-                self.column.cards.focus_selected()  # The next Enter would press a tool if the tools had the focus.
+                self.column.cards.focus_selected()  # If the tools had the focus, the next Enter would press a tool.
             elif regions[0] is self.dialogue:
-                # Do not focus its first button, which puts it aside, because Enter is meant for the first answer.
+                # Do not focus the first button, which closes the pop-up for now: Enter is meant for the first answer.
                 self.dialogue.setFocus(Qt.FocusReason.OtherFocusReason)
             elif regions[0] is self.treasure and self.treasure.names.isVisible():
-                self.treasure.names.setFocus(Qt.FocusReason.OtherFocusReason)  # Enter submits the name in this list.
+                self.treasure.names.setFocus(Qt.FocusReason.OtherFocusReason)  # In this list, Enter submits the name.
             else:
                 focus.focus_region(regions[0])
 
@@ -448,17 +450,17 @@ class ParticipantWindow(QWidget):
     # Size -------------------------------------------------------------------------------------------------------------
 
     def showEvent(self, event: QShowEvent) -> None:
-        """Follow the model from now on."""
+        """Start the updates when the window becomes visible."""
         super().showEvent(event)
         self._ticking.start(FRAME)
 
     def hideEvent(self, event: QHideEvent) -> None:
-        """Stop following the model while the window is not visible."""
+        """Stop the updates while the window is not visible."""
         super().hideEvent(event)
         self._ticking.stop()
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        """Divide the width again; keep the overlay as large as the window."""
+        """Divide the new width, and give the overlay the size of the window."""
         super().resizeEvent(event)
         self._divide()
         self.overlay.setGeometry(self.rect())
@@ -466,15 +468,14 @@ class ParticipantWindow(QWidget):
     def _divide(self) -> None:
         """Give the column next to the map three tenths of the width.
 
-        Give it more if its words need more, but less than half.
+        If the words need more width, the column gets more, but less than half.
         """
         wide = min(max(px(336), int(self.width() * 0.3)), px(480))
         self.column.setFixedWidth(min(wide, int(self.width() * 0.45)))
 
 
 def _offered(screen: Screen) -> tuple[Act, ...]:
-    """Return the possible answers to the pop-up, to the question and to the end page; these appear without a
-    request."""
+    """Return the possible answers of the pop-up, the question and the end page, which appear without a request."""
     acts: list[Act] = []
     if screen.confirmation is not None:
         acts += [screen.confirmation.yes.act, screen.confirmation.no.act]
@@ -491,7 +492,7 @@ def _offered(screen: Screen) -> tuple[Act, ...]:
 
 
 def _subject(screen: Screen) -> tuple[object, ...]:
-    """Return the content that a person has to read before answering."""
+    """Return the content that a person should read before an answer."""
     pop = screen.popup
     match pop:
         case DialoguePopup():
@@ -503,17 +504,17 @@ def _subject(screen: Screen) -> tuple[object, ...]:
 
 
 def _selected(screen: Screen) -> int | None:
-    """Return the index of the selected robot."""
+    """Return the index of the selected robot; None if no robot is selected."""
     return next((card.robot for card in screen.cards if card.selected), None)
 
 
 def _is_numbered(screen: Screen) -> bool:
-    """Return True while digits are answers."""
+    """Return True while digits stand for answers."""
     return isinstance(screen.popup, DialoguePopup) and screen.popup.numbered
 
 
 def _listed(screen: Screen) -> tuple[object, ...]:
-    """Return the subject of the list to which letters and arrow keys go."""
+    """Return a value that identifies the list that receives letters and arrow keys."""
     pop = screen.popup
     subject = (pop.robot, pop.room) if isinstance(pop, TreasurePopup) else None
     return subject, screen.confirmation, bool(screen.help)

@@ -73,7 +73,7 @@ SWITCHES = {
     MapDisplay.GOALS: DisplaySwitch("", "Goals", True, "Poses of the robots' goals, with their directions"),
     MapDisplay.FOOTPRINTS: DisplaySwitch("", "Footprints", False, "Latest published outlines of the robots"),
     MapDisplay.THINGS: DisplaySwitch("", "Things in the way", True, "Obstacles that are not on the map"),
-    MapDisplay.ROOMS: DisplaySwitch("", "Rooms", True, "Room numbers, hidden treasures, and the treasures' given names"),
+    MapDisplay.ROOMS: DisplaySwitch("", "Rooms", True, "Room numbers, hidden treasures, and the names given so far"),
 }
 
 
