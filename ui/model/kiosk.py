@@ -1,7 +1,8 @@
 """Messages between the program that runs a study with people (host) and the window that shows them its pages (kiosk).
 
-The window runs in a separate process. It has the contents of its page, but no access to the study's log. Each page has
-a number. A message about any other page is ignored. The docstring of each message begins with its sender.
+The window runs in a separate process. It receives the contents of each page, but cannot read the study's log. Each page
+has a number; a message about a page other than the present page is ignored. The docstring of each message begins with
+the sender of the message.
 """
 
 from collections.abc import Sequence
@@ -13,20 +14,20 @@ from thbridge.roles.shared.notices import GameTexts
 from ui.model.shared.window_protocol import WindowProtocol
 
 Answer: TypeAlias = float | str | tuple[str, ...] | None
-"""Answer to an item: a number, words or an option, or several options. If None, there is no answer."""
+"""Answer to an item: a number, a text, an option, or several options. If None, there is no answer."""
 
 
 class StudyTexts(msgspec.Struct, frozen=True, tag=True):
     """Host: the texts of the study's language.
 
-    They come before all other messages; until then, a window shows nothing.
+    This is the first message. A window shows nothing before it arrives.
     """
 
     texts: GameTexts
 
 
 class StudyProgress(msgspec.Struct, frozen=True):
-    """Position of a page in a person's run: `step` of `steps`; with 0 steps, there is nothing to show."""
+    """Position of a page in a person's run: `step` of `steps`. If `steps` is 0, nothing is shown."""
 
     step: int = 0
     steps: int = 0
@@ -37,14 +38,13 @@ class TextToRead(msgspec.Struct, frozen=True, tag=True):
 
     Attributes:
         page: number of the page.
-        heading: heading above the text; empty for none.
+        heading: heading above the text; empty if there is none.
         text: text in paragraphs, or in Markdown.
-        button: label of the button that leads to the next page. If None, it is the usual word. If empty, there is no
-            button, and the page stays until another one arrives.
+        button: label of the button that leads to the next page. If None, the label is the usual word. If empty, there
+            is no button, and the page stays until the host sends another page.
         markdown: True if the text is Markdown.
-        code: completion code for the person to write down; empty for none.
-        `anew`: True if the next person begins. The preferences of the previous person (size of text, sound) are then
-            reset.
+        code: completion code for the person to write down; empty if there is none.
+        `anew`: True if another person begins; the settings of the previous person (size of text, sound) are reset.
         progress: position in the person's run.
     """
 
@@ -59,7 +59,7 @@ class TextToRead(msgspec.Struct, frozen=True, tag=True):
 
 
 class ConsentToAsk(msgspec.Struct, frozen=True, tag=True):
-    """Host: ask for consent to a text; `markdown` is True if it is Markdown."""
+    """Host: ask for consent to a text; `markdown` is True if the text is Markdown."""
 
     page: int
     text: str
@@ -68,11 +68,11 @@ class ConsentToAsk(msgspec.Struct, frozen=True, tag=True):
 
 
 class FormItem(msgspec.Struct, frozen=True):
-    """Item of a form in the window; most attributes are those of `questionnaires.form.Item`.
+    """Item of a form in the window. `questionnaires.form.Item` describes the attributes that are not listed here.
 
     Attributes:
-        labels: labels of the options, in their order; if empty, the options themselves are shown.
-        one_line: True if the answer is a word or a code. Enter then goes to the next item.
+        labels: labels of the options, in the order of the options; if empty, the options themselves are shown.
+        one_line: True if the answer is a word or a code, after which Enter leads to the next item.
     """
 
     id: str
@@ -100,11 +100,11 @@ class FormToFill(msgspec.Struct, frozen=True, tag=True):
     Attributes:
         page: number of the page.
         title: title of the form.
-        instructions: instructions above the items; empty for none.
-        items: items of this page, in their order.
-        answers: answers so far, complete or incomplete, by the item's id.
-        timed_out: ids of items that were closed by their time limits.
-        missing: ids of required items without an answer, to be marked.
+        instructions: instructions above the items; empty if there are none.
+        items: items of this page, in the order of the form.
+        answers: complete and incomplete answers so far, by the id of the item.
+        timed_out: ids of items whose time limits have ended.
+        missing: ids of required items without an answer, which the window marks.
         part: number of the page within the form, from 1.
         parts: number of pages of the form.
         back: True if the person may go back to the previous page.
@@ -125,7 +125,7 @@ class FormToFill(msgspec.Struct, frozen=True, tag=True):
 
 
 class AnswerKept(msgspec.Struct, frozen=True, tag=True):
-    """Host: an answer is in the log; `timed_out` is True if the time limit of its item had ended."""
+    """Host: an answer was logged; `timed_out` is True if the time limit of the item had ended."""
 
     page: int
     item: str
@@ -134,7 +134,7 @@ class AnswerKept(msgspec.Struct, frozen=True, tag=True):
 
 
 class GamePrepared(msgspec.Struct, frozen=True, tag=True):
-    """Host: a game is being prepared, or is ending; `sentence` informs the person about this."""
+    """Host: a game is being prepared or is ending; the window shows `sentence` to the person."""
 
     page: int
     sentence: str
@@ -150,9 +150,9 @@ class GameToJoin(msgspec.Struct, frozen=True, tag=True):
         port: port of its text server.
         token: secret by which the server recognizes this participant.
         practice: True for the practice game.
-        agreed_at: date and time at which the person gave consent; empty if the study did not ask.
+        agreed_at: date and time at which the person gave consent; empty if the study did not ask for consent.
         progress: position in the person's run.
-        to_do: as in `GameNews`, at the beginning of the game.
+        to_do: tasks at the beginning of the game, as in `GameNews`.
     """
 
     page: int
@@ -170,8 +170,8 @@ class GameNews(msgspec.Struct, frozen=True, tag=True):
 
     Attributes:
         page: number of the game's page.
-        seconds_left: real time until the game ends in seconds, rounded up.
-        to_do: tasks that the person must still do in a practice game before going on, each in words.
+        seconds_left: real time in seconds until the game ends, rounded up.
+        to_do: descriptions of the tasks that the person must finish in a practice game before the study continues.
     """
 
     page: int
@@ -180,20 +180,20 @@ class GameNews(msgspec.Struct, frozen=True, tag=True):
 
 
 class InstructionText(msgspec.Struct, frozen=True):
-    """Text of the study's instructions; `markdown` is True if it is Markdown."""
+    """Text of the study's instructions; `markdown` is True if the text is Markdown."""
 
     text: str
     markdown: bool = False
 
 
 class InstructionsSoFar(msgspec.Struct, frozen=True, tag=True):
-    """Host: the instructions that the person has read so far and may read again on any page."""
+    """Host: the instructions that the person has read so far, and can read again on every page."""
 
     texts: tuple[InstructionText, ...]
 
 
 class GameRecorded(msgspec.Struct, frozen=True, tag=True):
-    """Host: the game has ended and is recorded. A window that no longer shows the end of the game shows this text."""
+    """Host: the game has ended and is recorded. The window shows this text, unless it shows the end of the game."""
 
     page: int
     heading: str
@@ -202,11 +202,11 @@ class GameRecorded(msgspec.Struct, frozen=True, tag=True):
 
 
 class CloseKiosk(msgspec.Struct, frozen=True, tag=True):
-    """Host: close the window. The host ends normally, and no run is under way."""
+    """Host: close the window. The host ends normally, and no run is in progress."""
 
 
 class HostStops(msgspec.Struct, frozen=True, tag=True):
-    """Host: it ends during a person's run. The window stays open and shows this text until another window opens.
+    """Host: the host ends during a person's run. The window shows this text until a new window opens.
 
     If the host ends without this message or `CloseKiosk`, the window reports that in the study's language.
     """
@@ -241,11 +241,11 @@ class ItemNews(msgspec.Struct, frozen=True, tag=True):
     Attributes:
         page: number of the page.
         item: id of the item.
-        what: "shown": the item became fully visible; "touched": the person began the answer; "changed": the answer
-            changed; "given": the person went to another item or page; "pasted": text was pasted into the answer; "timed
-            out": the time limit of the item ended.
+        what: the event. "shown": the item became fully visible. "touched": the person began the answer. "changed": the
+            answer changed. "given": the person went to another item or page. "pasted": text was pasted into the
+            answer. "timed out": the time limit of the item ended.
         window_ns: monotonic time of the window, nanoseconds.
-        answer: the present answer; meaningless for an item that is shown, touched or pasted into.
+        answer: the present answer; it has no meaning for the events "shown", "touched" and "pasted".
         characters: number of pasted characters.
     """
 
@@ -258,7 +258,7 @@ class ItemNews(msgspec.Struct, frozen=True, tag=True):
 
 
 class FocusNews(msgspec.Struct, frozen=True, tag=True):
-    """Window: the keyboard focus moved to another window, or returned to this one."""
+    """Window: the keyboard focus moved to another window, or returned to this window."""
 
     has_focus: bool
     window_ns: int
@@ -272,17 +272,17 @@ class InstructionsNews(msgspec.Struct, frozen=True, tag=True):
 
 
 class GameSeenOver(msgspec.Struct, frozen=True, tag=True):
-    """Window: the window shows the end of the game, and no longer needs the game."""
+    """Window: it shows the end of the game, and no longer needs the game."""
 
     page: int
 
 
 class StoppedTakingPart(msgspec.Struct, frozen=True, tag=True):
-    """Window: the person wants to stop, and has confirmed it."""
+    """Window: the person wants to stop taking part, and has confirmed this."""
 
 
 class BeginNext(msgspec.Struct, frozen=True, tag=True):
-    """Window: the researcher starts the run of the next person, with their key combination."""
+    """Window: the researcher pressed the keys that start the run of the next person."""
 
 
 class KioskClosed(msgspec.Struct, frozen=True, tag=True):
@@ -325,8 +325,11 @@ def _answered(form: FormToFill, kept: AnswerKept) -> FormToFill:
 
 
 def _kept(before: Sequence[ToKiosk], message: ToKiosk) -> Sequence[ToKiosk]:
-    """Keep the texts, the last page with the logged answers of its form, the last news of a game, and the
-    instructions."""
+    """Return the messages that a reopened window needs.
+
+    These are the texts, the last page with the logged answers of its form, the last news of a game, and the
+    instructions.
+    """
     match message:
         case GameNews() | InstructionsSoFar():
             return [*(one for one in before if type(one) is not type(message)), message]
@@ -337,4 +340,4 @@ def _kept(before: Sequence[ToKiosk], message: ToKiosk) -> Sequence[ToKiosk]:
 
 
 KIOSK = WindowProtocol(msgspec.json.Decoder(ToKiosk), msgspec.json.Decoder(FromKiosk), KioskClosed(), _kept)
-"""Messages of the window in which people go through a study."""
+"""Messages between host and kiosk, the window in which people take part in a study."""

@@ -1,7 +1,7 @@
 """Messages between the program that runs the games (host) and the participant's window, before and after a game.
 
-The window runs in a separate process. It therefore has only the data of a game that the game has sent to it. The
-docstring of each message begins with its sender.
+The window runs in a separate process, so it knows only the data that the game has sent. The docstring of each message
+begins with the sender of the message.
 """
 
 from collections.abc import Mapping, Sequence
@@ -17,13 +17,13 @@ class Offer(msgspec.Struct, frozen=True, tag=True):
     """Host: show the start page.
 
     Attributes:
-        texts: texts of the study's language, for all pages from now on.
+        texts: texts of the study's language, for this page and all following pages.
         least: smallest number of robots that the participant may choose.
-        most: largest number of robots.
+        most: largest number of robots that the participant may choose.
         usual: number of robots in the study.
         rules: rules of the game, in sentences.
-        consent: text that needs consent before anything else; empty if there is none, or consent was given.
-        languages: names of the languages that the participant may choose from; empty if the study sets the language.
+        consent: text to which the participant must consent first; empty if the study has none, or consent was given.
+        languages: names of the languages from which the participant may choose; empty if the study sets the language.
     """
 
     texts: Texts
@@ -36,7 +36,7 @@ class Offer(msgspec.Struct, frozen=True, tag=True):
 
 
 class Preparing(msgspec.Struct, frozen=True, tag=True):
-    """Host: the requested game is being prepared; `sentence` says so to the participant."""
+    """Host: the requested game is being prepared; the window shows `sentence` to the participant."""
 
     sentence: str
 
@@ -49,7 +49,7 @@ class Join(msgspec.Struct, frozen=True, tag=True):
         port: port of its text server.
         token: secret by which the server recognizes this participant.
         practice: True for the practice game.
-        agreed_at: date and time at which the participant gave consent; empty if the study did not ask.
+        agreed_at: date and time at which the participant gave consent; empty if the study did not ask for consent.
     """
 
     host: str
@@ -60,7 +60,7 @@ class Join(msgspec.Struct, frozen=True, tag=True):
 
 
 class Thanks(msgspec.Struct, frozen=True, tag=True):
-    """Host: thank a participant who does not take part, and ask nothing more.
+    """Host: thank a participant who does not take part.
 
     Attributes:
         texts: texts of the study's language.
@@ -94,7 +94,7 @@ class ChooseLanguage(msgspec.Struct, frozen=True, tag=True):
 
 
 class Back(msgspec.Struct, frozen=True, tag=True):
-    """Window: leave this game, and show the start page."""
+    """Window: the participant leaves this game; show the start page."""
 
 
 class WindowClosed(msgspec.Struct, frozen=True, tag="Leave"):
@@ -106,9 +106,9 @@ FromWindow: TypeAlias = Agreed | Declined | Begin | Practise | ChooseLanguage | 
 
 
 def _kept(before: Sequence[FromHost], message: FromHost) -> Sequence[FromHost]:
-    """Keep only the last page, which replaces all earlier messages."""
+    """Return the messages that a reopened window needs: the last page and all later messages."""
     return [message] if isinstance(message, Offer | Thanks) else [*before, message]
 
 
 LOBBY = WindowProtocol(msgspec.json.Decoder(FromHost), msgspec.json.Decoder(FromWindow), WindowClosed(), _kept)
-"""Messages of the participant's window."""
+"""Messages between host and the participant's window."""

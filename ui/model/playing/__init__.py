@@ -1,1 +1,1 @@
-"""Parts of the participant's view model, one per module."""
+"""Modules of the participant's view model."""

@@ -1,4 +1,4 @@
-"""Effects of the participant's acts; each act applies to the screen that the participant saw."""
+"""Effects of the participant's acts. Each act refers to the screen that the participant saw at that moment."""
 
 from thbridge.hunt.events import TreasureLeft
 from thbridge.hunt.rooms import Room
@@ -83,7 +83,7 @@ from ui.model.playing.sounds import why_silent
 from ui.model.playing.view_update import is_open, note, settle
 
 TYPING = 4.0
-"""Seconds that a typed digit waits for the next one."""
+"""Seconds after which a typed digit is dropped if no other digit follows."""
 
 
 def do(memory: ParticipantMemory, act: Act, now: float) -> None:
@@ -139,8 +139,7 @@ def _in_play(memory: ParticipantMemory, hunt: HuntMemory, act: Act, now: float) 
         case Cancel():
             _cancel(memory, hunt)
         case CloseWindow(ends):
-            # The question replaces the sheet of rules and any other question, because these would keep the keys of its
-            # answers.
+            # The help sheet and other questions use the same keys as the answers, so this question replaces them.
             hunt.pending_step, memory.help_open = LeaveWindow(ends), False
         case _ if hunt.pending_step is not None:
             note(memory, hunt.texts.text("hints.answer_first"), now)
@@ -172,7 +171,7 @@ def _in_play(memory: ParticipantMemory, hunt: HuntMemory, act: Act, now: float) 
 
 
 def _in_popup(memory: ParticipantMemory, hunt: HuntMemory, act: Act, now: float) -> None:
-    """Do an act meant for the pop-up that was on the screen, if that pop-up is still shown."""
+    """Carry out an act on the pop-up that the participant saw, if this pop-up is still shown."""
     item = memory.last_drawn.item
     if item is None or item != hunt.popups.shown:
         return
@@ -249,7 +248,7 @@ def _argues(view: View) -> bool:
 
 
 def _discuss(hunt: HuntMemory, request: OpenDialogue) -> None:
-    """Request a dialogue about a matter, unless both sides already agree on it."""
+    """Request a dialogue about a matter, unless both sides already agree on the matter."""
     agreed = [each for each in hunt.view.consents if (each.matter, each.room) == (request.matter, request.room)]
     # An earlier agreement on another name does not count.
     if all(each.name not in {"", request.name} for each in agreed):
@@ -284,7 +283,7 @@ def _select(memory: ParticipantMemory, hunt: HuntMemory, robot: int) -> None:
 
 
 def _show_talk(hunt: HuntMemory, robot: int) -> None:
-    """Show the dialogue with a robot that argues, or the end of the last one."""
+    """Show the dialogue with a robot that argues; if none is open, show the end of the last dialogue."""
     words = hunt.last_words(robot)
     if words is not None:
         hunt.read.discard(words.dialogue)
@@ -318,7 +317,7 @@ def _ask_advice(memory: ParticipantMemory, hunt: HuntMemory, now: float) -> None
 
 
 def _ask_to_go(memory: ParticipantMemory, hunt: HuntMemory, request: SelectRoom | RequestSuggestion) -> None:
-    """Ask a robot to go. If it would leave behind a treasure that it can still name, ask for confirmation first."""
+    """Ask a robot to go. If the treasure in its room is not named yet, ask the participant for confirmation first."""
     view, robot = hunt.view, request.robot
     room = undecided_beside(hunt.known, robot)
     if room is not None and view.room(room).found and why_not_name(hunt.texts, hunt.known, robot, room) is None:
@@ -403,7 +402,7 @@ def _put_aside(memory: ParticipantMemory, hunt: HuntMemory) -> None:
     if isinstance(item, DestinationItem) and hunt.pending.destination_request(item.robot) is not None:
         hunt.pending.forget_destination(item.robot)
     elif hunt.reading is not None:
-        if memory.last_drawn.dialogue is None:  # Otherwise the answer was meant for the dialogue that has ended.
+        if memory.last_drawn.dialogue is None:  # Otherwise the participant meant the open dialogue, which has ended.
             hunt.read.add(hunt.reading)
     else:
         hunt.popups.put_aside()
@@ -417,7 +416,7 @@ def _show(hunt: HuntMemory, robot: int, room: int | None) -> None:
 
 
 def _refused(memory: ParticipantMemory, reason: str | None, now: float) -> bool:
-    """Show the reason why an act is not possible at the moment; return True if there is such a reason."""
+    """Show the reason why an act is impossible at the moment; return True if there is a reason."""
     if reason is None:
         return False
     note(memory, reason, now)

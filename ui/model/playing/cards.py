@@ -31,7 +31,7 @@ def cards(memory: ParticipantMemory, hunt: HuntMemory) -> tuple[RobotCard, ...]:
 def moved_cards(
     hunt: HuntMemory, team: Sequence[RobotCard], motions: Sequence[RobotMotion], moved: Collection[int]
 ) -> tuple[RobotCard, ...]:
-    """Return the cards with the new motions of these robots; all other contents are unchanged."""
+    """Return the cards after a change of the motions of these robots only."""
     return tuple(_moved_card(hunt, card, motions[card.robot]) if card.robot in moved else card for card in team)
 
 
@@ -42,7 +42,7 @@ def _moved_card(hunt: HuntMemory, card: RobotCard, motion: RobotMotion) -> Robot
 
 
 def is_in_trouble(robot: RobotView) -> bool:
-    """Return True if something is wrong with a robot that needs the participant's attention."""
+    """Return True if a robot has a problem that needs the participant's attention."""
     return robot.blocked or robot.condition is not Condition.WELL
 
 
@@ -207,12 +207,12 @@ def _resting(hunt: HuntMemory, robot: RobotView, motion: RobotMotion) -> str:
 
 
 def nothing_waits(texts: Texts, team: Sequence[RobotCard], *, answering: bool) -> str:
-    """Return the sentence that is shown when no pop-up waits; it names robots that can be sent.
+    """Return the sentence to show when no pop-up waits. It names the robots that can be sent.
 
     Args:
         texts: texts of the game's language.
         team: the cards of all robots.
-        answering: True while a pop-up is shown, which waits for the participant.
+        answering: True if a pop-up is shown that the participant must answer.
     """
     is_ready = texts.text("cards.ready")
     ready = [card.robot for card in team if card.state == is_ready]
@@ -234,7 +234,7 @@ def _warning(hunt: HuntMemory, robot: RobotView) -> str:
 
 
 def _is_stranded(hunt: HuntMemory, robot: RobotView) -> bool:
-    """Return True if rooms are left, but this robot, which is at rest, lacks the energy to reach any of them."""
+    """Return True if this robot is at rest, and rooms are left but the robot has too little energy to reach them."""
     view, state = hunt.view, hunt.known.state
     if robot.moving_to is not None or is_in_trouble(robot) or view.over is not None:
         return False

@@ -1,4 +1,4 @@
-"""Whole screen, computed from the participant's memory."""
+"""Computation of the screen from the participant's memory."""
 
 from collections.abc import Collection, Sequence
 from dataclasses import replace
@@ -40,7 +40,7 @@ from ui.model.playing.words import outcome_of, progress_of, verdict_words
 
 
 def compose(memory: ParticipantMemory, now: float) -> Screen:
-    """Return the screen at this moment, without announcements."""
+    """Return the present screen without announcements."""
     texts, hunt = memory.texts, memory.hunt
     phase = phase_of(memory)
     playing = hunt if phase is Phase.PLAYING else None
@@ -85,7 +85,7 @@ def compose(memory: ParticipantMemory, now: float) -> Screen:
 
 
 def with_motions(screen: Screen, memory: ParticipantMemory, moved: Collection[int]) -> Screen:
-    """Return a screen with the new motions of these robots and the time played; all other contents are unchanged."""
+    """Return a screen after a change only of these robots' motions and of the time played."""
     hunt = memory.hunt
     if hunt is None:
         return screen
@@ -104,20 +104,22 @@ def _progress(hunt: HuntMemory) -> str:
 
 
 def _enlarged(hunt: HuntMemory | None, screen: Screen) -> bytes | None:
-    """Return the picture of the pop-up if it is shown enlarged and nothing covers it; otherwise None."""
+    """Return the picture of the pop-up if the picture is enlarged and not covered; otherwise None."""
     if hunt is None or hunt.enlarged is None or screen.popup is None or screen.confirmation is not None or screen.help:
         return None
     return screen.popup.picture
 
 
 def _without_digits(screen: Screen) -> Screen:
-    """Return the screen without room numbers as printed keys, because digits are the keys of the pop-up's answers."""
+    """Return the screen without keys on the buttons of rooms, because digits are the keys of the pop-up's answers."""
     return replace(screen, tiles=tuple(replace(tile, choose=replace(tile.choose, key="")) for tile in screen.tiles))
 
 
 def _without_letters(screen: Screen) -> Screen:
-    """Return the screen without printed letter keys outside the pop-up, because letters select a name in the pop-up's
-    list."""
+    """Return the screen without letter keys on buttons outside the pop-up.
+
+    Letters select a name in the list of the pop-up.
+    """
 
     def bare(action: Action) -> Action:
         return replace(action, key="") if is_letter(action.key) else action
@@ -136,7 +138,7 @@ def _without_letters(screen: Screen) -> Screen:
 
 
 def phase_of(memory: ParticipantMemory) -> Phase:
-    """Return the page to show."""
+    """Return the kind of page to show."""
     if memory.hunt is None:
         return Phase.CONNECTING
     if memory.hunt.view.consent is not None:
@@ -145,7 +147,7 @@ def phase_of(memory: ParticipantMemory) -> Phase:
 
 
 def next_change(memory: ParticipantMemory, now: float) -> float:
-    """Return the time at which the screen changes without any event; infinite if never."""
+    """Return the time at which the screen changes if no event comes first; infinite if it does not change."""
     due = [memory.connection.next_change(now), memory.typed_until]
     if memory.note is not None:
         due.append(memory.note.until)
@@ -173,7 +175,7 @@ def _banner(memory: ParticipantMemory, now: float) -> Banner | None:
     if trouble is not None and view is not None and view.over is None:
         return Banner(trouble, "bad")
     if memory.note is not None and now < memory.note.until:
-        # The card of the end already says that the game is over.
+        # The page after the game already says that the game is over.
         twice = (
             view is not None and view.over is not None and memory.note.sentence == texts.text("hints.refused_game_over")
         )

@@ -1,10 +1,10 @@
-"""Table of keys; the labels of buttons and the lines of the help sheet come from it.
+"""Table of keys, used for the labels of buttons and the lines of the help sheet.
 
 Keys are named as on the keyboard: "Tab", "Shift+Tab", "Enter", "Esc", "Space", "Up", "Down", "Home", "End", "F1", a
 digit, a capital letter, "Ctrl+" and a capital letter, "?".
 
-While a pop-up asks for the name of a treasure, letters go to its list, regardless of the keyboard focus; see
-`is_for_list`.
+While a pop-up asks for the name of a treasure, letters select a name in the pop-up's list, regardless of the keyboard
+focus; see `is_for_list`.
 """
 
 import string
@@ -57,9 +57,9 @@ class KeyBinding:
     """Keys of one act.
 
     Attributes:
-        keys: the keys; the first is printed on the button.
+        keys: names of the keys; the first key is printed on the button.
         act: the act.
-        does: key of the text about the act, for the help sheet.
+        does: key of the help sheet's text about the act.
     """
 
     keys: tuple[str, ...]
@@ -86,7 +86,7 @@ PLAYING = (
     KeyBinding((SETTINGS_KEYS,), ShowSettings(), "keys.settings"),
     KeyBinding(("E",), EndGameAct(), "keys.end"),
 )
-"""Keys during a game. While letters select a name in a list, Ctrl plus a letter has the usual effect of the letter."""
+"""Keys during a game. While letters select a name in a list, Ctrl and a letter have the letter's usual effect."""
 
 CONSENT = (
     KeyBinding(("A",), GiveConsentAct(), "keys.agree"),
@@ -96,7 +96,7 @@ OVER = (
     KeyBinding(("A",), PlayAgainAct(), "keys.play_again"),
     KeyBinding(("Enter",), GoOnFromGame(), "keys.go_on"),
 )
-"""Keys after the game, one for each method to continue; the page offers one of them."""
+"""Keys after the game. The page offers only one of these acts."""
 HELP = KeyBinding(("F1", "H"), ShowHelp(), "keys.help")
 
 WAITING_KEY = "W"
@@ -108,17 +108,19 @@ It is printed on the button that shows the waiting pop-ups, because "Esc" would 
 _TABLES = (PLAYING, CONSENT, OVER, (HELP,))
 _CTRL = "Ctrl+"
 _TAKEN = frozenset((*(key for binding in (*PLAYING, HELP) for key in binding.keys), "L", "N", "P"))
-"""Letters that are never keys of answers, because a key of the game needs them; with Ctrl, L, N and P are keys of
-pop-ups that a dialogue replaces."""
+"""Letters that are never keys of answers, because they are keys of the game.
+
+L, N and P are included because Ctrl+L, Ctrl+N and Ctrl+P are keys of treasures' pop-ups, which dialogues replace.
+"""
 BACK = "close-questions"
-"""Word for the answer that leads from the questions back to the other answers."""
+"""Name of the answer that leads from the questions back to the other answers."""
 _STEPS = ("Up", "Down", "Home", "End")
 
 
 def question_keys(texts: Texts) -> tuple[KeyBinding, KeyBinding]:
-    """Return the keys while the program asks for confirmation, which are letters of the language.
+    """Return the keys for questions that ask for confirmation; the letters depend on the language.
 
-    All other keys are ignored then.
+    All other keys are ignored during a question.
     """
     return (
         KeyBinding((texts.text("keys.letter_of_yes"),), Confirm(), "keys.yes"),
@@ -132,7 +134,7 @@ def key_of(act: Act) -> str:
 
 
 def keyed(act: Act, label: str, enabled: bool = True, hint: str = "", pending: bool = False) -> Action:
-    """Return the action of an act, with the act's key."""
+    """Return the button of an act, with the act's key."""
     return Action(act, label, key_of(act), enabled, hint, pending)
 
 
@@ -140,9 +142,9 @@ def choice_keys(choices: Sequence[str], acts: Sequence[str] = ()) -> tuple[str, 
     """Return a key for each possible answer.
 
     Args:
-        choices: answers as sentences. The key of an answer is the first free letter of its text, such as C for
+        choices: answers as sentences. The key of an answer is the first free letter of the sentence, such as C for
             Continue.
-        acts: words for the effects of the choices if robots argue; then the answers are numbered, and Esc is the key of
+        acts: names of the effects of the answers if robots argue. Then the answers are numbered, and Esc is the key of
             the answer that leads back. Empty if robots do not argue.
     """
     if acts:
@@ -158,7 +160,7 @@ def choice_keys(choices: Sequence[str], acts: Sequence[str] = ()) -> tuple[str, 
 
 
 def act_for(key: str, screen: Screen) -> Act | None:
-    """Return the act of a key on a screen; None if the key has none.
+    """Return the act of a key on a screen; None if the key has no effect.
 
     Args:
         key: name of the key, as in the docstring of this module.
@@ -169,7 +171,7 @@ def act_for(key: str, screen: Screen) -> Act | None:
     if key in HELP.keys or (screen.help and key == "Esc"):
         return HELP.act
     if screen.help:
-        # The sheet covers everything that the other keys act on.
+        # The help sheet covers all objects of the other keys.
         return None
     if screen.confirmation is not None:
         answers = screen.confirmation.yes, screen.confirmation.no
@@ -189,7 +191,7 @@ def act_for(key: str, screen: Screen) -> Act | None:
 
 
 def is_for_list(key: str, screen: Screen) -> bool:
-    """Return True if a key is a letter of a name in the visible list, or a space within a name."""
+    """Return True if a key is a letter for the visible list of names, or a space within a name."""
     pop = screen.popup
     if not isinstance(pop, TreasurePopup) or not pop.asks_for_name or _is_covered(screen):
         return False
@@ -197,7 +199,7 @@ def is_for_list(key: str, screen: Screen) -> bool:
 
 
 def _is_covered(screen: Screen) -> bool:
-    """Return True while something covers the pop-up."""
+    """Return True while a question, the help sheet or a picture covers the pop-up."""
     return screen.confirmation is not None or bool(screen.help) or screen.enlarged is not None
 
 
@@ -207,13 +209,13 @@ def is_letter(key: str) -> bool:
 
 
 def shown_key(texts: Texts, key: str) -> str:
-    """Return the name of a key in the language, such as "Strg+P" for "Ctrl+P"."""
+    """Return the name of a key in the participant's language, such as "Strg+P" for "Ctrl+P"."""
     *held, last = [key] if len(key) == 1 else key.split("+")
     return "+".join(_key_name(texts, each) for each in (*held, last))
 
 
 def help_line(texts: Texts, binding: KeyBinding) -> tuple[str, str]:
-    """Return a line of the help sheet: (keys, effect)."""
+    """Return a line of the help sheet as (keys, effect)."""
     keys = [shown_key(texts, key) for key in binding.keys]
     both = keys[0] if len(keys) == 1 else texts.text("keys.one_or_other", key=keys[0], other_key=keys[1])
     return both, texts.text(binding.does)
@@ -222,14 +224,14 @@ def help_line(texts: Texts, binding: KeyBinding) -> tuple[str, str]:
 def help_lines(
     texts: Texts, rooms: int, silent: str = "", *, properties: bool = False, numbered: bool = False
 ) -> tuple[tuple[str, str], ...]:
-    """Return the help sheet, as pairs (keys, effect).
+    """Return all lines of the help sheet as (keys, effect).
 
     Args:
         texts: texts of the window's language.
         rooms: number of rooms; 0 before there is a game.
         properties: True if the participant can ask robots to sense more, or can report a property.
         numbered: True if answers to robots are numbered.
-        silent: reason why there is no sound, shown instead of the effect of its key; empty if there is sound.
+        silent: reason why there is no sound, shown in place of the effect of the sound key; empty if there is sound.
     """
     enter, ctrl = shown_key(texts, "Enter"), shown_key(texts, "Ctrl")
 
@@ -294,9 +296,9 @@ def _playing(key: str, screen: Screen) -> Act | None:
 
 
 def _digit(digit: int, screen: Screen) -> Act | None:
-    """Return the act of a digit: part of a room number.
+    """Return the act of a digit.
 
-    If answers are numbered and no number was begun, it is an answer.
+    If answers are numbered and no room number was begun, the digit is an answer; otherwise, part of a room number.
     """
     pop = screen.popup
     if not isinstance(pop, DialoguePopup) or not pop.numbered or screen.typed:

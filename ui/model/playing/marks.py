@@ -26,8 +26,10 @@ class MapMarks:
         self._footprint = _corners(floor_plan.footprint)
 
     def rooms(self, tiles: tuple[RoomTile, ...]) -> tuple[RoomMark, ...]:
-        """Return the marks of the rooms, with the state that their tiles show; rooms that the floor plan lacks are left
-        out."""
+        """Return the marks of the rooms, with the states of the rooms' tiles.
+
+        Rooms that are not in the floor plan are omitted.
+        """
         return tuple(
             RoomMark(
                 room=tile.room,
@@ -47,7 +49,7 @@ class MapMarks:
     def robots(
         self, texts: Texts, moving: tuple[DisplayedRobot, ...], view: View, selected: int
     ) -> tuple[RobotMark, ...]:
-        """Return the marks of the robots at their places in this frame."""
+        """Return the marks of the robots at their displayed poses."""
         return tuple(
             RobotMark(
                 robot=robot.robot,

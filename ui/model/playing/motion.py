@@ -1,9 +1,8 @@
 """Poses of robots between two messages of pose telemetry: smooth, slightly delayed, and without backward jumps.
 
-A simulation reports the places of its robots many times a second. A message travels over a network and can arrive late,
-early or not at all. The simulation itself can run at another rate, pause or restart. `MotionPlayback` keeps the
-last messages as samples, runs a clock of simulated time slightly behind the newest sample, and reads the poses at that
-clock.
+A simulation sends the poses of its robots many times a second. Over a network, a message can be late, early or lost.
+The simulation can also run at another rate, pause or restart. `MotionPlayback` stores the last messages as samples.
+Its clock of simulated time is slightly behind the newest sample. The poses at the time of this clock are shown.
 """
 
 import math
@@ -24,33 +23,37 @@ TICK = 0.02
 """Simulated seconds per tick."""
 
 KEPT_SAMPLES = 64
-"""Number of samples kept: 2.5 s at 25 Hz."""
+"""Number of stored samples: 2.5 s at 25 Hz."""
 
 JUMP = 0.5
-"""Distance in meters between a robot and its expected place from which it counts as moved by hand; the screen then
-shows the new place at once."""
+"""Distance in meters between a robot and its expected place above which the robot counts as moved by hand.
+
+The screen then shows the new place at once.
+"""
 
 MAX_SPEED = 1.5
-"""Greatest speed of robots, m/s; it limits the plausible distance between samples."""
+"""Greatest speed of robots, m/s, which limits the plausible distance between samples."""
 
 MAX_ACCELERATION = 10.0
-"""Greatest acceleration of robots, m/s². A robot that seems to have more than twice this acceleration has corrected its
-estimate instead."""
+"""Greatest acceleration of robots, m/s².
+
+If the acceleration between samples seems to be more than twice this value, the robot has corrected its estimate.
+"""
 
 MAX_TURN_ACCELERATION = 25.0
-"""Greatest acceleration of turning, rad/s²."""
+"""Greatest angular acceleration of robots, rad/s²."""
 
 GAP = 2.0
-"""Simulated seconds between two samples after which playback restarts, as after a seek or a lost connection."""
+"""Simulated seconds between two samples above which playback restarts, as after a lost connection."""
 
 MAX_EXTRAPOLATION = 0.1
 """Simulated seconds for which robots are extrapolated without a new sample, at decreasing speed."""
 
 BLEND = 0.07
-"""Time constant of blending, seconds: 95 % in 0.2 s."""
+"""Time constant with which corrections fade, seconds: 95 % in 0.2 s."""
 
 MAX_HELD_CORRECTION = 0.2
-"""Size in meters below which a correction never moves a driving robot backward."""
+"""Size in meters of the largest correction that never moves a driving robot backward."""
 
 MOVING_SPEED = 0.03
 """Speed in m/s above which a robot counts as driving."""
@@ -61,11 +64,11 @@ class DisplayedRobot:
     """One robot at the displayed moment, in the map frame, meters and radians.
 
     Attributes:
-        pose: its estimated pose.
-        trail: (k, 2) earlier places at which it was shown, oldest first.
-        path: (m, 2) rest of its planned path, beginning at the robot; (0, 2) without a path.
-        ellipse: uncertainty of its place, if the telemetry has it.
-        truth: its true pose, if the telemetry has it.
+        pose: estimated pose.
+        trail: (k, 2) earlier displayed places, oldest first.
+        path: (m, 2) rest of the planned path, beginning at the robot; (0, 2) if there is no path.
+        ellipse: uncertainty of the robot's place, if the telemetry contains it.
+        truth: true pose, if the telemetry contains it.
     """
 
     pose: Pose2
@@ -77,7 +80,7 @@ class DisplayedRobot:
 
 @dataclass(slots=True, eq=False)
 class _Sample:
-    """One message of pose telemetry: simulated time, (n, 3) poses, and its other contents."""
+    """One message of pose telemetry: simulated time, (n, 3) poses, and other contents."""
 
     time: float
     poses: FloatArray
@@ -91,9 +94,9 @@ class MotionPlayback:
     Arguments called `now` are monotonic seconds of this program. They must not decrease, with one exception: `receive`
     may be called after `at` for a message that arrived before that call.
 
-    All kept samples are in the frame of the newest estimate: when a robot corrects its estimate, the correction is
-    added to its earlier samples. An offset of the same size, which fades within 0.2 s, prevents a jump on the screen.
-    The same offset absorbs the error of extrapolation.
+    When a robot corrects its estimate, the correction is added to the robot's earlier samples, so that all samples are
+    in the frame of the newest estimate. An offset of the same size prevents a jump on the screen. It fades within
+    0.2 s. The same offset absorbs errors of extrapolation.
     """
 
     def __init__(self) -> None:
@@ -107,7 +110,7 @@ class MotionPlayback:
         self._faded = 0.0
 
     def receive(self, notice: PoseTelemetry | PlannedPaths, now: float) -> None:
-        """Process pose telemetry or planned paths that arrived at this moment."""
+        """Process pose telemetry or planned paths that arrived at the time `now`."""
         if isinstance(notice, PlannedPaths):
             before = self._paths
             self._paths = [
@@ -118,7 +121,7 @@ class MotionPlayback:
             self._receive_poses(notice, now)
 
     def at(self, now: float) -> tuple[DisplayedRobot, ...]:
-        """Return all robots at this moment, in the team's order; none before the first telemetry."""
+        """Return all robots at the time `now`, in the team's order; empty before the first telemetry."""
         if not self._samples:
             return ()
         self._fade(now)
@@ -162,13 +165,15 @@ class MotionPlayback:
         self._faded = now
 
     def _correct(self, sample: _Sample, newest: _Sample) -> NDArray[np.bool_]:
-        """Move the kept samples into the frame of a new one; return (n,) flags, True for robots that were moved by
-        hand.
+        """Transform the stored samples into the frame of a new sample.
 
-        If a robot's motion changes, it has either changed its speed or corrected its estimate. The more the change
-        exceeds the motors' greatest acceleration, the larger is the share of it that counts as a correction. If the
-        previous step had the same speed, the change is not a correction, because a speed persists and a correction does
-        not.
+        If a robot's motion changes, the robot has changed its speed or corrected its estimate. If the change exceeds
+        the motors' greatest acceleration, a share of the change counts as a correction; this share grows with the
+        change. If the previous step had the same speed, the change is not a correction, because a correction occurs
+        only in a single step.
+
+        Returns:
+            (n,) flags, True for robots that were moved by hand.
         """
         passed = sample.time - newest.time
         moved = sample.poses - newest.poses
@@ -209,7 +214,7 @@ class MotionPlayback:
     def _bracket(self, time: float) -> tuple[_Sample, _Sample]:
         """Return the samples before and after a simulated time.
 
-        Beyond the first or last sample, return that sample twice.
+        Before the first sample or after the last sample, return this sample twice.
         """
         later = self._samples[-1]
         if time >= later.time:
@@ -221,8 +226,7 @@ class MotionPlayback:
         return later, later
 
     def _read(self, time: float) -> FloatArray:
-        """Return (n, 3) poses at a simulated time: interpolated between two samples, or extrapolated from the last
-        one."""
+        """Return (n, 3) poses at a simulated time: interpolated, or extrapolated after the last sample."""
         one, other = self._bracket(time)
         if one is not other:
             return _between(one.poses, other.poses, (time - one.time) / (other.time - one.time))
@@ -245,8 +249,8 @@ class MotionPlayback:
     def _fade(self, now: float) -> None:
         """Reduce the offsets by the part that fades between the last call and now.
 
-        If a driving robot corrects its place slightly back along its path, it is held in place until the correction has
-        faded, so that it never seems to drive backward.
+        If a driving robot corrects its place slightly backward, its displayed place does not change until the
+        correction has faded. So the robot never seems to drive backward.
         """
         passed = max(now - self._faded, 0.0)
         self._faded = max(self._faded, now)
@@ -265,13 +269,13 @@ class MotionPlayback:
 
 
 def _driven_on(late: float) -> float:
-    """Return the seconds at full speed by which robots are extrapolated, `late` seconds after the last sample."""
+    """Return the seconds at full speed by which robots are extrapolated, when the last sample is `late` seconds old."""
     late = min(max(late, 0.0), MAX_EXTRAPOLATION)
     return late - late * late / (2.0 * MAX_EXTRAPOLATION)
 
 
 def _between(one: FloatArray, other: FloatArray, share: float) -> FloatArray:
-    """Return poses at a share of the distance between two others; angles take the shorter direction."""
+    """Return poses at a share of the distance between two poses; angles change in the shorter direction."""
     change = other - one
     change[:, 2] = _wrapped(change[:, 2])
     between: FloatArray = one + share * change
@@ -279,8 +283,7 @@ def _between(one: FloatArray, other: FloatArray, share: float) -> FloatArray:
 
 
 def _oddity(speeds: FloatArray, others: FloatArray, passed: float) -> FloatArray:
-    """Return (n,) the implausibility of a change between (n, 3) speeds in `passed` seconds: 0 possible, 1
-    impossible."""
+    """Return (n,) the implausibility of a change between (n, 3) speeds in `passed` seconds, 0 to 1 (impossible)."""
     change = np.abs(speeds - others)
     moves, turns = np.hypot(change[:, 0], change[:, 1]) / MAX_ACCELERATION, change[:, 2] / MAX_TURN_ACCELERATION
     odd: FloatArray = np.clip(np.maximum(moves, turns) / passed - 1.0, 0.0, 1.0)

@@ -1,4 +1,4 @@
-"""All acts on a screen."""
+"""Search for the buttons on a screen."""
 
 from collections.abc import Iterator
 
@@ -17,7 +17,7 @@ from ui.model.playing.screen import (
 
 
 def offers(screen: Screen) -> Iterator[Action]:
-    """Yield all actions on a screen, in arbitrary order."""
+    """Yield all buttons on a screen, in arbitrary order."""
     match screen.phase:
         case Phase.CONSENT:
             yield from (screen.agree, screen.decline)
@@ -33,9 +33,9 @@ def offers(screen: Screen) -> Iterator[Action]:
 
 
 def offer(screen: Screen, act: Act) -> Action | None:
-    """Return the action for this act, if any. By default, acts on a robot mean the selected one.
+    """Return the button for an act, or None. If an act names no robot, it means the selected robot.
 
-    A request for the pop-ups of a robot may omit the room.
+    `ShowWaiting` may omit the room.
     """
     if act == StopRobotAct():
         return next((card.stop for card in screen.cards if card.selected), None)

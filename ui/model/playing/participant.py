@@ -1,4 +1,4 @@
-"""View model of the participant's window: it turns messages of the game into a screen, and acts into requests."""
+"""View model of the participant's window, which converts messages of the game into a screen, and acts into requests."""
 
 import math
 from collections.abc import Callable
@@ -26,8 +26,8 @@ from ui.model.shared.scene import RobotMark, RoomMark
 class Participant:
     """View model of the participant's window.
 
-    It receives messages of the game and acts of the participant, and returns the screen to show and the requests to
-    send. Arguments called `now` are monotonic seconds that never decrease, with one exception: a message may have
+    The input is messages of the game and acts of the participant; the output is the screen to show and the requests to
+    send. Arguments called `now` are monotonic seconds that never decrease. There is one exception: a message may have
     arrived slightly before the last call of `screen`.
 
     Args:
@@ -35,7 +35,7 @@ class Participant:
         sound_on: True if the participant wants sounds.
         can_sound: True if the computer can play sounds.
         once: True if only one game is played, and another part of a study follows.
-        texts: texts until the game sends its own. If None, they are English.
+        texts: texts until the game sends other texts. If None, the texts are English.
     """
 
     def __init__(
@@ -58,12 +58,12 @@ class Participant:
         self._marks: MapMarks | None = None
         self._screen: Screen | None = None
         self._rooms: tuple[RoomMark, ...] = ()
-        # Tiles and shapes from which the marks of the rooms were last computed.
+        # Inputs of the last computation of the rooms' marks: tiles and shapes.
         self._marked: tuple[tuple[RoomTile, ...], MapMarks | None] = ((), None)
-        # Time at which the screen is computed again. After a message or an act, it is computed again at once.
+        # Time at which the screen is computed again. A message or an act causes a computation at once.
         self._due = -math.inf
-        # Robots whose motions are newer than the screen, and True if the time played is newer. Both arrive many times a
-        # second and change little on the screen.
+        # Robots whose motions are newer than the screen, and a flag that is True if the time played is newer. Both
+        # arrive many times a second and change little on the screen.
         self._moved: set[int] = set()
         self._ticked = False
 
@@ -74,7 +74,7 @@ class Participant:
 
     @property
     def texts(self) -> Texts:
-        """All texts of the window, in the game's language once it is known."""
+        """Texts of the window; as soon as the game's language is known, they are in this language."""
         return self._memory.texts
 
     @property
@@ -84,10 +84,7 @@ class Participant:
 
     @property
     def why_silent(self) -> str:
-        """Reason why there is no sound, as a sentence.
-
-        It is empty if sound is possible, or no game is known yet.
-        """
+        """Reason why there is no sound, as a sentence; empty if sound is possible, or before the first game."""
         memory = self._memory
         return "" if memory.hunt is None else why_silent(memory, memory.hunt)
 
@@ -128,15 +125,15 @@ class Participant:
         self._due = -math.inf
 
     def connected(self, now: float) -> None:
-        """Record that the game is reached, for the first time or again."""
+        """Record that the connection to the game exists now."""
         self._memory.connection.connected(now)
         self._due = -math.inf
 
     def lost(self, sentence: str, now: float) -> None:
-        """Record that the game is not reached, or no longer reached.
+        """Record that the connection to the game was lost, or could not be made.
 
         Args:
-            sentence: reason, for people; may be empty.
+            sentence: reason in words for people; may be empty.
             now: monotonic seconds.
         """
         memory = self._memory
@@ -149,8 +146,8 @@ class Participant:
     def do(self, act: Act, now: float) -> None:
         """Carry out an act of the participant on the last screen.
 
-        An act has no effect if this screen does not offer it, or if its object has disappeared meanwhile. If an act is
-        offered but not possible at the moment, the reason is shown.
+        An act has no effect if this screen does not offer the act, or if the object of the act no longer exists. If the
+        screen offers an act that is impossible at the moment, the reason is shown.
         """
         offered = None if self._screen is None else offer(self._screen, act)
         if offered is not None and offered.pending:
@@ -159,7 +156,7 @@ class Participant:
         self._due = -math.inf
 
     def screen(self, now: float) -> Screen:
-        """Return the screen to show now; the same object as long as nothing changes."""
+        """Return the screen to show now. As long as nothing changes, the same object is returned."""
         memory = self._memory
         if self._screen is not None and now < self._due:
             if self._moved or self._ticked:
@@ -183,7 +180,7 @@ class Participant:
         return self._screen or fresh
 
     def rooms(self, now: float) -> tuple[RoomMark, ...]:
-        """Return the rooms on the map of the last screen; the same object as long as nothing changes."""
+        """Return the rooms on the map of the last screen. As long as nothing changes, the same object is returned."""
         tiles = (self._screen or self.screen(now)).tiles
         if self._marked[0] is not tiles or self._marked[1] is not self._marks:
             self._marked = (tiles, self._marks)
@@ -191,19 +188,21 @@ class Participant:
         return self._rooms
 
     def robots(self, now: float) -> tuple[RobotMark, ...]:
-        """Return the robots on the map, in this frame."""
+        """Return the marks of the robots on the map at the time `now`."""
         hunt = self._memory.hunt
         if self._marks is None or hunt is None:
             return ()
         return self._marks.robots(hunt.texts, self._playback.at(now), hunt.view, self._memory.selected)
 
     def requests(self) -> tuple[ParticipantRequest, ...]:
-        """Return all requests to the game, oldest first; each must be sent repeatedly until it is no longer in this
-        list."""
+        """Return all requests to the game, oldest first.
+
+        A request must be sent repeatedly as long as it is in this list.
+        """
         return () if self._memory.hunt is None else open_requests(self._memory.hunt)
 
     def _receive_motions(self, motions: tuple[RobotMotion, ...], now: float) -> bool:
-        """Process the robots' motions; return True if they change other parts of the screen than the cards."""
+        """Process the robots' motions; return True if parts of the screen other than the cards change."""
         memory = self._memory
         was_still = memory.connection.is_still(now)
         memory.connection.receive(now)
@@ -212,13 +211,13 @@ class Participant:
             return True
         moved = [robot for robot, pair in enumerate(zip(before, memory.motions, strict=True)) if _differ(*pair)]
         self._moved.update(moved)
-        # A question may mention the energy that a robot gets back if it stops.
+        # A question can contain the energy that a robot gets back if it stops.
         return bool(moved) and self._screen is not None and self._screen.confirmation is not None
 
     def _until_arrived(self, motions: tuple[RobotMotion, ...]) -> tuple[RobotMotion, ...]:
         """Return the motions of all robots.
 
-        A robot that has come to rest keeps its last motion until the view shows the robot at its goal.
+        If a robot has come to rest, its last motion is returned until the view shows the robot at its goal.
         """
         hunt, before = self._memory.hunt, self._memory.motions
         if hunt is None or not len(motions) == len(before) == len(hunt.view.robots):
@@ -229,14 +228,14 @@ class Participant:
         )
 
     def _announcing(self, fresh: Screen) -> Screen:
-        """Return the screen with the newest announcement; without a new one, with the previous one."""
+        """Return the screen with the newest announcement; if there is no new announcement, with the previous one."""
         announcement = self._memory.history.take_announcements()
         before = ("", 0) if self._screen is None else (self._screen.announcement, self._screen.announcement_number)
         announcement, number = (announcement, before[1] + 1) if announcement else before
         return replace(fresh, announcement=announcement, announcement_number=number)
 
     def _sounding(self, fresh: Screen) -> Screen:
-        """Return the screen with the most important new sound; without a new one, with the previous one."""
+        """Return the screen with the most important new sound; if there is no new sound, with the previous one."""
         memory = self._memory
         heard = memory.sounds if memory.sound_on and memory.hunt is not None and memory.hunt.view.sound else []
         before = (None, 0) if self._screen is None else (self._screen.sound, self._screen.sound_number)

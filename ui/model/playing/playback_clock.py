@@ -1,51 +1,52 @@
-"""Clock that plays back a simulation's telemetry slightly behind the newest sample."""
+"""Clock that plays back a simulation's telemetry with a short delay."""
 
 import math
 from collections import deque
 
 WINDOW = 1.0
-"""Seconds of the past from which rate and lateness are estimated."""
+"""Duration in seconds of the past samples from which rate and lateness are estimated."""
 
 MIN_RATE_WINDOW = 0.2
-"""Seconds that samples must span before a rate is estimated."""
+"""Duration in seconds that the samples must cover before a rate is estimated."""
 
 FIRST_DELAY = 0.05
-"""Delay in seconds before the network is known."""
+"""Delay in seconds until the latency of the network is known."""
 
 CATCH_UP_BURST = 0.1
-"""Seconds after a standstill in which the network may deliver all delayed samples at once."""
+"""Duration in seconds, after a standstill, in which the network may deliver all delayed samples at once."""
 
 MAX_SAMPLES = 128
-"""Largest number of kept samples, at any rate."""
+"""Largest number of stored samples."""
 
 MAX_DELAY = 0.06
-"""Largest delay of the clock, seconds; with the latency of a network, the total stays below 0.1 s."""
+"""Largest delay of the clock, seconds. Together with the latency of a network, it stays below 0.1 s."""
 
 EXTRAPOLATED_SHARE = 0.5
-"""Share of the time between two samples for which robots are extrapolated without the next sample.
+"""Share of the time between two samples for which robots are extrapolated before the next sample arrives.
 
-At 25 samples a second, this causes errors of millimeters, and draws robots 20 ms earlier.
+At 25 samples per second, robots are drawn 20 ms earlier because of this, with errors of some millimeters.
 """
 
 STANDSTILL = 0.25
-"""Seconds without a sample after which simulated time or the network counts as stopped; such a pause does not affect
-the rate."""
+"""Seconds without a sample after which simulated time or the network counts as stopped.
+
+The estimate of the rate ignores longer pauses.
+"""
 
 HORIZON = 0.25
-"""Seconds of real time for which simulated time is assumed to continue without a sample."""
+"""Longest real time in seconds for which simulated time is assumed to continue without a sample."""
 
 CATCH_UP = 0.15
-"""Time constant for following a changed estimate, seconds."""
+"""Time constant with which the clock approaches a changed estimate, seconds."""
 
 
 class PlaybackClock:
-    """Clock of the simulated time to show: monotonic, smooth, and with the least delay that the network's jitter
-    allows.
+    """Monotonic and smooth clock of the simulated time to show, with the least delay that the network's jitter allows.
 
-    Each sample has a simulated time s and the moment a of its arrival. The present time of the simulation is estimated
-    as the greatest s + rate (now - a) of all samples, which is that of the samples with the shortest travel times. The
-    clock's delay follows from the lateness of the slowest sample in the last second and from the time between samples,
-    so that robots are not extrapolated for long.
+    Each sample has a simulated time s and a time of arrival a. The present time of the simulation is estimated as the
+    greatest s + rate (now - a) of all samples. The samples with the shortest travel times have this value. The clock's
+    delay depends on the lateness of the slowest sample in the last second and on the time between samples. So robots
+    are extrapolated only for a short time.
 
     Attributes:
         rate: simulated seconds per second.
@@ -60,8 +61,7 @@ class PlaybackClock:
         self._stood_until = -math.inf
 
     def receive(self, time: float, now: float) -> None:
-        """Add a sample with this simulated time that arrived now; its time must be later than that of the previous
-        sample."""
+        """Add a sample that arrives now; its simulated time must be later than the time of the previous sample."""
         if self._samples and now - self._samples[-1][1] > STANDSTILL:
             self._stood_until = now
         if now < self._stood_until + CATCH_UP_BURST:
@@ -94,7 +94,7 @@ class PlaybackClock:
         return self._time
 
     def _front(self, now: float) -> float:
-        """Return the simulated time reached by now, estimated from the samples with the shortest travel times."""
+        """Return the simulation's present time, estimated from the samples with the shortest travel times."""
         front = max(time + self.rate * (now - at) for time, at in self._samples)
         newest = self._samples[-1][0]
         return min(front, newest + self.rate * HORIZON)

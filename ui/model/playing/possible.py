@@ -1,7 +1,7 @@
-"""Reasons why an act is not possible at the moment, in words for a hint.
+"""Reasons why an act is impossible at the moment, in words for a hint.
 
-`thbridge.roles.shared.participant_rules` decides, both here and in the keeper; this module turns its refusals into
-hints. Functions called `why_not_...` return the reason, or None if the act is possible.
+The rules are in `thbridge.roles.shared.participant_rules`; the keeper uses the same rules. This module converts
+refusals into hints. Functions called `why_not_...` return the reason, or None if the act is possible.
 """
 
 from dataclasses import replace
@@ -37,7 +37,7 @@ def is_allowed(known: Situation, request: JudgedRequest) -> bool:
 
 
 def undecided_beside(known: Situation, robot: int) -> int | None:
-    """Return the room of this robot if its treasure is neither named nor left; otherwise None."""
+    """Return the room where this robot is if the treasure there is undecided, that is, neither named nor left."""
     state, place = known.state, known.state.robots[robot].at
     if state.standing_in(place) != robot or not state.has_room(place):
         return None
@@ -46,7 +46,7 @@ def undecided_beside(known: Situation, robot: int) -> int | None:
 
 
 def left_beside(known: Situation, robot: int) -> int | None:
-    """Return the room of this robot if its treasure was left and can be resumed; otherwise None."""
+    """Return the room where this robot is if the treasure there was left, and the participant can return to it."""
     state = known.state
     if not state.has_robot(robot) or not state.has_room(state.robots[robot].at):
         return None
@@ -56,12 +56,12 @@ def left_beside(known: Situation, robot: int) -> int | None:
 
 
 def ends_game(known: Situation, event: Event) -> bool:
-    """Return True if nothing is left to do after an event, so that the game ends without a request."""
+    """Return True if the game ends automatically after an event, because nothing is left to do."""
     return bool(rules.ending(apply(known.state, event)))
 
 
 def why_not_work(texts: Texts, known: Situation, robot: int) -> str | None:
-    """Return the reason why a robot can do nothing at all at the moment, or None."""
+    """Return the reason why a robot cannot act at all at the moment, or None."""
     return _hint(texts, known, robot, rules.unable(known.state, robot))
 
 
@@ -71,7 +71,7 @@ def why_not_command(texts: Texts, known: Situation, robot: int) -> str | None:
 
 
 def why_not_go(texts: Texts, known: Situation, robot: int, room: int) -> str | None:
-    """Return the reason why a robot cannot go to a room, or None; a robot that is driving would be stopped first."""
+    """Return the reason why a robot cannot go to a room, or None. A driving robot would be stopped first."""
     goes_there = known.state.robots[robot].bound_for == Room(room)
     then = known if goes_there else _stopped(known, robot)
     refused = judge(then, SelectRoom(robot, room))
@@ -125,7 +125,10 @@ def why_not_name(texts: Texts, known: Situation, robot: int, room: int) -> str |
 def why_not_find_out(
     texts: Texts, known: Situation, request: MeasureProperty | TellProperty | TakeUpTreasure
 ) -> str | None:
-    """Return the reason why a treasure cannot be resumed, or a property of it cannot be sensed or reported; or None."""
+    """Return the reason why a request about a treasure is impossible, or None.
+
+    The request is to sense a property, to report a property, or to return to a treasure that was left.
+    """
     refused = judge(known, request)
     if isinstance(refused, tuple):
         return None
@@ -163,8 +166,10 @@ def why_not_end(texts: Texts, known: Situation) -> str | None:
 
 
 def energy_warning(texts: Texts, known: Situation, robot: int, room: int) -> str:
-    """Return a warning about acts in a room (a picture, a name) for which a robot's energy there would be too low; or
-    empty."""
+    """Return a warning that a robot would have too little energy in a room to take a picture or name a treasure.
+
+    The warning is empty if the energy would be enough.
+    """
     departure = rules.move(known.state, robot, Room(room))
     if isinstance(departure, RequestRefused):
         return ""
@@ -176,8 +181,10 @@ def energy_warning(texts: Texts, known: Situation, robot: int, room: int) -> str
 
 
 def arrival_warning(texts: Texts, known: Situation, robot: int) -> str:
-    """Return a warning for a driving robot's card about acts at its destination for which its energy will be too low;
-    or empty."""
+    """Return a warning that a driving robot will have too little energy to take a picture or name a treasure.
+
+    The warning is empty if the energy will be enough.
+    """
     room = known.state.robots[robot].bound_for
     if room is None:
         return ""
@@ -186,7 +193,7 @@ def arrival_warning(texts: Texts, known: Situation, robot: int) -> str:
 
 
 def _too_little_for(state: GameState, room: Room) -> Literal["name", "picture", "both"] | None:
-    """Return the act that a robot in a room lacks the energy for; None if its energy is enough for all acts."""
+    """Return the act for which the robot in a room has too little energy; None if the energy is enough for all acts."""
     if not _is_nameable(state, room):
         return "name"
     pictured = rules.picture(state, room, "")
@@ -201,9 +208,9 @@ def _is_nameable(state: GameState, room: Room) -> bool:
 
 
 def _stopped(known: Situation, robot: int) -> Situation:
-    """Return the situation after a driving robot is stopped at once; in the game, the robot is then in the corridor.
+    """Return the situation after a driving robot is stopped now; the robot is then in the corridor.
 
-    If the cost of a move depends on the robot's position, the costs from there are unknown, and count as zero.
+    If the cost of a move depends on the robot's position, the costs of moves from there are unknown, and count as 0.
     """
     events = rules.fail(known.state, robot, "", 0.0, CORRIDOR)
     if isinstance(events, RequestRefused):
@@ -232,7 +239,7 @@ def _why_not_discuss(texts: Texts, known: Situation, request: OpenDialogue) -> s
 
 
 def _hint(texts: Texts, known: Situation, robot: int, refused: RequestRefused | None) -> str | None:
-    """Return the hint for a refusal about the robot or the game; None if there is no such refusal."""
+    """Return the hint for a refusal; None if there is no refusal."""
     if refused is None:
         return None
     match refused.reason:
@@ -248,7 +255,7 @@ def _hint(texts: Texts, known: Situation, robot: int, refused: RequestRefused | 
 
 
 def why_refused(texts: Texts, known: Situation, refusal: RefusalView, request: ParticipantRequest | None) -> str:
-    """Return the game's refusal of a request, with the known reasons.
+    """Return a sentence about the game's refusal of a request, with the reasons as far as they are known.
 
     If `request` is None, it is unknown which request was refused.
     """
@@ -278,7 +285,7 @@ def _why_not(texts: Texts, known: Situation, request: ParticipantRequest | None)
 def refusal_words(texts: Texts, refused: RequestRefused | RefusalView) -> str:
     """Return a refusal in the language of the texts.
 
-    If a later release sent an unknown reason, return the received sentence.
+    If the reason is unknown because a later release sent it, return the received sentence.
     """
     key = _refusal_key(refused)
     return texts.text(key) if texts.has(key) else refused.sentence

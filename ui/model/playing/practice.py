@@ -5,7 +5,7 @@ from ui.model.playing.screen import DialoguePopup, Phase, Screen, TreasurePopup
 
 
 def advice(texts: Texts, screen: Screen) -> str:
-    """Return the next step of the practice game, in one or two sentences."""
+    """Return one or two sentences about the next step of the practice game."""
     if screen.phase is Phase.CONNECTING:
         return texts.text("practice.begins")
     if screen.phase is Phase.CONSENT:

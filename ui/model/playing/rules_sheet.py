@@ -1,4 +1,4 @@
-"""Rules of the game in sentences, for the sheet that F1 opens and for players at a terminal."""
+"""Rules of the game in sentences, for the help sheet (F1) and for players at a terminal."""
 
 from collections.abc import Iterator, Sequence
 from typing import Literal
@@ -10,8 +10,8 @@ from ui.model.playing.words import percent
 
 
 def rules_of(texts: Texts, view: View) -> tuple[str, ...]:
-    """Return the rules with the numbers of a game, as far as the game reveals them to the participant."""
-    # Column 0 is the corridor, to which no robot can be sent.
+    """Return the rules, with those numbers of a game that the participant may know."""
+    # Column 0 is the corridor; robots cannot be sent there.
     moves = [cost for row in view.costs for cost in row[1:] if cost is not None]
     return rules_lines(
         texts,
@@ -44,12 +44,12 @@ def rules_lines(
         picture_cost: energy of a picture.
         identify_cost: energy of naming a treasure.
         energy: energy of each robot at the start; None if unknown.
-        wrong_share: share of a treasure's points that a wrong name costs; None if the study does not reveal it.
-        moves: least and most energy of a move between two places; None if unknown.
-        by_position: True if the cost of a move depends on its length and turns from the robot's place; `moves` are then
-            the costs between rooms.
+        wrong_share: share of a treasure's points that a wrong name costs; None if the study does not reveal the share.
+        moves: smallest and largest energy of a move between two places; None if unknown.
+        by_position: True if the cost of a move depends on the length and the turns of the path from the robot's place;
+            `moves` are then the costs between rooms.
         properties: properties of treasures.
-        has_last_word: the side that decides in the end if robots argue; None if they do not.
+        has_last_word: the side that decides in the end if robots argue; None if robots do not argue.
     """
     start = "" if energy is None else f"{texts.text('rules.start', energy=energy)} "
     decision = () if has_last_word is None else (texts.text(f"rules.decision_of_{has_last_word}"),)
@@ -78,7 +78,7 @@ def _costs(texts: Texts, picture: float, naming: float, moves: tuple[float, floa
 
 
 def _more(texts: Texts, properties: Sequence[TreasureProperty]) -> Iterator[str]:
-    """Yield sentences on properties of treasures that a robot does not sense at once."""
+    """Yield sentences about properties of treasures that a robot does not sense on arrival."""
     measured = [
         texts.clause("rules.sensed_one", property=texts.noun(each.label), cost=each.cost)
         for each in properties

@@ -1,7 +1,7 @@
 """Values that describe the participant's window: the `Screen` to draw, and the `Act`s of a participant.
 
-The window draws a `Screen` and returns `Act`s; it decides nothing. Each offered act has a label and a key. If the act
-is not possible at the moment, it also has the reason in words.
+The window draws a `Screen` and returns `Act`s; it makes no decisions. Each offered act has a label and a key. If an act
+is impossible at the moment, it also has a reason in words.
 """
 
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ from ui.model.shared.scene import RoomState
 
 
 class GameSound(IntEnum):
-    """Events that have a sound; the least important event is the first."""
+    """Kinds of events that have a sound, in the order of increasing importance."""
 
     ARRIVAL = 0
     QUESTION = 1
@@ -23,10 +23,10 @@ class GameSound(IntEnum):
 
 
 class Phase(StrEnum):
-    """Page that the window shows."""
+    """Kind of page that the window shows."""
 
     CONNECTING = "connecting"
-    """No view has arrived yet: the game's server is not reached, or its robots are not ready."""
+    """The first view of the game has not arrived yet: the server is not reached, or the robots are not ready."""
     CONSENT = "consent"
     """The window asks the participant to take part."""
     PLAYING = "playing"
@@ -38,7 +38,7 @@ class Phase(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Act:
-    """Something that the participant can do."""
+    """Action of the participant in the window."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,7 +48,7 @@ class GiveConsentAct(Act):
 
 @dataclass(frozen=True, slots=True)
 class DeclineConsentAct(Act):
-    """Do not take part in the study; the window thanks the participant."""
+    """Decline to take part in the study; the window thanks the participant."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,45 +67,45 @@ class NextRobot(Act):
 
 @dataclass(frozen=True, slots=True)
 class ConsiderRoom(Act):
-    """Look at a room without choosing it. If None, look at no room."""
+    """Look at a room without choosing it. If `room` is None, look at no room."""
 
     room: int | None
 
 
 @dataclass(frozen=True, slots=True)
 class SelectRoomAct(Act):
-    """Ask the selected robot to go to a room; a robot that is driving is stopped first."""
+    """Ask the selected robot to go to a room; if the robot is driving, it is stopped first."""
 
     room: int
 
 
 @dataclass(frozen=True, slots=True)
 class TypeDigit(Act):
-    """Type a digit of a room number; with ten rooms or more, two digits or `FinishNumber` complete it."""
+    """Type a digit of a room number. With ten rooms or more, a second digit or `FinishNumber` completes the number."""
 
     digit: int
 
 
 @dataclass(frozen=True, slots=True)
 class FinishNumber(Act):
-    """Accept the number typed so far as complete (Enter)."""
+    """Complete the number that was typed so far (Enter)."""
 
 
 @dataclass(frozen=True, slots=True)
 class RequestSuggestionAct(Act):
-    """Ask the selected robot for its advice."""
+    """Ask the selected robot for advice."""
 
 
 @dataclass(frozen=True, slots=True)
 class StopRobotAct(Act):
-    """Stop a driving robot. If `robot` is None, stop the selected one."""
+    """Stop a driving robot. If `robot` is None, stop the selected robot."""
 
     robot: int | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class RequestHandbackAct(Act):
-    """Ask the other commander of a robot to give it back. If `robot` is None, it is the selected robot."""
+    """Ask another commander to give a robot back to the participant. If `robot` is None, ask for the selected robot."""
 
     robot: int | None = None
 
@@ -124,7 +124,7 @@ class TakePictureAct(Act):
 
 @dataclass(frozen=True, slots=True)
 class MeasurePropertyAct(Act):
-    """Let the robot sense one more property of the treasure shown, for energy."""
+    """Let the robot use energy to sense one more property of the treasure shown."""
 
     property: str
 
@@ -139,7 +139,7 @@ class TellPropertyAct(Act):
 
 @dataclass(frozen=True, slots=True)
 class PickName(Act):
-    """Select a name for the treasure shown without submitting it. If None, clear the selection."""
+    """Select a name for the treasure shown, without submitting it. If the name is None, clear the selection."""
 
     name: str | None
 
@@ -148,7 +148,7 @@ class PickName(Act):
 class TypeLetter(Act):
     """Type a letter of a name in the list shown.
 
-    Letters typed shortly after each other form the beginning of the name.
+    Several letters typed within a short time are the beginning of the name.
     """
 
     letter: str
@@ -156,31 +156,31 @@ class TypeLetter(Act):
 
 @dataclass(frozen=True, slots=True)
 class IdentifyTreasureAct(Act):
-    """Submit the selected name of the treasure shown; this counts for the score."""
+    """Submit the selected name of the treasure shown. The name changes the score."""
 
 
 @dataclass(frozen=True, slots=True)
 class AskWhatItIs(Act):
-    """Ask a robot that argues what the treasure shown is."""
+    """Ask a robot that argues for the name of the treasure shown."""
 
 
 @dataclass(frozen=True, slots=True)
 class LeaveTreasureAct(Act):
-    """Leave the treasure shown; until its robot leaves the room, `TakeUpTreasureAct` undoes this."""
+    """Leave the treasure shown unnamed. Until the robot leaves the room, `TakeUpTreasureAct` undoes this act."""
 
 
 @dataclass(frozen=True, slots=True)
 class TakeUpTreasureAct(Act):
-    """Resume the treasure that was left in the room of a robot. If `robot` is None, it is the selected robot."""
+    """Return to the treasure that was left unnamed in a robot's room. If `robot` is None, it is the selected robot."""
 
     robot: int | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class ShowNext(Act):
-    """Put the pop-up aside and show the next one that waits; the pop-up put aside keeps waiting.
+    """Put the pop-up aside and show the next waiting pop-up. A pop-up that was put aside also waits.
 
-    If no pop-up is shown, show the one that has waited longest.
+    If no pop-up is shown, show the pop-up that has waited longest.
     """
 
 
@@ -188,7 +188,7 @@ class ShowNext(Act):
 class ShowWaiting(Act):
     """Show a pop-up that waits for this robot.
 
-    It is the pop-up for its treasure in this room, or otherwise the pop-up that has waited longest.
+    This is the pop-up for the treasure in `room` or, if there is none, the pop-up that has waited longest.
     """
 
     robot: int
@@ -197,12 +197,12 @@ class ShowWaiting(Act):
 
 @dataclass(frozen=True, slots=True)
 class EndGameAct(Act):
-    """End this game although robots could still act; the window asks for confirmation first."""
+    """End the game although robots can still act; the window asks for confirmation first."""
 
 
 @dataclass(frozen=True, slots=True)
 class CloseWindow(Act):
-    """Close the window during the game, after a confirmation; `ends` is True if that ends the game."""
+    """Close the window during the game after a confirmation; `ends` is True if this also ends the game."""
 
     ends: bool
 
@@ -211,13 +211,13 @@ class CloseWindow(Act):
 class Confirm(Act):
     """Answer yes to a `Confirmation`.
 
-    It is a separate act, so that a double click never confirms an unread question.
+    Because this is a separate act, a double click never confirms a question that was not read.
     """
 
 
 @dataclass(frozen=True, slots=True)
 class Cancel(Act):
-    """Answer no to a `Confirmation`; without one, clear the digits typed so far."""
+    """Answer no to a `Confirmation`; if there is none, clear the digits typed so far."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -232,7 +232,7 @@ class GoOnFromGame(Act):
 
 @dataclass(frozen=True, slots=True)
 class ShowSettings(Act):
-    """Open the page of settings, which belongs to the window."""
+    """Open the page of settings of the window."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -252,25 +252,25 @@ class FitMap(Act):
 
 @dataclass(frozen=True, slots=True)
 class EnlargePicture(Act):
-    """Enlarge the picture of the treasure in the pop-up, or make it small again."""
+    """Enlarge the picture of the treasure in the pop-up, or restore its size."""
 
 
 @dataclass(frozen=True, slots=True)
 class SwitchSound(Act):
-    """Switch sound off or on."""
+    """Turn sound off or on."""
 
 
 @dataclass(frozen=True, slots=True)
 class Action:
-    """Act on a button.
+    """Button for an act.
 
     Attributes:
         act: the act of the button.
         label: text on the button.
-        key: shortcut printed on the button ("4", "Tab", "F1"); empty if there is none.
+        key: shortcut on the button ("4", "Tab", "F1"); empty if there is none.
         enabled: True if the act is possible at the moment.
-        hint: cost or gain of the act; if the act is not possible, the reason.
-        pending: True if the act was requested and has not happened yet.
+        hint: cost or gain of the act; if the act is impossible, the reason.
+        pending: True if the act was requested but has not happened yet.
     """
 
     act: Act
@@ -292,25 +292,26 @@ class RobotCard:
         robot: index in the team.
         name: name for people.
         selected: True for the robot that the participant commands.
-        energy: energy left.
-        energy_at_start: greatest energy that any robot of the team has had, which is the bar's full length.
-        cost: energy for the considered move; None if no move is considered.
-        affordable: True if its energy covers the cost.
-        place: the place where it is at rest, in words; while it drives, the place that it left.
-        state: its activity in words: "traveling to room 4", "waiting for robot 2", "lost", "no energy left".
+        energy: remaining energy.
+        energy_at_start: greatest energy that any robot of the team has had: the full length of the energy bar.
+        cost: energy of the move that the participant considers; None if no move is considered.
+        affordable: True if the robot has enough energy for this move.
+        place: place where the robot is at rest, in words; while the robot drives, the place that it left.
+        state: activity in words: "traveling to room 4", "waiting for robot 2", "lost", "no energy left".
         trouble: True if the state needs attention.
-        progress: driven share of its path, 0 to 1; None at rest.
-        waits: number of its pop-ups that wait for the participant: an answer, a treasure.
-        select: selects the robot.
-        stop: stops it; None at rest, and while another party commands it.
-        commander: the other party that commands it, such as "ground station 255"; empty if the participant commands it.
-        commanded: the commander as part of a sentence, "commanded by ground station 255"; empty if the participant
-            commands it.
-        ask_back: asks the commander to give it back; None if the participant commands it, and after the game.
-        take_up: resumes the treasure that was left in its room; None if there is no such treasure, or if `ask_back` is
-            not None.
-        warning: warning about acts at its destination for which its energy will be too low, in words; empty if there
-            are none.
+        progress: driven share of the robot's path, 0 to 1; None if the robot is at rest.
+        waits: number of the robot's pop-ups that wait for the participant.
+        select: button that selects the robot.
+        stop: button that stops the robot; None if the robot is at rest or the participant does not command it.
+        commander: the other commander, such as "ground station 255"; empty if the participant commands the robot.
+        commanded: the other commander as part of a sentence, "commanded by ground station 255"; empty if the
+            participant commands the robot.
+        ask_back: button to get the robot back from the other commander; None if the participant commands the robot,
+            and after the game.
+        take_up: button to return to the treasure that was left unnamed in the robot's room; None if there is no such
+            treasure, or if `ask_back` is not None.
+        warning: warning that the robot will have too little energy for acts at its destination, in words; empty if the
+            energy is enough.
     """
 
     robot: int
@@ -336,22 +337,22 @@ class RobotCard:
 
 @dataclass(frozen=True, slots=True)
 class RoomTile:
-    """Button of a room, with the state that its mark on the map shows.
+    """Button of a room, which shows the same state as the room's mark on the map.
 
     Attributes:
-        room: its number.
+        room: number of the room.
         name: name for people.
-        state: state of the room, with the outcome of naming its treasure.
-        robot: index of the robot that visited it or drives to it.
-        cost: energy for the selected robot. None if there is no path, if the room is visited or reserved, or if the
-            robot drives and the place where it would stop is unknown.
-        considered: True if the participant looks at it.
-        found: the known properties of its treasure, in one or two words.
+        state: state of the room, including the result of naming the treasure.
+        robot: index of the robot that visited the room or drives to it.
+        cost: energy that the selected robot needs to go there. None if there is no path, if the room is visited or
+            reserved, or if the robot is driving and the place where it would stop is unknown.
+        considered: True if the participant looks at the room.
+        found: known properties of the treasure, in one or two words.
         found_shorter: shorter versions of `found`, in the order of decreasing length.
-        choose: sends the selected robot.
-        warning: warning that the energy is enough to get there, but not to take a picture or name the treasure; empty
-            if it is.
-        reachable: False if no path leads there from the place of the selected robot.
+        choose: button that sends the selected robot to the room.
+        warning: warning that the robot has enough energy to reach the room, but too little to take a picture or name
+            the treasure; empty if the energy is enough.
+        reachable: False if no path leads to the room from the place of the selected robot.
     """
 
     room: int
@@ -369,16 +370,15 @@ class RoomTile:
 
 @dataclass(frozen=True, slots=True)
 class TreasureFact:
-    """Line on one property of a treasure.
+    """Line about one property of a treasure.
 
     Attributes:
         label: label of the property.
-        value: the value; empty while unknown.
-        drawn: the drawing next to the value.
-        sense: lets the robot sense it; None if it is known, or robots cannot sense it.
-        `tell`: for each value that the participant can report, the act; empty if the participant cannot report this
-            property.
-        words: words for the value in the participant's language; if empty, the value itself is shown.
+        value: the value; empty if unknown.
+        drawn: form of the drawing next to the value.
+        sense: button that lets the robot sense the property; None if the value is known, or robots cannot sense it.
+        `tell`: buttons that report a value, one for each value; empty if the participant cannot report the property.
+        words: the value in words of the participant's language; if empty, the value itself is shown.
     """
 
     label: str
@@ -390,12 +390,12 @@ class TreasureFact:
 
     @property
     def shown(self) -> str:
-        """Value in the participant's language."""
+        """Value in words of the participant's language."""
         return self.words or self.value
 
     @property
     def acts(self) -> tuple[Action, ...]:
-        """Acts that sense or report it."""
+        """Buttons that sense or report the property."""
         return self.tell if self.sense is None else (self.sense,)
 
 
@@ -405,20 +405,20 @@ class DialoguePopup:
 
     Attributes:
         robot: index of the robot.
-        title: subject, in words.
-        sentences: (speaker, sentence), oldest first; speaker is "robot" or "you".
-        choices: possible answers; empty while the robot thinks.
-        aside: puts the pop-up aside.
-        warning: warning that the energy is enough to get there, but not to take a picture or name the treasure; empty
-            if it is.
+        title: subject of the dialogue, in words.
+        sentences: (speaker, sentence), oldest first; the speaker is "robot" or "you".
+        choices: possible answers; empty while the robot prepares its next sentence.
+        aside: button that puts the pop-up aside.
+        warning: warning that the robot has enough energy to reach the room, but too little to take a picture or name
+            the treasure; empty if the energy is enough.
         room: number of the room that the dialogue is about; None if the robot has not named one yet.
-        facts: facts about the treasure that the dialogue is about; empty if there is no treasure.
-        picture: bytes of the treasure's image file; None without one.
-        note: short remark about which side decides in the end, or about what to do if the robot has nothing to say.
-        numbered: True if digits are the keys of the choices, in their order.
-        enlarge: enlarges its picture; None without one.
+        facts: known properties of the treasure that the dialogue is about; empty if it is not about a treasure.
+        picture: bytes of the treasure's image file; None if there is no picture.
+        note: short remark that says which side decides in the end, or that the robot waits for an answer.
+        numbered: True if digits are the keys of the choices, in the order of the choices.
+        enlarge: button that enlarges the picture; None if there is no picture.
         ended: True if the dialogue has ended.
-        outcome: the result, if the robot has not stated it; empty until the end.
+        outcome: result of the dialogue; empty until the end, and if the robot's last sentence states the result.
     """
 
     robot: int
@@ -445,24 +445,24 @@ class TreasurePopup:
         robot: index of the robot.
         room: number of the room.
         title: heading, in words.
-        facts: a line for each property that can be known; None while the robot is still looking.
-        take_picture: takes a picture, with the cost in the hint; None once there is a picture.
-        picture: bytes of the image file; None until it has arrived.
-        names: possible names, in alphabetical order of their words.
-        called: words of each name in the participant's language.
+        facts: a line for each property that can be known; None until the robot has sensed the treasure.
+        take_picture: button that takes a picture, with the cost in the hint; None if there is already a picture.
+        picture: bytes of the image file; None until the file has arrived.
+        names: possible names, in the alphabetical order of the displayed names.
+        called: displayed names, in the participant's language.
         worth: points of each name, None if unknown; empty if the study does not reveal points.
         picked: selected name; None if no name is selected.
-        name_it: names the treasure; enabled after a name is selected.
-        leave: leaves the treasure.
-        verdict: result of naming it, in words; None before it is named.
-        points: points of the verdict.
-        aside: puts the pop-up aside, or closes it after all decisions.
-        picture_note: text in place of the picture: that it is being sent, or the reason why it cannot be shown.
-        typed: the letters of a name typed so far.
-        talk: outcome of a dialogue about it, in words, until it is carried out; empty without a dialogue.
-        unsure: asks the robot what it is; None if robots do not argue.
-        enlarge: enlarges the picture; None before there is one.
-        longest_name_it: `name_it` for the name that needs most space; the layout reserves this space.
+        name_it: button that names the treasure; enabled after a name is selected.
+        leave: button that leaves the treasure unnamed.
+        verdict: result of naming the treasure, in words; None before the treasure is named.
+        points: points that the name won or lost.
+        aside: button that puts the pop-up aside or, after all decisions, closes it.
+        picture_note: text shown if there is no picture: the picture is being sent, or cannot be shown for a reason.
+        typed: letters of a name typed so far.
+        talk: result of a dialogue about the treasure, in words, until it is carried out; empty if there is none.
+        unsure: button that asks the robot for the name; None if robots do not argue.
+        enlarge: button that enlarges the picture; None if there is no picture.
+        longest_name_it: `name_it` for the name that needs the most space; the layout reserves this space.
     """
 
     robot: int
@@ -489,12 +489,12 @@ class TreasurePopup:
 
     @property
     def acts(self) -> tuple[Action, ...]:
-        """All acts of its facts."""
+        """Buttons of all lines about properties."""
         return tuple(action for fact in self.facts or () for action in fact.acts)
 
     @property
     def asks_for_name(self) -> bool:
-        """True while the list of names is open."""
+        """True if the list of names is shown."""
         return self.verdict is None
 
 
@@ -510,12 +510,12 @@ class Confirmation:
 
 @dataclass(frozen=True, slots=True)
 class WaitingItem:
-    """Entry of the visible queue: a pop-up that waits.
+    """Entry in the list of waiting pop-ups.
 
     Attributes:
         robot: index of the robot.
         text: a sentence such as "Robot 2 is in room 4 and found something".
-        show: shows the pop-up.
+        show: button that shows the pop-up.
     """
 
     robot: int
@@ -529,7 +529,7 @@ class HistoryLine:
 
     Attributes:
         speaker: "robot", "you" or "game".
-        robot: index of the robot that speaks or is addressed; None for the game.
+        robot: index of the robot that speaks or is addressed; None if the speaker is the game.
         text: the sentence.
     """
 
@@ -540,11 +540,11 @@ class HistoryLine:
 
 @dataclass(frozen=True, slots=True)
 class Banner:
-    """Line across the top about a lost connection, a refused request, a stopped game, or similar.
+    """Line at the top of the window, for example about a lost connection or a refused request.
 
     Attributes:
-        text: the text in plain words.
-        kind: a banner of kind "bad" stays until the problem is over; a banner of kind "note" is shown for some seconds.
+        text: the text of the line.
+        kind: "bad" for a line that stays until a problem is solved; "note" for a line that is shown for some seconds.
     """
 
     text: str
@@ -553,7 +553,7 @@ class Banner:
 
 @dataclass(frozen=True, slots=True)
 class GameOverPage:
-    """Page after the game: the reason for its end and its results, in words."""
+    """Page after the game: the reason why the game ended, and the results, in words."""
 
     title: str
     lines: tuple[str, ...]
@@ -562,38 +562,38 @@ class GameOverPage:
 
 @dataclass(frozen=True, slots=True)
 class Screen:
-    """All contents of the window next to the moving map.
+    """All contents of the window except the map with the moving robots.
 
     Attributes:
-        phase: page to show.
-        waiting_for: while connecting, a sentence about what the window waits for.
-        consent: the text of the consent.
-        agree: gives consent.
-        decline: declines consent.
-        banner: line across the top.
-        game: number of the game; 0 if there is none to show.
+        phase: kind of page to show.
+        waiting_for: sentence that says what the window waits for while it connects.
+        consent: text of the consent.
+        agree: button that gives consent.
+        decline: button that declines consent.
+        banner: line at the top of the window.
+        game: number of the game; 0 if there is no game to show.
         score: score so far.
-        progress: time played and rooms left, in words; empty before there is a game.
-        cards: one per robot.
-        tiles: one per room.
-        ask_advice: asks the selected robot for advice.
-        end: ends the game.
-        tools: buttons to follow a robot, to fit the map, and for help.
-        popup: the pop-up in a corner of the map; at most one.
-        enlarged: picture shown enlarged above everything else, bytes of the image file; None without one.
-        confirmation: question drawn above everything else.
-        waiting: pop-ups that wait behind the one shown, oldest first.
+        progress: time played and number of rooms left, in words; empty before the game.
+        cards: cards of the robots, one per robot.
+        tiles: buttons of the rooms, one per room.
+        ask_advice: button that asks the selected robot for advice.
+        end: button that ends the game.
+        tools: buttons to follow a robot, to show the whole map, and for help.
+        popup: pop-up in a corner of the map; None if there is none.
+        enlarged: bytes of the image file of an enlarged picture, shown above everything else; None if there is none.
+        confirmation: question shown above everything else.
+        waiting: waiting pop-ups, oldest first.
         nothing_waits: sentence to show if no pop-ups wait, such as "Robot 2 is ready to be sent".
         history: lines of the history, oldest first.
-        ending: page after the game; None before its end.
-        help: lines of the sheet of keys as (key, effect); empty while the sheet is closed.
-        sound: the last sound to play; None before the first.
-        sound_number: number of the sound, so that the same sound twice is played twice.
-        rules: sentences about the rules of the game, above the keys on the sheet; empty while the sheet is closed, and
-            before the game.
-        typed: the digits of a room number typed so far.
-        announcement: last sentence for a screen reader.
-        announcement_number: number of the announcement, so that the same sentence twice is read out twice.
+        ending: page after the game; None before the end of the game.
+        help: lines of the help sheet as (key, effect); empty if the sheet is closed.
+        sound: last sound to play; None before the first sound.
+        sound_number: number of the sound; it increases with each sound, so equal sounds can follow each other.
+        rules: sentences about the rules of the game, shown above the keys on the help sheet; empty if the sheet is
+            closed, and before the game.
+        typed: digits of a room number typed so far.
+        announcement: last sentence for screen readers.
+        announcement_number: number of the sentence; it increases, so equal sentences can follow each other.
     """
 
     phase: Phase

@@ -1,4 +1,4 @@
-"""Buttons of the rooms, and two related buttons: one asks for advice, one ends the game."""
+"""Buttons of the rooms, the button that asks for advice, and the button that ends the game."""
 
 from collections.abc import Mapping
 
@@ -19,7 +19,7 @@ def tiles(memory: ParticipantMemory, hunt: HuntMemory) -> tuple[RoomTile, ...]:
 
 
 def dont_know(memory: ParticipantMemory, hunt: HuntMemory) -> Action:
-    """Return the action that asks the selected robot for its advice."""
+    """Return the button that asks the selected robot for advice."""
     robot = memory.selected
     refused = why_not_ask(hunt.texts, hunt.known, robot)
     asked = isinstance(hunt.pending.destination_request(robot), RequestSuggestion)
@@ -28,7 +28,7 @@ def dont_know(memory: ParticipantMemory, hunt: HuntMemory) -> Action:
 
 
 def end(hunt: HuntMemory) -> Action:
-    """Return the action that ends the game."""
+    """Return the button that ends the game."""
     refused = why_not_end(hunt.texts, hunt.known)
     asked = EndGame(hunt.view.game) in hunt.pending
     hint = hunt.texts.text("tiles.end_hint") if refused is None else refused
@@ -59,7 +59,7 @@ def _tile(memory: ParticipantMemory, hunt: HuntMemory, room: RoomView, names: Ma
 
 def _choose(hunt: HuntMemory, robot: int, room: int, refused: str | None, warning: str) -> Action:
     busy = SelectRoom(robot, room) in hunt.pending or hunt.reroutes.get(robot) == room
-    # The robot has not been asked yet while a confirmation is open.
+    # While a question asks for confirmation, the request has not been sent to the robot.
     discussed = hunt.pending_step is None and hunt.destination_considered(robot) == room
     if refused is not None:
         hint = refused
@@ -85,7 +85,7 @@ def _price(hunt: HuntMemory, robot: int, room: int, warning: str) -> str:
 
 
 def _found(texts: Texts, view: View, room: RoomView) -> tuple[str, ...]:
-    """Return the known properties of a treasure in a room, in versions of decreasing length."""
+    """Return texts of decreasing length about the known properties of the treasure in a room."""
     if room.verdict is not None:
         name, points = view.word_for(room.verdict.name) or texts.text("tiles.named"), gained(room.verdict.points)
         return f"{name}, {points}", name, points

@@ -1,4 +1,4 @@
-"""Trail of a robot, and the part of its planned path that still lies ahead."""
+"""Trail of a robot, and the rest of the robot's planned path."""
 
 import math
 from collections import deque
@@ -11,21 +11,21 @@ TRAIL_STEP = 0.12
 """Distance between two points of a trail, meters."""
 
 TRAIL_POINTS = 44
-"""Number of points of a trail, which cover 5 m."""
+"""Largest number of points of a trail; they cover 5 m."""
 
 PATH_SEARCH = 1.5
-"""Distance ahead of the robot's last place on its path within which its present place is searched, meters."""
+"""Length of the part of a path, ahead of the robot's last place, in which the present place is searched, meters."""
 
 
 class Trail:
-    """Past displayed places of one robot, thinned and limited in length."""
+    """Places at which one robot was displayed, thinned and limited in number."""
 
     def __init__(self) -> None:
         self._points: deque[tuple[float, float]] = deque(maxlen=TRAIL_POINTS)
         self._array: FloatArray | None = None
 
     def add(self, x: float, y: float) -> None:
-        """Add the place where the robot is shown now, if it is far enough from the last point."""
+        """Add the place where the robot is displayed now, if it is far enough from the last point."""
         if self._points:
             last_x, last_y = self._points[-1]
             if math.hypot(x - last_x, y - last_y) < TRAIL_STEP:
@@ -39,14 +39,14 @@ class Trail:
         self._array = None
 
     def array(self) -> FloatArray:
-        """Return (k, 2) points, oldest first; the same array until a point is added."""
+        """Return (k, 2) points, oldest first. The same array is returned until a point is added."""
         if self._array is None:
             self._array = np.array(self._points, dtype=np.float64).reshape(-1, 2)
         return self._array
 
 
 class PathAhead:
-    """Rest of one robot's planned path; the driven part is removed permanently."""
+    """Rest of one robot's planned path, without the part that the robot has already driven."""
 
     def __init__(self, planned: tuple[tuple[float, float], ...]) -> None:
         self.planned = planned
@@ -58,7 +58,7 @@ class PathAhead:
         self._driven: float | None = None
 
     def remaining_from(self, x: float, y: float) -> FloatArray:
-        """Return the (m, 2) points of the path from this place on."""
+        """Return the (m, 2) points of the rest of the path, beginning at this place."""
         if len(self._points) < 2:
             return np.empty((0, 2))
         driven = self._driven = self._nearest(x, y)
@@ -68,10 +68,10 @@ class PathAhead:
         return np.concatenate((np.array([[x, y]]), rest))
 
     def _nearest(self, x: float, y: float) -> float:
-        """Return the distance along the path to the path's nearest point to a place, meters.
+        """Find the point of the path that is nearest to a place, and return its distance along the path, meters.
 
-        The first search covers the whole path. Later searches cover only a part ahead of the last result, because the
-        result could jump if a path passes one place twice.
+        The first search covers the whole path. Later searches cover only a part ahead of the last result. Otherwise the
+        result could jump if a path passes the same place twice.
         """
         if self._driven is None:
             reach = slice(0, len(self._steps))

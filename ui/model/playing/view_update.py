@@ -48,20 +48,20 @@ from ui.model.playing.sounds import sounds_of
 from ui.model.playing.words import commander_in_words, how_it_comes_back
 
 NOTE = 6.0
-"""Seconds for which a note is shown."""
+"""Duration in seconds for which a note is shown."""
 
 
 def note(memory: ParticipantMemory, sentence: str, now: float, about: PopupItem | None = None) -> None:
-    """Show a sentence for a limited time, and announce it.
+    """Show a sentence for a limited time, and announce it to screen readers.
 
-    It disappears earlier if the pop-up that it is about is closed.
+    If the sentence is about a pop-up, it disappears when this pop-up is closed.
     """
     memory.note = Note(sentence, now + NOTE, about)
     memory.history.announce(sentence)
 
 
 def receive_view(memory: ParticipantMemory, view: View, now: float) -> None:
-    """Process a new view. Another game gets a new memory; the same game keeps its memory."""
+    """Process a new view. If the view is of another game, the memory of the previous game is dropped."""
     hunt = memory.hunt
     if hunt is None or not _goes_on(hunt.view, view):
         _begin(memory, view)
@@ -86,8 +86,8 @@ def receive_view(memory: ParticipantMemory, view: View, now: float) -> None:
 def receive_tick(hunt: HuntMemory, tick: int) -> bool:
     """Process the newest tick of the simulation; return True if another second of the game has passed.
 
-    The clock stops at the end of the game. If the window joins the second or a later game when it is already under way,
-    the time is counted from that moment.
+    The clock stops at the end of the game. If the window joins a game after the first game while the game is already in
+    progress, the clock starts at that moment.
     """
     if hunt.view.over is not None:
         return False
@@ -101,10 +101,10 @@ def receive_tick(hunt: HuntMemory, tick: int) -> bool:
 def settle(memory: ParticipantMemory, hunt: HuntMemory) -> None:
     """Update all parts of the memory that depend on the view and on pending requests.
 
-    The robot of the pop-up shown becomes the selected robot; otherwise two robots would look selected at once. If the
-    map follows a robot, it now follows this robot, because the room of the pop-up could otherwise be out of sight.
-    After the participant has selected a robot that can be sent, no pop-up of another robot opens automatically before
-    one of the selected robot, because the next room chosen is meant for the selected robot.
+    The robot of the pop-up shown becomes the selected robot; otherwise two robots would look selected. If the map
+    follows a robot, it now follows this robot; otherwise the room of the pop-up could be out of sight. When the
+    participant has selected a robot that can be sent, pop-ups of other robots do not open automatically, because the
+    participant's next choice of a room is meant for the selected robot.
     """
     view = hunt.view
     hunt.submitted_names = {room: name for room, name in hunt.submitted_names.items() if _is_talked_over(hunt, room)}
@@ -133,8 +133,10 @@ def settle(memory: ParticipantMemory, hunt: HuntMemory) -> None:
 
 
 def open_requests(hunt: HuntMemory) -> tuple[ParticipantRequest, ...]:
-    """Return all present requests: those of the participant, and those that follow from agreements or need no
-    decision."""
+    """Return all present requests.
+
+    These are requests by the participant, requests that carry out agreements, and requests to sense treasures.
+    """
     view = hunt.view
     if view.over is not None or view.consent is not None:
         return hunt.pending.requests
@@ -177,7 +179,7 @@ def _begin(memory: ParticipantMemory, view: View) -> None:
 
 
 def _goes_on(before: View, view: View) -> bool:
-    """Return True if a view is of the same game: a property that is known in a game never becomes unknown again."""
+    """Return True if a view is of the same game. Within a game, known facts never become unknown again."""
     return (
         before.game == view.game
         and before.costs == view.costs
@@ -192,7 +194,7 @@ def _goes_on(before: View, view: View) -> bool:
 
 
 def _receive_refunds(memory: ParticipantMemory, before: View, view: View, now: float) -> None:
-    """Show that a robot that stopped on its path got energy back; the history has already announced this."""
+    """Show a note about each robot that stopped on its path and got energy back. The history has announced this."""
     for was, robot in zip(before.robots, view.robots, strict=True):
         stopped = was.moving_to and robot.moving_to is None and view.room(was.moving_to).state != "visited"
         if stopped and robot.energy > was.energy:
@@ -223,7 +225,7 @@ def _receive_rooms(memory: ParticipantMemory, hunt: HuntMemory, before: View, fo
 
 
 def _receive_left(memory: ParticipantMemory, hunt: HuntMemory, item: TreasureItem, left: bool, now: float) -> None:
-    """Explain how a treasure that was left can be resumed; show the treasure if the participant has requested that."""
+    """Explain how the participant can return to a treasure that they left. If they have returned to it, show it."""
     if left:
         memory.note = Note(hunt.texts.text("history.left_for_now", room=item.room, robot=item.robot), now + NOTE)
         memory.history.announce(hunt.texts.text("history.can_take_up", robot=item.robot))
@@ -236,10 +238,9 @@ def _receive_left(memory: ParticipantMemory, hunt: HuntMemory, item: TreasureIte
 def _receive_commanders(
     memory: ParticipantMemory, hunt: HuntMemory, before: View, discussed: Sequence[Discussed], now: float
 ) -> None:
-    """Announce each robot that another commander took from the participant or gave back, and each request to the
-    commander.
+    """Announce robots that another commander took over, gave back, or was asked to give back.
 
-    The loss of a robot cancels a dialogue about where it should go.
+    If another commander takes over a robot, a dialogue about the robot's next room is canceled.
     """
     texts = hunt.texts
     for was, robot in zip(before.robots, hunt.view.robots, strict=True):
@@ -283,7 +284,7 @@ def _receive_refusal(memory: ParticipantMemory, hunt: HuntMemory, now: float) ->
 
 
 def _reroute(memory: ParticipantMemory, hunt: HuntMemory, now: float) -> None:
-    """Ask robots that were stopped to go to their new room as soon as they are at rest."""
+    """Ask each robot that was stopped to go to its new room as soon as the robot is at rest."""
     for robot, room in list(hunt.reroutes.items()):
         mover = hunt.view.robots[robot]
         if mover.moving_to is not None:
@@ -301,7 +302,7 @@ def _reroute(memory: ParticipantMemory, hunt: HuntMemory, now: float) -> None:
 
 
 def _drop_obsolete_step(memory: ParticipantMemory, hunt: HuntMemory, now: float) -> None:
-    """Drop a pending step that the new view makes pointless."""
+    """Drop the pending step if it makes no sense any more after the new view, and show the reason."""
     texts, reason = hunt.texts, None
     match hunt.pending_step:
         case Reroute(robot, room):
@@ -334,8 +335,7 @@ def _drop_obsolete_step(memory: ParticipantMemory, hunt: HuntMemory, now: float)
 
 
 def _is_talked_over(hunt: HuntMemory, room: int) -> bool:
-    """Return True while the participant has requested to name the treasure in a room, or this is discussed or
-    agreed."""
+    """Return True if naming the treasure in a room is requested, discussed or agreed."""
     if not hunt.view.room(room).undecided:
         return False
     asked = any(
@@ -346,13 +346,13 @@ def _is_talked_over(hunt: HuntMemory, room: int) -> bool:
 
 
 def _asks_for_name(hunt: HuntMemory, item: TreasureItem) -> bool:
-    """Return True while this pop-up is shown and asks for a name, and no name was submitted yet."""
+    """Return True if this pop-up is shown and asks for a name, and no name has been submitted yet."""
     open_ = hunt.popups.shown == item and hunt.treasure_dialogue(item) is None
     return open_ and hunt.view.room(item.room).undecided and item.room not in hunt.submitted_names
 
 
 def _items(hunt: HuntMemory) -> Iterator[PopupItem]:
-    """Yield the pop-ups that should be open, in arbitrary order; the queue adds new ones at the end."""
+    """Yield the pop-ups that should be open, in arbitrary order. The queue appends new pop-ups."""
     view = hunt.view
     for robot in view.robots:
         if (
@@ -370,7 +370,7 @@ def _items(hunt: HuntMemory) -> Iterator[PopupItem]:
 
 
 def is_open(view: View, answer: AnswerDialogue) -> bool:
-    """Return True if a dialogue waits for an answer at exactly this turn."""
+    """Return True if a dialogue waits for this answer at this turn."""
     return any(
         (each.dialogue, each.turn) == (answer.dialogue, answer.turn) and 0 <= answer.choice < len(each.choices)
         for each in view.dialogues

@@ -1,4 +1,4 @@
-"""Words that several parts share."""
+"""Words that several modules use."""
 
 import re
 
@@ -7,15 +7,15 @@ from thbridge.hunt.events import Commander
 from thbridge.roles.shared.view import DialogueMatter, LastWords
 
 MATTERS: dict[DialogueMatter, str] = {"select-room": "room", "take-picture": "picture", "take-treasure": "naming"}
-"""Names of the matters of dialogues in the keys of texts."""
+"""Names of the matters of dialogues, as used in the keys of texts."""
 
 
 _NUMBERED_STATION = re.compile(r"ground station (\d+)")
-"""Pattern of the name that `thbridge.mavlink` gives to a ground station that has no name."""
+"""Pattern of the names that `thbridge.mavlink` gives to ground stations without a name."""
 
 
 def commander_in_words(texts: Texts, by: Commander, name: str) -> str:
-    """Return a commander other than the participant, for use within a sentence.
+    """Return the name of a commander other than the participant, for use within a sentence.
 
     Names of researchers' programs are omitted.
     """
@@ -31,13 +31,13 @@ def commander_in_words(texts: Texts, by: Commander, name: str) -> str:
 
 
 def how_it_comes_back(texts: Texts, commander: Commander) -> str:
-    """Return a sentence that says when this commander gives a robot back."""
+    """Return a sentence that says when a commander gives a robot back to the participant."""
     is_researcher = commander is Commander.RESEARCHER
     return texts.text("hints.back_from_researcher" if is_researcher else "hints.back_from_station")
 
 
 def commanded_words(texts: Texts, robot: int, by: Commander, name: str) -> str:
-    """Return two sentences: one about the commander of a robot, one about when the participant gets it back."""
+    """Return two sentences: which commander a robot has, and when the participant gets the robot back."""
     commands = texts.text("hints.commanded", robot=robot, commander=commander_in_words(texts, by, name))
     return f"{commands} {how_it_comes_back(texts, by)}"
 
@@ -53,7 +53,7 @@ def percent(texts: Texts, share: float) -> str:
 
 
 def verdict_words(texts: Texts, name: str, points: int) -> str:
-    """Return the outcome of naming a treasure, as a sentence, with the name in the participant's language."""
+    """Return the result of naming a treasure as a sentence, with the name in the participant's language."""
     named = name or texts.text("popups.nameless")
     if points > 0:
         return texts.text("popups.right", name=named, count=points)
@@ -63,6 +63,6 @@ def verdict_words(texts: Texts, name: str, points: int) -> str:
 
 
 def outcome_of(texts: Texts, words: LastWords) -> str:
-    """Return the outcome of a dialogue, as a sentence."""
+    """Return the result of a dialogue as a sentence."""
     outcome = "agreed" if words.agreed else "not_agreed"
     return texts.text(f"popups.{outcome}_{MATTERS[words.matter]}", robot=words.robot, room=words.room)

@@ -1,1 +1,1 @@
-"""Memory of the participant's window: the game as the window has received it."""
+"""Memory of the participant's window: all data of the game that the window has received."""

@@ -12,7 +12,7 @@ Telemetry arrives 25 times per second.
 
 
 class ConnectionStatus:
-    """Connection to the game, and the age of its telemetry; `now` is monotonic time in seconds."""
+    """State of the connection to the game, and age of the telemetry; `now` is monotonic time in seconds."""
 
     def __init__(self) -> None:
         self._lost: tuple[str, float] | None = None
@@ -21,38 +21,38 @@ class ConnectionStatus:
 
     @property
     def is_lost(self) -> bool:
-        """True if the connection was lost, or could not be made."""
+        """True if the connection is lost or could not be made."""
         return self._lost is not None
 
     @property
     def is_there(self) -> bool:
-        """True if the game is reached."""
+        """True while the program is connected to the game."""
         return self._was_there and self._lost is None
 
     def connected(self, now: float) -> None:
-        """Record that the game is reached."""
+        """Record that the program is connected to the game."""
         self._lost, self._was_there = None, True
-        # Telemetry restarts with a new connection, so the connection is not stale yet.
+        # Telemetry starts again after a new connection. Until then, the connection does not count as stale.
         self._received_at = None if self._received_at is None else now
 
     def lose(self, sentence: str, now: float) -> None:
-        """Record that the game is not reached, with the reason; time counts from the first call."""
+        """Record that there is no connection to the game, with the reason. The first call starts the clock."""
         self._lost = (sentence, self._lost[1] if self._lost else now)
 
     @property
     def why_lost(self) -> str:
-        """Reason why the game is not reached, as a sentence.
+        """Reason why there is no connection to the game, as a sentence.
 
-        It is empty if no reason is known, or the game is reached.
+        The reason is empty if it is unknown, or if there is a connection.
         """
         return self._lost[0] if self._lost else ""
 
     def receive(self, now: float) -> None:
-        """Record that telemetry of the robots arrived."""
+        """Record that telemetry of the robots has arrived."""
         self._received_at = now
 
     def trouble(self, texts: Texts, now: float) -> str | None:
-        """Return a sentence about the trouble, or None if there is none."""
+        """Return a sentence about the problem with the connection, or None if there is no problem."""
         if self._lost is not None:
             why, since = self._lost
             cut = "connection_lost" if self._was_there else "not_reached"
@@ -63,7 +63,7 @@ class ConnectionStatus:
         return texts.text("game.no_news") if self.is_still(now) else None
 
     def is_still(self, now: float) -> bool:
-        """Return True while the game is not reached, or its telemetry has stopped."""
+        """Return True while there is no connection, or no telemetry arrives."""
         return self._lost is not None or self._last_received() + STALE_AFTER <= now
 
     def next_change(self, now: float) -> float:
@@ -77,6 +77,6 @@ class ConnectionStatus:
     def _last_received(self) -> float:
         """Return the time of the last telemetry.
 
-        Without any telemetry it is infinite, so that the connection never counts as stale.
+        Before the first telemetry, return infinity, so that the connection does not count as stale.
         """
         return math.inf if self._received_at is None else self._received_at

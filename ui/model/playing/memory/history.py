@@ -1,4 +1,4 @@
-"""Events and dialogues of a game in sentences, for the history and for screen readers."""
+"""Sentences about the events and dialogues of a game, for the history and for screen readers."""
 
 from collections import deque
 from collections.abc import Iterator
@@ -12,18 +12,18 @@ from ui.model.playing.words import outcome_of, verdict_words
 from ui.model.shared.points import scored
 
 MAX_LINES = 500
-"""Lines kept."""
+"""Largest number of lines in the history."""
 
 SpokenLine = tuple[Literal["robot", "you"], str]
-"""Speaker and sentence."""
+"""Speaker of a sentence, and the sentence."""
 
 
 class GameHistory:
-    """History of one game, and the sentences that have not been announced yet."""
+    """History of one game, and sentences that screen readers have not read out yet."""
 
     def __init__(self) -> None:
         self._lines: deque[HistoryLine] = deque(maxlen=MAX_LINES)
-        # Number of sentences of each open dialogue that the history already contains.
+        # Number of sentences in the history, for each open dialogue.
         self._known_sentences: dict[int, int] = {}
         self._announcements: list[str] = []
         # Robots that the participant has answered, until a view shows the answer.
@@ -31,17 +31,17 @@ class GameHistory:
 
     @property
     def lines(self) -> tuple[HistoryLine, ...]:
-        """Lines of the history, oldest first."""
+        """Lines of the history, oldest line first."""
         return tuple(self._lines)
 
     def take_announcements(self) -> str:
-        """Return the sentences added since the last call; empty if there are none."""
+        """Return the sentences for screen readers since the last call; empty if there are none."""
         news = " ".join(self._announcements)
         self._announcements.clear()
         return news
 
     def announce(self, sentence: str) -> None:
-        """Add a sentence for screen readers that does not enter the history."""
+        """Add a sentence only for screen readers, not for the history."""
         self._announcements.append(sentence)
 
     def add_event(self, sentence: str, robot: int | None = None) -> None:
@@ -50,20 +50,20 @@ class GameHistory:
         self._announcements.append(sentence)
 
     def add_request(self, robot: int, sentence: str) -> None:
-        """Add the sentence with which the participant opened a dialogue."""
+        """Add the sentence by which the participant opened a dialogue."""
         self._append("you", robot, sentence)
         self._requested.add(robot)
 
     def add_answer(self, dialogue: DialogueView, choice: int) -> None:
-        """Add the participant's choice at once, because no view contains it after the end of the dialogue."""
+        """Add the participant's choice at once, because views no longer contain it after the end of the dialogue."""
         if says(dialogue, choice):
             self._append("you", dialogue.robot, dialogue.choices[choice])
             self._known_sentences[dialogue.dialogue] = len(dialogue.said) + 1
 
     def receive(self, texts: Texts, before: View | None, view: View, *, once: bool = False) -> None:
-        """Add the news of a view. If `before` is None, this program sees the game for the first time.
+        """Add the news of a view. If `before` is None, this is the first view of the game.
 
-        `once` is as in `Participant`.
+        `Participant` describes `once`.
         """
         if before is None:
             self._begin(texts, view, once=once)
@@ -118,14 +118,14 @@ class GameHistory:
 
 
 def says(dialogue: DialogueView, choice: int) -> bool:
-    """Return True if a choice is a sentence. The choices that open or close the questions are not."""
+    """Return True if a choice is a sentence; False if it only opens or closes the questions."""
     return dialogue.acts[choice : choice + 1] not in {("open-questions",), ("close-questions",)}
 
 
 def spoken(dialogue: DialogueView | LastWords) -> tuple[SpokenLine, ...]:
-    """Return the sentences of a dialogue with their speakers.
+    """Return the sentences of a dialogue, each with its speaker.
 
-    If the view has no speakers, robot and participant alternate, and the robot begins.
+    If the view does not name the speakers, robot and participant alternate, and the robot begins.
     """
     told = dialogue.speakers or ["person" if index % 2 else "robot" for index in range(len(dialogue.said))]
     return tuple(
@@ -135,7 +135,7 @@ def spoken(dialogue: DialogueView | LastWords) -> tuple[SpokenLine, ...]:
 
 
 def stopped_words(texts: Texts, was: RobotView, now: RobotView) -> str:
-    """Return sentences about a robot that has stopped on its path, with the energy that it gets back."""
+    """Return sentences about a robot that has stopped on its path, with the refunded energy."""
     stopped = texts.text("history.stopped", robot=now.robot, room=was.moving_to or 0)
     back = now.energy - was.energy
     if now.moving_to is None and back > 0.0:

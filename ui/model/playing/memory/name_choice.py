@@ -12,10 +12,10 @@ TYPING = 1.5
 
 @dataclass(frozen=True, slots=True)
 class NameChoice:
-    """Name selected for a treasure while its pop-up asks for a name; the selection ends with the question.
+    """Name selected for a treasure in a pop-up that asks for a name.
 
     Attributes:
-        item: the treasure's pop-up.
+        item: pop-up of the treasure.
         name: the selected name; None if there is none.
         letters: typed letters, in lower case.
         until: time at which the typed letters are discarded.
@@ -27,17 +27,17 @@ class NameChoice:
     until: float = -math.inf
 
     def typed(self, now: float) -> str:
-        """Return the typed letters that the next letter continues."""
+        """Return the typed letters to which the next letter is appended."""
         return self.letters if now < self.until else ""
 
     def typing(self, letter: str, names: Mapping[str, str], now: float) -> "NameChoice":
-        """Return the selection after another typed letter: the name that begins with the letters, or none.
+        """Return the selection after another typed letter: the name that begins with the letters, or no name.
 
-        If the same letter is typed repeatedly, it moves from name to name, as in Qt's lists.
+        If the same letter is typed repeatedly, the selection moves to the next name with this letter, as in Qt's lists.
 
         Args:
             letter: the typed letter.
-            names: displayed words of each name.
+            names: displayed form of each name.
             now: monotonic time, s.
         """
         letters = self.typed(now) + letter.casefold()

@@ -1,4 +1,4 @@
-"""Requests of the participant that the latest view does not show as granted yet."""
+"""Requests of the participant whose effects are not in the latest view yet."""
 
 from thbridge.dialogue.wording.texts import Texts
 from thbridge.hunt.game import GameState
@@ -27,32 +27,32 @@ from ui.model.playing.possible import why_not_ask, why_not_command, why_not_find
 
 
 class PendingRequests:
-    """Requests that are not granted, refused or obsolete yet; each is listed once, the oldest first.
+    """Requests that are not granted, refused or obsolete yet, without duplicates, oldest first.
 
-    They are kept while the connection is lost, because the next view shows their outcome.
+    The requests are kept while the connection is lost, because the next view shows their results.
     """
 
     def __init__(self) -> None:
-        # For each request for advice, the robot's open dialogue at the time of the request; the requested dialogue is a
-        # new one.
+        # For each request for advice, the number of the robot's open dialogue at the time of the request. A dialogue
+        # with another number grants the request.
         self._requests: dict[ParticipantRequest, int | None] = {}
-        # For each request for a dialogue, the last ended dialogue with its robot at the time of the request.
+        # For each request for a dialogue, the number of the robot's last ended dialogue at the time of the request.
         self._ended: dict[ParticipantRequest, int | None] = {}
 
     def __contains__(self, request: ParticipantRequest) -> bool:
         return request in self._requests
 
     def has_kind(self, kind: type[ParticipantRequest]) -> bool:
-        """Return True while there is a request of this kind."""
+        """Return True if a request of this kind is pending."""
         return any(isinstance(request, kind) for request in self._requests)
 
     @property
     def requests(self) -> tuple[ParticipantRequest, ...]:
-        """All requests, oldest first."""
+        """All pending requests, oldest first."""
         return tuple(self._requests)
 
     def ask(self, request: ParticipantRequest, view: View) -> None:
-        """Add a request; each robot has at most one request about where to go."""
+        """Add a request. It replaces earlier requests about the robot's next room, or about the same property."""
         if isinstance(request, SelectRoom | RequestSuggestion):
             self.forget_destination(request.robot)
         if isinstance(request, TellProperty):
@@ -66,33 +66,30 @@ class PendingRequests:
         self._ended[request] = _ended_dialogue(view, request)
 
     def forget_destination(self, robot: int) -> None:
-        """Drop the requests to this robot about where to go."""
+        """Drop the requests to this robot about its next room."""
         for request in self.requests:
             if isinstance(request, SelectRoom | RequestSuggestion) and request.robot == robot:
                 del self._requests[request]
 
     def destination_request(self, robot: int) -> SelectRoom | RequestSuggestion | None:
-        """Return the pending request to this robot about where to go; None if there is none."""
+        """Return the pending request to this robot about its next room; None if there is none."""
         destinations = (request for request in self._requests if isinstance(request, SelectRoom | RequestSuggestion))
         return next((request for request in destinations if request.robot == robot), None)
 
     def answer(self, dialogue: int, turn: int) -> int | None:
-        """Return the choice made at this turn of a dialogue, until the view shows the choice."""
+        """Return the participant's choice at a turn of a dialogue, as long as the view does not show the choice."""
         answers = (request for request in self._requests if isinstance(request, AnswerDialogue))
         return next((each.choice for each in answers if (each.dialogue, each.turn) == (dialogue, turn)), None)
 
     def drop_refused(self, refusal: RefusalView) -> ParticipantRequest | None:
-        """Drop and return the oldest request to which this refusal can refer.
-
-        A refusal names only the kind of request.
-        """
+        """Drop and return the oldest request of the kind that this refusal names; None if there is none."""
         found = next((request for request in self._requests if refusal.wish in refusal_wishes(request)), None)
         if found is not None:
             del self._requests[found]
         return found
 
     def receive(self, texts: Texts, view: View) -> tuple[str, ...]:
-        """Drop the requests that this view grants or makes obsolete; return the reasons to show."""
+        """Drop the requests that this view grants or makes obsolete; return the reasons to show to the participant."""
         reasons = []
         known = revealed(view)
         for request, before in list(self._requests.items()):
@@ -114,7 +111,7 @@ def _open_dialogue(view: View, robot: int) -> int | None:
 
 
 def _ended_dialogue(view: View, request: ParticipantRequest) -> int | None:
-    """Return the number of the last ended dialogue with the robot of this request for a dialogue, or None."""
+    """Return the number of the last ended dialogue with the robot from which a dialogue is requested, or None."""
     if not isinstance(request, SelectRoom | RequestSuggestion | OpenDialogue):
         return None
     return next((words.dialogue for words in view.last_words if words.robot == request.robot), None)
@@ -157,9 +154,9 @@ def _granted(request: ParticipantRequest, view: View, known: Situation, before: 
 
 
 def _moot(texts: Texts, request: ParticipantRequest, view: View, known: Situation) -> str | None:
-    """Return the reason why a request is obsolete.
+    """Return the reason why a request is obsolete; empty if the reason is obvious.
 
-    The reason is empty if it is obvious, and None while the request is still valid.
+    Return None if the request is not obsolete.
     """
     if view.over is not None:
         return None if isinstance(request, PlayAgain) else ""
@@ -171,7 +168,7 @@ def _moot(texts: Texts, request: ParticipantRequest, view: View, known: Situatio
         case StopRobot(robot):
             return why_not_command(texts, known, robot)
         case RequestHandback(robot):
-            # Another message announces a robot that the participant has got back.
+            # Another text already announces that the participant has got the robot back.
             return None if view.robots[robot].has_other_commander else ""
         case TakeUpTreasure() | MeasureProperty() | TellProperty():
             return why_not_find_out(texts, known, request)
@@ -182,5 +179,5 @@ def _moot(texts: Texts, request: ParticipantRequest, view: View, known: Situatio
 
 
 def _worker(state: GameState, matter: str, room: int) -> int | None:
-    """Return the robot with which the participant can discuss this matter."""
+    """Return the robot with which the participant can discuss a matter."""
     return state.decider(Room(room)) if matter == "take-treasure" else state.standing_in(Room(room))

@@ -1,4 +1,4 @@
-"""Pictures, assembled from the pieces in which they arrive."""
+"""Pictures of treasures, assembled from pieces that arrive one by one."""
 
 import binascii
 from base64 import b64decode
@@ -6,12 +6,11 @@ from base64 import b64decode
 from thbridge.roles.shared.notices import PicturePiece
 
 MOST_BYTES = 1 << 28
-"""Greatest size of all pictures of a game and their pieces, bytes: enough for a hundred rooms with the largest
-pictures."""
+"""Greatest size in bytes of all pictures of a game and their pieces: enough for 100 rooms with large pictures."""
 
 
 class Pictures:
-    """Pictures of the game that sent the last piece; pieces may arrive before the first view of the game."""
+    """Pictures of one game: the game that sent the last piece. Pieces may arrive before the game's first view."""
 
     def __init__(self) -> None:
         self._game = 0
@@ -41,11 +40,11 @@ class Pictures:
             del self._pieces[piece.room]
 
     def forget(self) -> None:
-        """Drop all pictures, because another game has the same number."""
+        """Drop all pictures, because a new game has the same number."""
         self._held = 0
         self._pieces.clear()
         self._whole.clear()
 
     def of(self, game: int, room: int) -> bytes | None:
-        """Return the image file of the picture taken in a room of this game; None until the file is complete."""
+        """Return the image file of the picture taken in a room of a game; None until the file is complete."""
         return self._whole.get(room) if game == self._game else None

@@ -1,4 +1,4 @@
-"""Queue of pop-ups: one is shown in the middle of the window, all others wait."""
+"""Queue of pop-ups: one pop-up is shown, all others wait."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -6,14 +6,14 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class DestinationItem:
-    """Dialogue with a robot, open or requested, about where to go."""
+    """Pop-up of an open or requested dialogue with a robot about its next room."""
 
     robot: int
 
 
 @dataclass(frozen=True, slots=True)
 class TreasureItem:
-    """Robot at a treasure: the possible acts, the dialogue about the treasure, and the verdict."""
+    """Pop-up of a treasure and the robot there, with the possible acts, the dialogue and the verdict."""
 
     robot: int
     room: int
@@ -23,22 +23,22 @@ PopupItem = DestinationItem | TreasureItem
 
 
 class PopupQueue:
-    """Queue of the pop-up shown and the pop-ups that wait, oldest first.
+    """Queue of the pop-up shown and of the waiting pop-ups, oldest first.
 
-    Only an act of the participant replaces the pop-up shown.
+    The pop-up shown changes only after an act of the participant.
     """
 
     def __init__(self) -> None:
         self._items: list[PopupItem] = []
         self._aside: set[PopupItem] = set()
-        # Pop-ups that were replaced when the participant selected another robot; they return when the pop-up shown
-        # since then has ended.
+        # Pop-ups that were replaced because the participant selected another robot. They are shown again after the end
+        # of the pop-up that replaced them.
         self._left: set[PopupItem] = set()
         self.shown: PopupItem | None = None
 
     @property
     def waiting(self) -> tuple[PopupItem, ...]:
-        """Pop-ups that wait behind the pop-up shown, including those that were put aside."""
+        """Waiting pop-ups, including pop-ups that were put aside."""
         return tuple(item for item in self._items if item != self.shown)
 
     @property
@@ -48,11 +48,11 @@ class PopupQueue:
         return fresh if fresh is not None or self.shown is not None else next(iter(self.waiting), None)
 
     def update(self, live: Sequence[PopupItem], only_of: int | None = None) -> None:
-        """Keep only these items, and add new ones at the end.
+        """Keep only these items, and append new items.
 
         Args:
             live: all items that should be open.
-            only_of: robot whose items may be shown if no item is shown now. If None, items of all robots may.
+            only_of: if no item is shown now, only items of this robot may be shown. If None, all items may be shown.
         """
         self._items = [item for item in self._items if item in live]
         self._items += [item for item in live if item not in self._items]
@@ -65,7 +65,7 @@ class PopupQueue:
             self.shown = next((item for item in self._fresh() if only_of in (None, item.robot)), None)
 
     def show(self, item: PopupItem) -> None:
-        """Show this item at once, as the participant requested; the item shown before then waits."""
+        """Show an item that the participant has requested; the item shown before waits."""
         self._aside.discard(item)
         self._left.discard(item)
         if item not in self._items:
@@ -73,9 +73,9 @@ class PopupQueue:
         self.shown = item
 
     def turn_to(self, robot: int) -> None:
-        """Show an item of this robot, if one waits; the item of another robot then waits until this one has ended.
+        """Show a waiting item of this robot, if there is one. The item shown before waits until the new item has ended.
 
-        Items that were put aside are also shown, but only if no other item of this robot waits.
+        Items that were put aside are shown only if no other item of this robot waits.
         """
         if self.shown is None or self.shown.robot != robot:
             if self.shown is not None:
@@ -97,5 +97,5 @@ class PopupQueue:
             self._left.discard(following)
 
     def _fresh(self) -> list[PopupItem]:
-        """Return the waiting items that were neither put aside nor replaced by an item of another robot."""
+        """Return the waiting items, without items that were put aside or replaced by an item of another robot."""
         return [item for item in self.waiting if item not in self._aside | self._left]

@@ -1,4 +1,4 @@
-"""Memory of the participant's view model; the screen is computed from it."""
+"""Memory of the participant's view model, from which the screen is computed."""
 
 import math
 from collections.abc import Callable
@@ -22,7 +22,7 @@ from ui.model.playing.screen import GameSound
 
 @dataclass(frozen=True, slots=True)
 class Reroute:
-    """Step: a driving robot goes to this room instead."""
+    """Step that needs confirmation: a driving robot goes to another room."""
 
     robot: int
     room: int
@@ -30,7 +30,7 @@ class Reroute:
 
 @dataclass(frozen=True, slots=True)
 class DepartUndecided:
-    """Step: a robot leaves although the treasure in its room is undecided."""
+    """Step that needs confirmation: a robot departs although the treasure in its room is undecided."""
 
     request: SelectRoom | RequestSuggestion
     room: int
@@ -38,31 +38,31 @@ class DepartUndecided:
 
 @dataclass(frozen=True, slots=True)
 class EndGameEarly:
-    """Step: the game ends although robots could still act."""
+    """Step that needs confirmation: the game ends although robots can still act."""
 
 
 @dataclass(frozen=True, slots=True)
 class LeaveLastTreasure:
-    """Step: the last undecided treasure is left; the game then ends."""
+    """Step that needs confirmation: the last undecided treasure is left unnamed, which ends the game."""
 
     room: int
 
 
 @dataclass(frozen=True, slots=True)
 class LeaveWindow:
-    """Step: the window closes during the game; `ends` is True if this ends the game."""
+    """Step that needs confirmation: the window closes during the game; `ends` is True if this ends the game."""
 
     ends: bool
 
 
 @dataclass(frozen=True, slots=True)
 class Note:
-    """Sentence shown for a while.
+    """Sentence that is shown for a limited time.
 
     Attributes:
-        sentence: the words.
-        until: time at which it disappears.
-        about: the pop-up that it is about; both disappear at the same time.
+        sentence: the sentence.
+        until: time at which the sentence disappears.
+        about: the pop-up that the sentence is about; if the pop-up closes, the sentence disappears.
     """
 
     sentence: str
@@ -76,28 +76,28 @@ PendingStep = Reroute | DepartUndecided | EndGameEarly | LeaveLastTreasure | Lea
 
 @dataclass(slots=True)
 class HuntMemory:
-    """Memory of one game; it is replaced when another game begins.
+    """Memory of one game; each game gets a new memory.
 
     Attributes:
         texts: texts of the game's language.
         view: the newest view.
         known: the facts in the view, for the rules.
-        pending: requests without an outcome yet.
-        opening_sentences: by robot, the sentence with which the participant opened the current dialogue.
-        reroutes: by robot that was stopped, the room to which it goes next.
+        pending: requests that have no result yet.
+        opening_sentences: sentences by which the participant opened the current dialogues, by robot.
+        reroutes: next rooms of robots that were stopped, by robot.
         choice: name that is selected in the pop-up shown, but not confirmed yet.
-        submitted_names: by room, the name that the participant wants to submit, while it is discussed.
-        enlarged: the pop-up whose picture is shown enlarged.
+        submitted_names: names that the participant wants to submit and that are being discussed, by room.
+        enlarged: pop-up whose picture is shown enlarged.
         ticks: simulation ticks at the beginning of the game and in the newest telemetry.
         named: rooms for which the participant has submitted a name in this window.
-        verdicts: rooms whose verdict is still shown, each with the robot in it.
-        popups: the pop-up shown, and those that wait.
-        picture_times: by room, the time when the view first showed its picture as taken.
-        most_energy: the most energy that any robot has had.
-        pending_step: the step that waits for confirmation.
+        verdicts: robots in the rooms whose verdict is still shown, by room.
+        popups: the pop-up shown, and the waiting pop-ups.
+        picture_times: times at which a view first showed that a picture was taken, by room.
+        most_energy: greatest energy that any robot has had.
+        pending_step: step that waits for confirmation.
         read: numbers of ended dialogues whose last sentences the participant has read.
-        reading: number of the ended dialogue in the pop-up shown; None if it shows something else.
-        verdict_read: room of the verdict in the pop-up shown; None if it shows something else.
+        reading: number of the ended dialogue in the pop-up shown; None if there is no ended dialogue.
+        verdict_read: room of the verdict in the pop-up shown; None if there is no verdict.
     """
 
     texts: Texts
@@ -129,7 +129,7 @@ class HuntMemory:
 
     @property
     def seconds(self) -> int:
-        """Whole seconds of simulated time that the game has lasted."""
+        """Simulated time since the beginning of the game, in whole seconds."""
         return 0 if self.ticks is None else (self.ticks[1] - self.ticks[0]) // TICKS_PER_SECOND
 
     @property
@@ -138,12 +138,14 @@ class HuntMemory:
         return None if self.choice is None else self.choice.name
 
     def robot_in_room(self, room: int) -> int | None:
-        """Return the robot that is at rest in a room."""
+        """Return the robot that is at rest in a room; None if there is none."""
         return self.known.state.standing_in(Room(room))
 
     def ask_to_go(self, request: SelectRoom | RequestSuggestion) -> str:
-        """Ask a robot to go to a place, and show the dialogue at once; return the participant's sentence to the
-        robot."""
+        """Ask a robot to go to a room or to suggest a room, and show the dialogue at once.
+
+        Return the participant's sentence to the robot.
+        """
         sentence = (
             self.texts.text("popups.say_go", room=request.room)
             if isinstance(request, SelectRoom)
@@ -155,11 +157,11 @@ class HuntMemory:
         return sentence
 
     def destination_dialogue(self, robot: int) -> DialogueView | None:
-        """Return the dialogue with a robot about where to go."""
+        """Return the open dialogue with a robot about its next room; None if there is none."""
         return next((d for d in self.view.dialogues if d.robot == robot and d.matter == "select-room"), None)
 
     def treasure_dialogue(self, item: TreasureItem) -> DialogueView | None:
-        """Return the dialogue with a robot about the treasure at its place."""
+        """Return the open dialogue with a robot about the treasure in its room; None if there is none."""
         return next(
             (
                 dialogue
@@ -170,11 +172,11 @@ class HuntMemory:
         )
 
     def last_words(self, robot: int) -> LastWords | None:
-        """Return the end of the last dialogue with a robot, while it is relevant."""
+        """Return the end of the last dialogue with a robot; None if it is no longer relevant."""
         return next((words for words in self.view.last_words if words.robot == robot), None)
 
     def unread_words(self, robot: int) -> LastWords | None:
-        """Return the unread end of a dialogue about where a robot goes; None while such a dialogue is open."""
+        """Return the unread end of a dialogue about a robot's next room; None while a dialogue about it is open."""
         words = self.last_words(robot)
         if words is None or words.matter != "select-room" or words.dialogue in self.read:
             return None
@@ -182,7 +184,7 @@ class HuntMemory:
         return None if is_open else words
 
     def note_reading(self) -> None:
-        """Record the ended dialogue or the verdict in the pop-up shown; the previous one then counts as read."""
+        """Record the ended dialogue or the verdict in the pop-up shown. A previously shown one counts as read."""
         shown = self.popups.shown
         words = self.unread_words(shown.robot) if isinstance(shown, DestinationItem) else None
         number = None if words is None else words.dialogue
@@ -197,7 +199,7 @@ class HuntMemory:
         self.verdict_read = room
 
     def destination_considered(self, robot: int) -> int | None:
-        """Return the room of the pending request to a robot, or of the robot's open dialogue."""
+        """Return the room of a pending request to a robot, or of the open dialogue with the robot."""
         match self.pending_step:
             case Reroute(rerouted, room) if rerouted == robot:
                 return room
@@ -219,11 +221,11 @@ class DrawnState:
     The next act refers to this state, because the participant has not seen later changes.
 
     Attributes:
-        item: the pop-up.
-        dialogue: number and turn of the dialogue in it.
-        pending_step: the step to confirm.
-        game: the game's number.
-        picked: the name selected in it.
+        item: the pop-up shown.
+        dialogue: number and turn of the dialogue in the pop-up.
+        pending_step: the step that needs confirmation.
+        game: number of the game.
+        picked: name selected in the pop-up.
     """
 
     item: PopupItem | None = None
@@ -234,34 +236,34 @@ class DrawnState:
 
     @property
     def subject(self) -> tuple[PopupItem | None, int | None]:
-        """Pop-up, and the number of the dialogue that replaces a treasure in it."""
+        """The pop-up, and the number of the dialogue if the pop-up shows a dialogue in place of a treasure."""
         return self.item, self.dialogue[0] if self.dialogue and isinstance(self.item, TreasureItem) else None
 
 
 @dataclass(slots=True)
 class ParticipantMemory:
-    """Everything that the view model remembers.
+    """Memory of the participant's view model.
 
     Attributes:
         texts: texts of the window's language.
-        hunt: the game; None before the first view that has robots.
+        hunt: memory of the game; None before the first view with robots.
         floor_plan: floor plan of the game.
         motions: progress of the robots on their paths, one entry per robot; may be empty.
-        selected: the robot that the participant commands.
-        turned: True if the participant has selected that robot, and no pop-up was shown since then.
-        hovered: the room under the pointer.
+        selected: index of the robot that the participant commands.
+        turned: True if the participant has selected this robot, and no pop-up has been shown since then.
+        hovered: room under the pointer.
         typed: typed digits of a room's number.
         typed_until: time at which these digits are discarded.
-        followed: the robot that the map follows.
-        help_open: True while the sheet of keys is open.
+        followed: index of the robot that the map follows; None if the map follows no robot.
+        help_open: True while the help sheet is open.
         note: a sentence shown for a limited time.
         connection: state of the connection to the game.
         history: lines of this game.
         pictures: pictures taken in this game.
         last_refusal: number of the last refusal.
-        last_drawn: state behind the last screen.
+        last_drawn: state on which the last screen was based.
         leaving: True after the participant has agreed to close the window.
-        time_of_day: returns the time of day.
+        time_of_day: function that returns the time of day.
         sound_on: True while the participant wants sounds.
         can_sound: True if the computer can play sounds.
         sounds: sounds to play with the next screen.
@@ -293,7 +295,10 @@ class ParticipantMemory:
     once: bool = False
 
     def motion(self, robot: int) -> RobotMotion:
-        """Return the progress of a robot on its path in the last telemetry; older robot programs send none."""
+        """Return the progress of a robot on its path, from the last telemetry.
+
+        Older robot programs do not send the progress; the robot then counts as driving.
+        """
         return self.motions[robot] if robot < len(self.motions) else RobotMotion("driving")
 
     def considered(self) -> int | None:

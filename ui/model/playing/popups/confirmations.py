@@ -15,7 +15,7 @@ from ui.model.shared.points import scored
 
 
 def confirmation(memory: ParticipantMemory, hunt: HuntMemory) -> Confirmation | None:
-    """Return the question about the pending step, if there is one."""
+    """Return the question about the pending step; None if no step is pending."""
     texts, score = hunt.texts, scored(hunt.view.score)
     yes, no = (binding.keys[0] for binding in question_keys(texts))
     match hunt.pending_step:

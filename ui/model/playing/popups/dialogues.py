@@ -13,18 +13,18 @@ from ui.model.playing.screen import Action, AnswerDialogueAct, DialoguePopup, Sh
 from ui.model.playing.words import MATTERS, outcome_of
 
 OVERRIDE = "override"
-"""Word for the answer by which the participant decides against the robot's advice."""
+"""Name of the answer by which the participant decides against the robot's advice."""
 LAST_SENTENCES = 2
 """Number of sentences of an ended dialogue that are shown.
 
-There are only a few, because the robot already moves on the map behind them.
+The number is small, because the robot already moves on the map behind the pop-up.
 """
 
 
 def destination_popup(hunt: HuntMemory, item: DestinationItem) -> DialoguePopup | None:
-    """Return the dialogue about where a robot goes. Before the robot answers, it is the pending request.
+    """Return the pop-up of a dialogue about a robot's next room.
 
-    After the dialogue, it is the end of the dialogue.
+    Before the robot answers, the pop-up shows the pending request; after the dialogue, the end of the dialogue.
     """
     dialogue = hunt.destination_dialogue(item.robot)
     asked = hunt.pending.destination_request(item.robot)
@@ -52,7 +52,7 @@ def dialogue_popup(hunt: HuntMemory, dialogue: DialogueView) -> DialoguePopup:
     sentences = list(spoken(dialogue))
     opening = _opening(hunt, dialogue)
     if opening:
-        # Robots that argue repeat this sentence as their first move.
+        # Robots that argue repeat the participant's sentence as the first move.
         sentences[:1] = [*opening, *(line for line in sentences[:1] if line[0] == "robot")]
     if answered is not None and says(dialogue, answered):
         sentences.append(("you", dialogue.choices[answered]))
@@ -74,7 +74,7 @@ def dialogue_popup(hunt: HuntMemory, dialogue: DialogueView) -> DialoguePopup:
         dialogue_title(hunt, dialogue),
         tuple(sentences),
         choices,
-        # Esc closes the questions, and W has its usual effect.
+        # Esc is the key that closes the questions, so only W puts the pop-up aside.
         replace(later, key=WAITING_KEY) if BACK in acts else later,
         warning=_warning(hunt, dialogue),
         room=dialogue.room,
@@ -86,7 +86,7 @@ def dialogue_popup(hunt: HuntMemory, dialogue: DialogueView) -> DialoguePopup:
 def _note(hunt: HuntMemory, dialogue: DialogueView, sentences: Sequence[SpokenLine]) -> str:
     """Return a remark about the decision.
 
-    It says which side decides in the end, or that the participant must answer although the robot says nothing.
+    The remark says which side decides in the end, or that the participant must answer although the robot is silent.
     """
     if sentences[-1][0] == "you" and BACK not in dialogue.acts:
         return hunt.texts.text("popups.your_turn", robot=dialogue.robot)
@@ -99,7 +99,7 @@ def _warning(hunt: HuntMemory, dialogue: DialogueView) -> str:
 
 
 def _last_words_popup(hunt: HuntMemory, words: LastWords) -> DialoguePopup:
-    """Return the end of a dialogue about where a robot goes."""
+    """Return the pop-up with the end of a dialogue about a robot's next room."""
     texts, sentences = hunt.texts, spoken(words)[-LAST_SENTENCES:]
     outcome = "" if words.is_told else outcome_of(texts, words)
     if not sentences:
@@ -110,7 +110,7 @@ def _last_words_popup(hunt: HuntMemory, words: LastWords) -> DialoguePopup:
 
 
 def dialogue_title(hunt: HuntMemory, dialogue: DialogueView) -> str:
-    """Return the title of a dialogue: its subject."""
+    """Return the title of a dialogue, which names the subject."""
     named = hunt.submitted_names.get(dialogue.room) if dialogue.matter == "take-treasure" else None
     if named:
         return hunt.texts.text("popups.about_name", robot=dialogue.robot, name=hunt.view.word_for(named))
@@ -119,7 +119,7 @@ def dialogue_title(hunt: HuntMemory, dialogue: DialogueView) -> str:
 
 
 def _opening(hunt: HuntMemory, dialogue: DialogueView) -> tuple[SpokenLine, ...]:
-    """Return the sentence with which the participant opened this dialogue, if they did so here."""
+    """Return the sentence with which the participant opened this dialogue in this window, or nothing."""
     named = hunt.submitted_names.get(dialogue.room)
     if dialogue.matter == "select-room":
         return _request(hunt, dialogue.robot)
@@ -129,6 +129,6 @@ def _opening(hunt: HuntMemory, dialogue: DialogueView) -> tuple[SpokenLine, ...]
 
 
 def _request(hunt: HuntMemory, robot: int) -> tuple[SpokenLine, ...]:
-    """Return the sentence with which the participant opened the dialogue; none if they opened it in another window."""
+    """Return the sentence with which the participant opened the dialogue in this window, or nothing."""
     sentence = hunt.opening_sentences.get(robot)
     return () if sentence is None else (("you", sentence),)

@@ -12,7 +12,7 @@ from ui.model.shared.points import scored
 
 
 def game_over_page(hunt: HuntMemory, once: bool) -> GameOverPage:
-    """Return the reason why the game is over, and its results; `once` is True if no other game follows."""
+    """Return the page with the results and the reason for the end; `once` is True if no other game follows."""
     texts, view = hunt.texts, hunt.view
     visited = sum(room.state == "visited" for room in view.rooms)
     debrief = view.debrief or Debrief()
@@ -33,7 +33,7 @@ def game_over_page(hunt: HuntMemory, once: bool) -> GameOverPage:
 
 
 def _end(texts: Texts, reason: str) -> str:
-    """Return the reason why the game is over. This release may not know the reason of a later release."""
+    """Return the reason why the game is over; a general sentence replaces unknown reasons of later releases."""
     key = f"game_over.{reason.replace('-', '_')}"
     return texts.text(key if texts.has(key) else "game_over.unknown")
 
@@ -49,9 +49,9 @@ def _named(texts: Texts, rooms: Iterable[RoomView]) -> str:
 
 
 def _of_room(texts: Texts, view: View, room: RoomView, was: RoomDebrief | None) -> str:
-    """Return a sentence about the outcome of a room, with its treasure as far as the game reveals it.
+    """Return a sentence about the result of a room, with the treasure if the game reveals it.
 
-    The sentence is empty if there is none.
+    The sentence is empty if there is nothing to say.
     """
     name, points = ("", 0) if was is None else (view.word_for(was.name), was.points)
     it_was = f" {texts.text('game_over.it_was', name=name, count=points)}" if name else ""

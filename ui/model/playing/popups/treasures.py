@@ -1,4 +1,4 @@
-"""Pop-up of a treasure that a robot found, with the acts that are possible on it."""
+"""Pop-up of a treasure that a robot found, with the possible acts."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -39,14 +39,13 @@ from ui.model.playing.screen import (
 from ui.model.playing.words import outcome_of, percent, verdict_words
 
 PICTURE_TIMEOUT = 5.0
-"""Seconds after which the window stops waiting for a picture, because its sender may not have it."""
+"""Seconds after which the window stops waiting for a picture that may never arrive."""
 
 
 def treasure_popup(
     hunt: HuntMemory, pictures: Pictures, item: TreasureItem, now: float
 ) -> DialoguePopup | TreasurePopup:
-    """Return the dialogue about a treasure if one is open, with the known properties; otherwise the treasure with its
-    acts."""
+    """Return the pop-up of the open dialogue about a treasure; if there is none, return the treasure with its acts."""
     dialogue = hunt.treasure_dialogue(item)
     find = _treasure(hunt, pictures, item, now)
     if dialogue is None:
@@ -91,9 +90,9 @@ def _length(action: Action) -> int:
 
 
 def _verdict(hunt: HuntMemory, item: TreasureItem, room: RoomView) -> str | None:
-    """Return the outcome of naming.
+    """Return the result of naming a treasure, in words.
 
-    Robots that decide in the end may have named the treasure without the participant.
+    If robots have the last word, a robot may have named the treasure alone; the result then says so.
     """
     if room.verdict is None:
         return None
@@ -104,8 +103,7 @@ def _verdict(hunt: HuntMemory, item: TreasureItem, room: RoomView) -> str | None
 
 
 def _talk(hunt: HuntMemory, item: TreasureItem) -> str:
-    """Return the outcome of the dialogue about this treasure: the next step of an agreement, or the robot's last
-    sentence."""
+    """Return the result of the dialogue about a treasure: the next step after an agreement, or the last sentence."""
     words = hunt.last_words(item.robot)
     if words is None or words.matter == "select-room" or words.room != item.room:
         return ""
@@ -114,14 +112,14 @@ def _talk(hunt: HuntMemory, item: TreasureItem) -> str:
         open_name = nameless and item.room not in hunt.submitted_names
         return hunt.texts.text("popups.agreed_to_name") if open_name else ""
     said = [sentence for speaker, sentence in spoken(words) if speaker == "robot"]
-    # The robot's last sentence says that nothing is done; the outcome says the same.
+    # If the robot's last sentence says that nothing is done, it is omitted, because the result says the same.
     said = said[: -1 if words.is_told else None]
     outcome = outcome_of(hunt.texts, words)
     return f"{outcome} {hunt.texts.text('popups.it_said', sentence=said[-1])}" if said else outcome
 
 
 def _facts(hunt: HuntMemory, item: TreasureItem, room: RoomView) -> tuple[TreasureFact, ...]:
-    """Return a line for each property that is known, or that the robot can sense or the participant can report."""
+    """Return a line for each property that is known, or can be sensed by the robot or reported by the participant."""
     facts = []
     for number, each in enumerate(hunt.view.properties, start=1):
         value, key = room.known.get(each.name, ""), f"Ctrl+{number}" if number < 10 else ""
@@ -135,8 +133,10 @@ def _facts(hunt: HuntMemory, item: TreasureItem, room: RoomView) -> tuple[Treasu
 def _sense(
     hunt: HuntMemory, item: TreasureItem, room: RoomView, measured: TreasureProperty, value: str, key: str
 ) -> Action | None:
-    """Return the act of sensing a property even if its value is known; otherwise the lines below would move under the
-    pointer."""
+    """Return the button that senses a property.
+
+    It stays when the value becomes known; otherwise the lines below would move away from the pointer.
+    """
     if not room.undecided or hunt.robot_in_room(item.room) is None:
         return None
     request = MeasureProperty(item.room, measured.name)
@@ -151,8 +151,7 @@ def _sense(
 
 
 def _cost(hunt: HuntMemory, robot: int, cost: float, sensor: str = "") -> str:
-    """Return the cost of sensing more of a treasure, with a warning if the remaining energy is too little to name
-    it."""
+    """Return the cost of sensing a property, with a warning if too little energy would remain to name the treasure."""
     texts, energy = hunt.texts, hunt.view.robots[robot].energy
     hint = (
         texts.text("popups.costs_with", cost=cost, energy=energy, sensor=sensor)
@@ -165,9 +164,9 @@ def _cost(hunt: HuntMemory, robot: int, cost: float, sensor: str = "") -> str:
 
 
 def _tell(hunt: HuntMemory, room: RoomView, told: TreasureProperty, value: str, key: str) -> tuple[Action, ...]:
-    """Return the values that the participant can report after a picture was taken.
+    """Return a button for each value that the participant can report after a picture was taken.
 
-    The key is printed on the next value.
+    The key is printed on the button of the next value.
     """
     if not room.undecided:
         return ()
@@ -221,7 +220,7 @@ def _take_picture(hunt: HuntMemory, item: TreasureItem, room: RoomView) -> Actio
 
 
 def _name_it(hunt: HuntMemory, item: TreasureItem, name: str | None = None) -> Action:
-    """Return the act that gives the treasure the selected name, or the same act for another name."""
+    """Return the button that gives the treasure the selected name or, if `name` is given, this name."""
     texts, view = hunt.texts, hunt.view
     picked = name or hunt.submitted_names.get(item.room) or hunt.picked
     busy = item.room in hunt.submitted_names
@@ -248,7 +247,7 @@ def _unsure(hunt: HuntMemory, item: TreasureItem) -> Action | None:
 
 
 def _stakes(texts: Texts, view: View, picked: str | None) -> str:
-    """Return the points that a name can win and lose, with numbers if the study reveals them."""
+    """Return a text on the points that a name can win and lose, with numbers if the study reveals them."""
     worth = dict(zip(view.names, view.worth, strict=False)).get(picked or "")
     right = texts.text("popups.right_wins") if worth is None else texts.text("popups.right_wins_points", count=worth)
     return f"{right} {_wrong(texts, view.wrong_share)}"
