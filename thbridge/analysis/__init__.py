@@ -1,1 +1,1 @@
-"""Analysis of recordings from thbridge and other robots: check, report, export, plot, convert, cut, compare."""
+"""Analysis of recordings of thbridge and of other robots: check, report, export, plot, convert, cut, compare."""

@@ -16,7 +16,7 @@ from thbridge.ros.messages.types import SESSION
 
 GAP_PERIODS = 5.0
 GAP_NS = 1_000_000_000
-"""A gap is a time without messages that is longer than `GAP_PERIODS` median periods and longer than `GAP_NS`. Latched
+"""A gap is a time without messages. It is longer than `GAP_PERIODS` median periods, and longer than `GAP_NS`. Latched
 topics have no gaps, because their last message stays valid until the next."""
 REGULAR = 10
 REGULAR_SHARE = 0.5
@@ -48,7 +48,7 @@ class TopicSummary:
         messages: number of messages.
         latched: True if a publisher latches it.
         callers: names of its publishers.
-        hertz: inverse of the median period; None if it has no period.
+        hertz: inverse of the median period; None if the topic has no period.
         start_ns: stamp of its first message, or None.
         end_ns: stamp of its last message, or None.
         gaps: the ten longest gaps, longest first.
@@ -125,8 +125,7 @@ def summarise(bag: Path) -> RecordingSummary:
     Args:
         bag: bag, or name of a split recording.
 
-    Raises:
-        BadFile: the file does not exist, is not a ROS 1 bag, or is incomplete or damaged.
+    Raises: BadFile: the file does not exist, is not a ROS 1 bag, or is incomplete or damaged.
     """
     files = [contents(part) for part in parts_of(bag)]
     publishers = sorted((who for file in files for who in file.publishers), key=lambda who: who.topic)

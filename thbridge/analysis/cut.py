@@ -71,7 +71,7 @@ def cut(bag: Path, piece: CutRange, out: Path, overwrite: bool = False) -> CutRe
     """
     found = info(bag)
     if found.start_ns is None or found.end_ns is None:
-        raise BadFile(bag, "it contains no messages", "name another bag")
+        raise BadFile(bag, "this bag contains no messages", "name another bag")
     _check_topics(bag, piece.topics, {topic.name for topic in found.topics})
     if not 0.0 <= piece.start < piece.end:
         raise BadFile(
@@ -81,8 +81,8 @@ def cut(bag: Path, piece: CutRange, out: Path, overwrite: bool = False) -> CutRe
             key="--from",
         )
     if piece.start > found.duration:
-        problem = f"{piece.start:g} s is beyond its end"
-        raise BadFile(bag, problem, f"write a time within its {found.duration:.3f} s", key="--from")
+        problem = f"{piece.start:g} s is after the end of the bag"
+        raise BadFile(bag, problem, f"write a time up to {found.duration:.3f} s", key="--from")
     start_ns = found.start_ns + round(piece.start * 1e9)
     end_ns = found.end_ns if math.isinf(piece.end) else found.start_ns + round(piece.end * 1e9)
     with new_file(out, bag, overwrite) as path:
@@ -100,7 +100,7 @@ def cut(bag: Path, piece: CutRange, out: Path, overwrite: bool = False) -> CutRe
 def _check_topics(bag: Path, wanted: Collection[str] | None, there: Collection[str]) -> None:
     lacking = sorted(set(wanted or ()) - set(there))
     if lacking:
-        problem = f"it has no topic {', '.join(lacking)}"
+        problem = f"the bag has no topic {', '.join(lacking)}"
         raise BadFile(bag, problem, "`thbridge bag info` lists its topics", key="--topics")
 
 

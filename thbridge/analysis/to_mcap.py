@@ -121,7 +121,7 @@ class _Conversion:
         try:
             session = unpack.session(data)
         except ValueError:
-            return  # from a version with other fields; the message itself is kept
+            return  # recorded by a version with other fields; the message itself is kept
         self._writer.add_attachment(stamp_ns, stamp_ns, STUDY, "application/yaml", session.study.encode())
         self._writer.add_metadata(METADATA, {"seed": str(session.seed), **session.versions})
         self.session = True

@@ -71,7 +71,7 @@ def to_ros2(bag: Path, out: Path, packed: bool = True) -> Ros2Result:
         BadFile: the bag cannot be read, or the folder exists or cannot be written.
     """
     if out.exists():
-        raise BadFile(out, "this folder already exists", "choose another one with --to, or remove it")
+        raise BadFile(out, "this folder already exists", "choose another folder with --to, or remove this one")
     part = out.with_name(out.name + ".part")
     try:
         shutil.rmtree(part, ignore_errors=True)
@@ -81,7 +81,7 @@ def to_ros2(bag: Path, out: Path, packed: bool = True) -> Ros2Result:
         (part / out.name).rename(out)
     except OSError as error:
         problem = f"it cannot be written ({reason_of(error)})"
-        raise BadFile(out, problem, "choose another place with --to, or free disk space") from error
+        raise BadFile(out, problem, "choose another path with --to, or free disk space") from error
     finally:
         shutil.rmtree(part, ignore_errors=True)
     return Ros2Result(out, *result)
@@ -123,7 +123,7 @@ class _Conversion:
         self._connections: dict[tuple[str, str, bool], Connection] = {}
 
     def way_of(self, publisher: BagConnection) -> tuple[Connection, Callable[[bytes], memoryview]] | None:
-        """Return a publisher's connection and the function that converts its messages, or None if it is impossible."""
+        """Return a publisher's connection and the function that converts its messages; None if there is none."""
         if publisher not in self._ways:
             try:
                 self._ways[publisher] = self._way(publisher)
@@ -168,7 +168,7 @@ def _keep_session(writer: Writer, data: bytes) -> None:
     try:
         session = unpack.session(data)
     except ValueError:
-        return  # from a version with other fields; the message itself is kept
+        return  # recorded by a version with other fields; the message itself is kept
     writer.set_custom_data(STUDY, session.study)
     for name, value in {"seed": str(session.seed), **session.versions}.items():
         writer.set_custom_data(f"{METADATA}:{name}", value)

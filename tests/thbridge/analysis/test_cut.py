@@ -116,9 +116,9 @@ def test_the_end_before_the_first_message_of_the_rest(tmp_path: Path) -> None:
     ("piece", "why"),
     [
         (CutRange(2.0, 1.0), "not before"),
-        (CutRange(50.0), "beyond its end"),
+        (CutRange(50.0), "after the end"),
         (CutRange(topics=("/nothing",)), "no topic /nothing"),
-        (CutRange(5.0, 6.0, ("/odom",)), "beyond its end"),
+        (CutRange(5.0, 6.0, ("/odom",)), "after the end"),
     ],
 )
 def test_refusals(tmp_path: Path, bag: Path, piece: CutRange, why: str) -> None:

@@ -34,15 +34,15 @@ def definition_missing(bag: BagStructure) -> Iterator[Finding]:
         missing = missing_types(connection.msgtype, connection.md5, connection.definition)
         try:
             fields_of(connection.msgtype, connection.definition)
-            problem = "its definition is empty" if missing else None
+            problem = "the definition is empty" if missing else None
         except ValueError as error:
-            problem = "its definition has no field" if connection.msgtype in missing else str(error)
+            problem = "the definition has no field" if connection.msgtype in missing else str(error)
         if problem:
             what = f"{connection.msgtype}: {problem}"
-            remedy = "record it again with the definitions of all nested types"
+            remedy = "record the topic again, with the definitions of all nested types"
             found = identified(connection.msgtype, connection.md5, connection.definition)
             if found is not None and found.source is DefinitionSource.MD5:
-                remedy = "run `thbridge bag cut`, which writes the definition that its md5 sum names"
+                remedy = "run `thbridge bag cut`, which writes the definition that has this md5 sum"
             yield Finding("definition-missing", FindingSeverity.ERROR, READERS, connection.topic, what, remedy)
 
 
@@ -50,7 +50,7 @@ def connection_incomplete(bag: BagStructure) -> Iterator[Finding]:
     """Find connections without a required field: rosbag and rosbags refuse the whole bag."""
     for connection in _used(bag):
         if connection.lacks:
-            what = f"its connection lacks {' and '.join(connection.lacks)}, so rosbag and evo refuse the whole bag"
+            what = f"the connection lacks {' and '.join(connection.lacks)}, so rosbag and evo refuse the whole bag"
             remedy = "run `thbridge bag reindex`, which adds the known fields"
             yield Finding("connection-incomplete", FindingSeverity.ERROR, ALL, connection.topic, what, remedy)
 
@@ -64,8 +64,8 @@ def definition_twice(bag: BagStructure) -> Iterator[Finding]:
             texts.setdefault(name, set()).add(text.strip())
         twice = sorted(name for name, found in texts.items() if len(found) > 1)
         if twice:
-            what = f"it defines {', '.join(twice)} in different ways"
-            remedy = "record it again with one definition for each type"
+            what = f"the definition defines {', '.join(twice)} in different ways"
+            remedy = "record the topic again, with one definition for each type"
             yield Finding(
                 "definition-twice", FindingSeverity.ERROR, (BagTool.FOXGLOVE,), connection.topic, what, remedy
             )
@@ -76,8 +76,8 @@ def md5_wrong(bag: BagStructure) -> Iterator[Finding]:
     for connection in _used(bag):
         given = md5_of(connection.msgtype, connection.definition) if connection.definition.strip() else None
         if given is not None and connection.md5 not in (given, "*"):
-            what = f"the md5 of {connection.msgtype} is {connection.md5}, but its definition gives {given}"
-            remedy = "repair it with `rosrun rosbag fix_msg_defs.py`, or record it again"
+            what = f"the md5 of {connection.msgtype} is {connection.md5}, but the definition gives {given}"
+            remedy = "repair it with `rosrun rosbag fix_msg_defs.py`, or record the topic again"
             yield Finding("md5-wrong", FindingSeverity.ERROR, LIVE, connection.topic, what, remedy)
             continue
         try:
@@ -98,7 +98,7 @@ def latching_word(bag: BagStructure) -> Iterator[Finding]:
         if connection.latching not in (None, "", "0", "1"):
             what = f"latching is {connection.latching!r}: `rosbag play` does not latch it, and rosbags refuses the bag"
             tools = (BagTool.ROSBAG, BagTool.EVO)
-            remedy = "run `thbridge bag reindex`, which replaces it by 0"
+            remedy = "run `thbridge bag reindex`, which replaces this value by 0"
             yield Finding("latching-word", FindingSeverity.ERROR, tools, connection.topic, what, remedy)
 
 
@@ -113,8 +113,8 @@ def unlatched(bag: BagStructure) -> Iterator[Finding]:
         if latched or not (is_static or (OCCUPANCY_GRID in types and rare)):
             continue
         severity = FindingSeverity.ERROR if is_static or topic.endswith("/map") else FindingSeverity.WARNING
-        what = "it is not latched: an rviz that starts after its message, or a seek during play, misses it"
-        remedy = "record it from a latching publisher, with latching=1 in its connection"
+        what = "the topic is not latched: rviz misses its message if it starts later, or after a seek during play"
+        remedy = "record it from a publisher that latches, with latching=1 in the connection"
         yield Finding("unlatched", severity, LIVE, topic, what, remedy)
 
 
@@ -132,10 +132,10 @@ def two_latched(bag: BagStructure) -> Iterator[Finding]:
             severity = FindingSeverity.ERROR if topic.endswith("tf_static") else FindingSeverity.WARNING
             names = ", ".join(connection.caller or "?" for connection in connections)
             what = (
-                f"{len(connections)} publishers latch it ({names}): the message of one replaces those of the others "
-                "in `rosbag play` before Noetic, and in Foxglove after a seek"
+                f"{len(connections)} publishers latch this topic ({names}). In `rosbag play` before Noetic, and in "
+                "Foxglove after a seek, the message of one publisher replaces all others"
             )
-            remedy = "publish all of it in one message by one publisher"
+            remedy = "publish all data in one message, by one publisher"
             tools = (*LIVE, BagTool.FOXGLOVE)
             yield Finding("two-latched", severity, tools, topic, what, remedy)
 
@@ -145,7 +145,7 @@ def two_types(bag: BagStructure) -> Iterator[Finding]:
     for topic, connections in bag.connections_by_topic().items():
         kinds = sorted({f"{connection.msgtype} {connection.md5[:8]}" for connection in connections})
         if len(kinds) > 1:
-            what = f"its publishers disagree on the type: {', '.join(kinds)}"
+            what = f"the publishers of this topic disagree on its type: {', '.join(kinds)}"
             tools = (BagTool.ROSBAG, BagTool.RVIZ, BagTool.FOXGLOVE, BagTool.EVO)
             yield Finding("two-types", FindingSeverity.ERROR, tools, topic, what, "use a separate topic for each type")
 
@@ -154,7 +154,7 @@ def unused(bag: BagStructure) -> Iterator[Finding]:
     """Find connections without a message: `rosbag info` may give a negative duration for such a bag."""
     for connection in bag.connections.values():
         if not bag.counts.get(connection.number) and not bag.unreadable:
-            what = "it has a connection but no messages"
+            what = "the topic has a connection but no messages"
             remedy = "register a topic with its first message; `thbridge bag cut` removes the connection"
             yield Finding("unused", FindingSeverity.WARNING, (BagTool.ROSBAG,), connection.topic, what, remedy)
 
@@ -173,7 +173,7 @@ def unknown_connection(bag: BagStructure) -> Iterator[Finding]:
 def clock_recorded(bag: BagStructure) -> Iterator[Finding]:
     """Find a recorded /clock: `rosbag play --clock` also publishes /clock, so time jumps between the two."""
     if "/clock" in bag.connections_by_topic():
-        what = "it is recorded, but `rosbag play --clock` also publishes it"
+        what = "this topic is recorded, but `rosbag play --clock` also publishes it"
         remedy = "play only the other topics, or remove it with `thbridge bag cut --topics`"
         yield Finding("clock-recorded", FindingSeverity.WARNING, LIVE, "/clock", what, remedy)
 
@@ -183,8 +183,8 @@ def no_trajectory(bag: BagStructure) -> Iterator[Finding]:
     moving = [source for source in bag.connections.values() if not source.topic.endswith("tf_static")]
     types = {source.msgtype for source in moving if bag.counts.get(source.number)}
     if any(bag.counts.values()) and types.isdisjoint(EVO_TYPES):
-        what = f"no topic contains a trajectory: evo reads {', '.join(EVO_TYPES)}"
-        yield Finding(NO_TRAJECTORY, FindingSeverity.NOTE, (BagTool.EVO,), None, what, "record odometry or tf, too")
+        what = f"no topic contains a trajectory: evo reads only {', '.join(EVO_TYPES)}"
+        yield Finding(NO_TRAJECTORY, FindingSeverity.NOTE, (BagTool.EVO,), None, what, "also record odometry or tf")
 
 
 def _used(bag: BagStructure) -> Iterator[ConnectionRecord]:

@@ -152,7 +152,7 @@ class FilledCovariances:
         """Yield one finding for each topic."""
         for topic, filled in self._filled.items():
             if not filled:
-                what = "the covariance of its pose is zero in every message: filters that fuse it reject it or diverge"
+                what = "the covariance of the pose is zero in every message: filters reject this pose, or diverge"
                 remedy = "fill in the covariance in the driver"
                 first, count = self._first_ns[topic], self._count[topic]
                 tools = (BagTool.RVIZ,)
@@ -165,27 +165,27 @@ Numbers = Mapping[str, float]
 def _scan_fault(numbers: Numbers) -> str | None:
     step, span = numbers["angle_increment"], numbers["angle_max"] - numbers["angle_min"]
     if not (math.isfinite(step) and math.isfinite(span)) or step == 0.0:
-        return "the angles of its beams are zero or not finite"
+        return "the angles of the beams are zero or not finite"
     wanted, found = round(span / step) + 1, numbers["ranges"]
     # Drivers of full circles may or may not count the last beam.
     if abs(wanted - found) > 1:
-        return f"angle_min, angle_max and angle_increment give {wanted} beams, but ranges has {found:.0f}"
+        return f"angle_min, angle_max and angle_increment give {wanted} beams, but ranges has {found:.0f} values"
     if numbers["intensities"] not in (0, found):
-        return f"ranges has {found:.0f} beams and intensities {numbers['intensities']:.0f}"
+        return f"ranges has {found:.0f} values, but intensities has {numbers['intensities']:.0f}"
     return None
 
 
 def _grid_fault(numbers: Numbers) -> str | None:
     wanted, found = numbers["info.width"] * numbers["info.height"], numbers["data"]
     if wanted != found:
-        return f"width x height give {wanted:.0f} cells, but data has {found:.0f}"
+        return f"width x height give {wanted:.0f} cells, but data has {found:.0f} cells"
     return None
 
 
 def _rows_fault(row: str) -> Callable[[Numbers], str | None]:
     def fault(numbers: Numbers) -> str | None:
         wanted, found = numbers[row] * numbers["height"], numbers["data"]
-        return f"height x {row} give {wanted:.0f} bytes, but data has {found:.0f}" if found < wanted else None
+        return f"height x {row} give {wanted:.0f} bytes, but data has {found:.0f} bytes" if found < wanted else None
 
     return fault
 
@@ -229,7 +229,7 @@ class ArrayLengths:
     def findings(self, bag: BagStructure) -> Iterator[Finding]:
         """Yield one finding for each topic and fault."""
         for (topic, fault), first, count in self._off.items():
-            remedy = "correct the driver that fills them in"
+            remedy = "correct the driver that publishes these messages"
             tools = (BagTool.RVIZ, BagTool.FOXGLOVE)
             yield Finding("length-wrong", FindingSeverity.ERROR, tools, topic, fault, remedy, first, count)
 
@@ -286,7 +286,7 @@ class ScanHeaders:
     def findings(self, bag: BagStructure) -> Iterator[Finding]:
         """Yield one finding for each topic and fault."""
         for (topic, severity, fault), first, count in self._off.items():
-            remedy = "correct the driver that fills it in"
+            remedy = "correct the driver that publishes these scans"
             tools = (BagTool.RVIZ, BagTool.FOXGLOVE)
             yield Finding("scan-header", severity, tools, topic, fault, remedy, first, count)
 
@@ -311,8 +311,8 @@ class LongArrays:
         """Yield one finding for all topics."""
         if self._longest:
             lengths = ", ".join(f"{topic} ({length})" for topic, length in sorted(self._longest.items()))
-            what = f"by default it plots {PLOTTED_ARRAY} elements of an array, but there are more in {lengths}"
-            remedy = "raise its maximum array size, or omit these topics"
+            what = f"by default, PlotJuggler plots {PLOTTED_ARRAY} elements of an array, fewer than in {lengths}"
+            remedy = "raise PlotJuggler's maximum array size, or omit these topics"
             yield Finding("long-array", FindingSeverity.NOTE, (BagTool.PLOTJUGGLER,), None, what, remedy)
 
 

@@ -29,7 +29,7 @@ class BagTool(StrEnum):
 
 
 class FindingSeverity(StrEnum):
-    """Severity: a tool fails or shows wrong data (error), it loses data (warning), or it has a hint (note)."""
+    """Severity: a tool fails or shows wrong data (error), it loses data (warning), or this is only a hint (note)."""
 
     ERROR = "error"
     WARNING = "warning"
@@ -53,7 +53,7 @@ class Finding:
     """Problem of a bag for some tools.
 
     Attributes:
-        rule: short name of the rule that found it.
+        rule: short name of the rule that found the problem.
         severity: its severity.
         tools: tools concerned.
         topic: topic, or None if it concerns the whole bag.

@@ -70,7 +70,7 @@ class SlashedFrames:
         """Yield one finding for each topic and frame."""
         for (topic, frame), first, count in self._slashed.items():
             if topic in self._tf:
-                severity, tools, harm = FindingSeverity.WARNING, (BagTool.EVO,), "evo knows it only by this name"
+                severity, tools, harm = FindingSeverity.WARNING, (BagTool.EVO,), "evo needs this name"
             else:
                 severity, tools, harm = (
                     FindingSeverity.ERROR,
@@ -78,7 +78,7 @@ class SlashedFrames:
                     "tf2 refuses such names, and rviz shows nothing",
                 )
             what = f"the frame {frame!r} begins with a slash: {harm}"
-            remedy = f"name it {frame_name(frame)!r}"
+            remedy = f"rename the frame to {frame_name(frame)!r}"
             yield Finding("frame-slash", severity, tools, topic, what, remedy, first, count)
 
 
@@ -163,8 +163,9 @@ class TransformTree:
     def findings(self, bag: BagStructure) -> Iterator[Finding]:
         """Yield faults of the tree, and frames of messages that are not connected to it."""
         for (topic, edge), first, count in self._bad.items():
-            what = f"a transform {edge} is ignored: it needs two different names"
-            yield Finding("tf-names", FindingSeverity.ERROR, SHOWN, topic, what, "name both frames", first, count)
+            what = f"tf2 ignores the transform {edge}, because it needs two different frames"
+            remedy = "give both frames different names"
+            yield Finding("tf-names", FindingSeverity.ERROR, SHOWN, topic, what, remedy, first, count)
         for topic, first, count in self._unnamed.items():
             what = "the header names no frame, so tools do not know where to show the message"
             remedy = "fill in frame_id in the driver"
@@ -187,7 +188,7 @@ class TransformTree:
             # A single change may be intended, for example when a robot hands over an object.
             severity = FindingSeverity.ERROR if mixed or switches.get(child, 0) > 1 else FindingSeverity.WARNING
             what = f"the parent of frame {child!r} alternates between {names}: the tree breaks at each change"
-            remedy = "let one publisher send it, with one parent"
+            remedy = "let one publisher send the transform, with one parent"
             first, count = last.received_ns, switches.get(child, 0)
             yield Finding("tf-two-parents", severity, SHOWN, last.topic, what, remedy, first, count)
 
@@ -199,7 +200,7 @@ class TransformTree:
                     ring = [*chain[chain.index(above) :], above]
                     edge = self._edges[chain[-1]][above]
                     what = f"transforms form a loop: {' -> '.join(ring)}"
-                    remedy = "remove one of them"
+                    remedy = "remove one of these transforms"
                     return Finding("tf-loop", FindingSeverity.ERROR, SHOWN, edge.topic, what, remedy, edge.received_ns)
                 chain.append(above)
         return None
@@ -234,25 +235,25 @@ class TransformTree:
         for (topic, name), use in self._uses.items():
             frame = frame_name(name)
             if self._root(frame) != fixed:
-                what = f"no transform connects its frame {frame!r} to {fixed!r}"
+                what = f"no transform connects the frame {frame!r} to {fixed!r}"
                 if self._root(frame) != frame:
-                    what += f"; its root is {self._root(frame)!r}"
-                remedy = "record /tf and /tf_static, too, including base to sensor"
+                    what += f"; the root of this frame is {self._root(frame)!r}"
+                remedy = "also record /tf and /tf_static, including the transform from base to sensor"
                 severity = FindingSeverity.ERROR if use.shown else FindingSeverity.WARNING
                 yield Finding("tf-missing", severity, SHOWN, topic, what, remedy, use.received_ns, use.count)
             elif (late := self._since_ns(frame) - use.stamp_ns) > 0:
                 severity = FindingSeverity.WARNING if late > LATE_NS else FindingSeverity.NOTE
-                what = f"its first message is {late / 1e9:.3f} s older than the first transforms of {frame!r}"
-                remedy = "start to record transforms before the sensors"
+                what = f"the first message is {late / 1e9:.3f} s older than the first transforms of {frame!r}"
+                remedy = "start to record the transforms before the sensors"
                 yield Finding("tf-late", severity, SHOWN, topic, what, remedy, use.received_ns, 1)
 
     def _no_tree(self) -> Iterator[Finding]:
         shown = {frame_name(frame): use for (_, frame), use in self._uses.items() if use.shown}
         if len(shown) > 1:
-            what = f"there are no transforms in the bag, but its messages are in frames {', '.join(sorted(shown))}"
+            what = f"there are no transforms in the bag, but the messages are in frames {', '.join(sorted(shown))}"
             first = min(use.received_ns for use in shown.values())
             yield Finding(
-                "tf-missing", FindingSeverity.ERROR, SHOWN, None, what, "record /tf and /tf_static, too", first
+                "tf-missing", FindingSeverity.ERROR, SHOWN, None, what, "also record /tf and /tf_static", first
             )
 
 
@@ -281,7 +282,7 @@ class CompleteStaticTransforms:
         for number, (stamp_ns, last) in self._last.items():
             lacking = sorted(self._children[number] - last)
             if lacking:
-                what = f"its last message lacks {', '.join(lacking)}, and replaces an earlier one with them"
+                what = f"the last message lacks {', '.join(lacking)}, and replaces earlier messages that have them"
                 remedy = "send all static transforms in one message"
                 tools = (BagTool.ROSBAG, BagTool.RVIZ)
                 topic = bag.connections[number].topic

@@ -172,7 +172,7 @@ def fields_of(msgtype: str, text: str) -> Fields:
     fields: dict[str, Sequence[tuple[str, object]]] = {name: described for name, (_, described) in types.items()}
     missing = missing_types(fields)
     if missing:
-        raise ValueError(f"its definition lacks {', '.join(missing)}")
+        raise ValueError(f"the definition lacks {', '.join(missing)}")
     return fields
 
 

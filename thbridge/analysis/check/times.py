@@ -117,7 +117,7 @@ class HeaderStampOffset:
                 f"header stamps are up to {abs(off):.1f} s {'after' if off > 0 else 'before'} the time of recording, "
                 f"more than the {TF_CACHE:.0f} s that tf2 keeps transforms"
             )
-            remedy = "record with one clock: set `use_sim_time` for the recorder if the robots have it"
+            remedy = "record with one clock: set `use_sim_time` for the recorder if the robots use it"
             tools = (BagTool.RVIZ, BagTool.FOXGLOVE, BagTool.PLOTJUGGLER)
             yield Finding("header-far", FindingSeverity.WARNING, tools, topic, what, remedy, first, count)
 

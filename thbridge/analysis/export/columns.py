@@ -54,7 +54,7 @@ _SPATIAL = frozenset(
     | set(_COVARIANCES)
 )
 _OF_CHILD = FieldStep("nav_msgs/Odometry", "twist")
-"""Only field of common types that is in the child frame, not in the header's frame."""
+"""The only field of common types with values in the child frame, not in the header's frame."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -86,7 +86,7 @@ class _NewColumn:
     values: Callable[[GatheredRows], Values]
 
     def name(self, whole: bool) -> str:
-        """Return its name; if `whole`, include the wrappers."""
+        """Return the name of the column; if `whole`, include the wrappers."""
         own = self.ending or (self.path[-1].field,)
         wraps = [step.field for step in self.path[:-1] if whole or step.field not in WRAPPERS]
         if self.ending and self.ending[0] in {"cov", "std"}:

@@ -27,28 +27,28 @@ GAMES = Table(
         _ROBOT,
         SECONDS,
         _TALK,
-        Column("dialogue", "int32", "", "number of the dialogue game, from 1, unique among those of its robot"),
-        Column("parent", "int32", "", "number of the game that is paused for this one; 0 if there is none"),
+        Column("dialogue", "int32", "", "number of the dialogue game, from 1, unique among the games of its robot"),
+        Column("parent", "int32", "", "number of the game that is paused for this game; 0 if there is none"),
         Column("game_", "string", "", 'name of the game, for example "persuasion"'),
         Column("topic", "string", "", 'topic, for example "next(Robot1, Room3)"'),
         Column("opener", "string", "", '"robot" or "human"'),
         Column(
-            "end", "string", "", 'for example "agreement"; "unfinished" if it had not ended when the recording ended'
+            "end", "string", "", 'for example "agreement"; "unfinished" if the recording ended before the game'
         ),
         Column("moves", "int32", "", "number of moves, without those that follow automatically"),
-        Column("challenges", "int32", "", "number of challenges in it and in the games that are paused for it"),
+        Column("challenges", "int32", "", "number of challenges in this game, and in games paused for this game"),
         Column(
             "gave_in",
             "string",
             "",
-            "side that finally accepted a statement that it had opposed before; empty if neither did",
+            "side that finally accepted a statement that it had opposed before; empty if neither side did",
         ),
-        Column("until_s", "float64", "s", "time of its last move since the beginning of the recording"),
+        Column("until_s", "float64", "s", "time of the last move, since the beginning of the recording"),
         Column(
             "replied_s",
             "float64",
             "s",
-            "time that the participant needed for her moves, without the first move of a game",
+            "time that the participant needed for all moves except the first move of the game",
         ),
     ),
 )
@@ -63,11 +63,14 @@ BELIEFS = Table(
         _TALK,
         Column("holder", "string", "", '"robot", or "human" for beliefs that the robot attributes to the participant'),
         Column("literal", "string", "", "the belief: a literal or a rule"),
-        Column("source", "string", "", 'source of the belief; for the participant "held", or "unknown" to her'),
+        Column("source", "string", "", 'source of the belief; for beliefs of the participant, "held" or "unknown"'),
         Column("as_of_s", "float64", "s", "simulated time of the belief; nan if not reported"),
         Column("confidence", "float64", "", "confidence of the sensor or computation, 0 to 1; nan if not reported"),
         Column(
-            "change", "string", "", "kept (before and after), gained, lost; first: after the first moves of a dialogue"
+            "change",
+            "string",
+            "",
+            '"kept", "gained" or "lost" by the moves; "first" after the first moves of a dialogue',
         ),
     ),
 )

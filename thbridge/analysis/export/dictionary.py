@@ -77,9 +77,9 @@ _CONVENTIONS = (
     "* Each quaternion (`qx` to `qw`) has a column with its `yaw_rad`; each covariance (36 columns",
     "  `..._cov_ROW_COLUMN`) has columns with the standard deviations of x, y and yaw.",
     "* Arrays of numbers are list columns in Parquet, and numbers separated by blanks in CSV. Bytes are base64 in CSV.",
-    "* Arrays of messages are separate tables, `TABLE.FIELD`: `row` is the row of `TABLE` they belong to, `index`",
-    "  the index in the array. If a message consists of one array (tf), its elements are the topic's rows.",
-    "* Simple values in the JSON of game events are columns `event_...`. Robots are numbered from 1; 0 means none.",
+    "* Arrays of messages are separate tables, `TABLE.FIELD`: `row` is the row of `TABLE` with the array, `index`",
+    "  the index in this array. If a message consists of one array (tf), its elements are the topic's rows.",
+    "* Simple values in the JSON of game events are columns `event_...`. Robots are numbered from 1; 0 means no robot.",
     f"* {SENTENCE}",
-    "* `nan` in CSV and NaN in Parquet mean: not measured, or not a number in the message itself.",
+    "* `nan` in CSV and NaN in Parquet mean: the value was not measured, or is nan in the message itself.",
 )

@@ -24,7 +24,7 @@ PIECE = 4 << 20
 LONGEST_TOPIC = 100
 """Greatest number of characters of a topic in its table's name; longer topics are cut and get a digest."""
 HELD = 48 << 20
-"""Bytes of all waiting messages above which the messages of one topic are converted."""
+"""If all waiting messages have more bytes than this, the messages of one topic are converted."""
 
 
 @dataclass(slots=True)
@@ -96,7 +96,7 @@ def export(
 
 
 def _bytes_of_a_column(gathered: TopicTables) -> float:
-    """Return the waiting bytes per column. Until a file is closed, it takes a kilobyte per column and piece."""
+    """Return the waiting bytes per column. Until a file is closed, it needs a kilobyte for each column and piece."""
     return gathered.size / gathered.columns
 
 

@@ -60,7 +60,7 @@ class PosesTable:
         if table.msgtype not in {ODOMETRY, POSE_WITH_COVARIANCE, POSE_STAMPED, _TRANSFORM} or not piece.rows:
             return
         named = {column.name: values for column, values in zip(table.columns, piece.values, strict=True)}
-        # Poses in arrays are not recorded separately, and types of other packages may have these column names, too.
+        # Poses in arrays have no topic of their own. Types of other packages may also have these column names.
         if not named.keys() >= _NEEDED:
             return
         times, recorded, stamps = (np.asarray(named[name]) for name in ("t_s", "recorded_ns", "stamp_ns"))

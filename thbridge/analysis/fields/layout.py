@@ -238,7 +238,7 @@ class _Compiler:
             element_type = str(of)
             within = _Compiler(self._types)
             if element_type in _MOMENTS:
-                within._named(element_type, path)  # a time has no fields, so it keeps the name of the array
+                within._named(element_type, path)  # a time has no fields, so its array keeps its name
             else:
                 within.add(element_type, ())
             self._append(MessageArray(path, count, MessageLayout(denormalize_msgtype(element_type), within.parts())))

@@ -223,7 +223,7 @@ def _until(series: FloatArray, end: float) -> FloatArray:
 
 
 def _draw_ways_made(axes: Axes, row: int, track: Track, tracks: Sequence[Track]) -> None:
-    """Draw a thin bar below a robot's drives while it makes way, in the color of the other robot."""
+    """Draw a thin bar below a robot's drives for each time in which it makes way, in the color of the other robot."""
     colours = {other.name: robot_color(index) for index, other in enumerate(tracks)}
     for made in track.ways_made:
         seconds = made.end - made.start

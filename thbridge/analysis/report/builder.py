@@ -52,8 +52,8 @@ def trajectory_topics(bag: Path, truth: str | None, estimate: str | None) -> Tra
     for option, name in (("--truth", truth), ("--estimate", estimate)):
         if name is None or name in offered:
             continue
-        problem = f"it is of type {kinds[name]}" if name in kinds else "the bag has no such topic"
-        remedy = f"name one of {', '.join(offered)}" if offered else f"it must be of type {', '.join(TRAJECTORIES)}"
+        problem = f"the topic is of type {kinds[name]}" if name in kinds else "the bag has no such topic"
+        remedy = f"name one of {', '.join(offered)}" if offered else f"name a topic of type {', '.join(TRAJECTORIES)}"
         raise BadFile(bag, f"{name}: {problem}", remedy, key=option)
     return TrajectoryTopics(truth, estimate)
 
@@ -85,7 +85,7 @@ def read_games(
 
 
 def gather_games(messages: Iterable[RawMessage], named: TrajectoryTopics = FOUND_BY_NAME) -> list["ReportBuilder"]:
-    """Gather the data for `read_games`: gathered data are mostly on disk, but a report is in memory."""
+    """Gather the data for `read_games`. Gathered data are mostly on disk; a report is in memory."""
     builders = [ReportBuilder(named)]
     for message in messages:
         start = game_start(message)
@@ -211,7 +211,7 @@ class ReportBuilder:
             return ", ".join(track.label for track in tracks if not len(part(track)))
 
         if names := without(lambda track: track.truth):
-            yield f"No true path of {names}: no topic base_pose_ground_truth, and no other name for the truth."
+            yield f"No true path of {names}: no topic base_pose_ground_truth, and no other known name for true poses."
         if names := without(lambda track: track.estimate):
             yield f"No estimated path of {names}: neither map -> odom in /tf nor a topic amcl_pose."
         if names := without(lambda track: track.energy):

@@ -26,11 +26,11 @@ class RecordedGame:
         opener: "robot" or "human".
         end: one of `ENDS`.
         moves: number of its moves, without those that follow automatically.
-        challenges: number of challenges in it and in the games that are paused for it.
+        challenges: number of challenges in this game, and in games that are paused for this game.
         gave_in: "robot" or "human", the side that finally accepted what it had challenged, rejected or denied before
                 in the same situation; empty if neither side did.
         talk: number of the dialogue (of utterances) that contains this game.
-        parent: number of the game that is paused for it; 0 if there is none.
+        parent: number of the game that is paused for this game; 0 if there is none.
         topic: topic of the game.
         began: time of its first move, s.
         ended: time of its last move, s.
@@ -62,7 +62,7 @@ class RecordedDialogues:
         moves: number of moves by speaker and locution, without those that follow automatically.
         questions: number of questions that the participant asked outside these games.
         overrides: number of decisions against a robot's advice.
-        misheard: number of moves that a robot mistook for others.
+        misheard: number of moves that a robot mistook for other moves.
         strategy_faults: number of moves that a robot chose with its own strategy, because the study's strategy failed.
     """
 

@@ -11,8 +11,8 @@ from sim.numerics import elementary_arrays
 from sim.numerics.float_array import FloatArray
 
 RELOCATED = 0.5
-"""Step in meters from which a change of the localizer's pose is a jump and not a correction. No message reports
-such jumps, so the step itself is the criterion."""
+"""Least step of the localizer's pose, in meters, that counts as a jump and not as a correction. No message reports such
+jumps."""
 
 
 def corrected(odometry: FloatArray, recorded: FloatArray, corrections: FloatArray) -> FloatArray:

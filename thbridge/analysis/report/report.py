@@ -80,7 +80,7 @@ class Track:
         sources: sentences about the topics that were used, for people.
         `carried`: (p,) times at which the robot was picked up and moved.
         relocated: (q,) times at which its localizer found it elsewhere, or its odometry was reset.
-        ways_made: times in which it made way for others, in order.
+        ways_made: times in which it made way for other robots, in order.
         reset: (r,) times at which its odometry was reset.
         faults: sentences about poses that cannot be the motion of a robot.
     """
@@ -158,7 +158,7 @@ class Report:
         timeline: events and utterances, in the order of time.
         score: last score, or None.
         inputs: number of recorded inputs of people.
-        missing: sentences about missing data, and why they are missing.
+        missing: sentences about missing data, with the reasons.
         game: number of the game; None if no game begins in the messages.
         rooms: names of the map's rooms.
         begins: seconds from the recording's first message to the beginning of this game, from which its times count.

@@ -23,7 +23,7 @@ class SoundPath:
         rows: (n, 4) time, x, y, theta; times increase.
         recorded: (n,) time of recording of each.
         cuts: (k,) times of jumps, at which no robot drove.
-        faults: faults that were found, in the order of recording.
+        faults: faults, in the order of recording.
     """
 
     rows: FloatArray

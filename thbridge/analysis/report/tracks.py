@@ -106,7 +106,7 @@ class SeriesByTopic:
         goals: ids of the current goals, with the time when they were set.
         attempts: goals that ended.
         `carried`: times at which a robot was picked up and moved, by the name of the robot.
-        ways_made: times in which robots made way for others.
+        ways_made: times in which robots made way for other robots.
         left_out: number of rows that `plausible` omitted, by topic.
     """
 

@@ -39,7 +39,7 @@ def test_check_does_not_say_that_evo_takes_a_bag_without_a_trajectory(tmp_path: 
 def test_check_says_what_where_and_what_to_do(bad: Path) -> None:
     done = invoke("bag", "check", bad)
     assert done.exit_code == 1
-    assert "error for rviz, Foxglove: /scan: no transform connects its frame 'laser' to 'map'" in done.stdout
+    assert "error for rviz, Foxglove: /scan: no transform connects the frame 'laser' to 'map'" in done.stdout
     assert "(first at 0.000 s; 30 messages)" in done.stdout
     assert "rviz        has problems" in done.stdout
 
@@ -112,7 +112,7 @@ def test_cut(bag: Path) -> None:
 def test_cut_refuses_what_is_not_there(bag: Path) -> None:
     done = invoke("bag", "cut", bag, "--topics", "/nothing")
     assert done.exit_code == 2
-    assert "it has no topic /nothing" in done.stderr
+    assert "the bag has no topic /nothing" in done.stderr
 
 
 def test_to_mcap(bag: Path) -> None:

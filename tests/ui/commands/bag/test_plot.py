@@ -48,7 +48,7 @@ def test_trajectories_that_are_named(folder: Path, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        (["--truth", "/scan"], "--truth: /scan: it is of type sensor_msgs/LaserScan. Name one of /odom."),
+        (["--truth", "/scan"], "--truth: /scan: the topic is of type sensor_msgs/LaserScan. Name one of /odom."),
         (["--estimate", "/none"], "--estimate: /none: the bag has no such topic. Name one of /odom."),
     ],
 )
