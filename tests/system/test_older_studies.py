@@ -138,5 +138,5 @@ def test_a_log_of_another_layout_names_the_release_to_use(study: Path) -> None:
     with sqlite3.connect(study / "store" / "log") as database:
         database.execute("PRAGMA user_version=9")
     said = refused("study", "status", study)
-    assert "is a log of layout 9" in said
-    assert "Use the release with which the study was run" in said
+    assert "the log has layout 9" in said
+    assert "Use the release of thbridge that ran the study" in said

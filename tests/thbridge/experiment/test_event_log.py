@@ -276,7 +276,7 @@ def test_a_follower_tells_of_damage_once(log: Path) -> None:
     with sqlite3.connect(log) as database:
         database.execute("UPDATE events SET content = replace(content, 'later', 'never') WHERE sequence = 7")
     database.close()
-    with pytest.raises(BadFile, match="event 7 is not what was written"):
+    with pytest.raises(BadFile, match="event 7 was changed"):
         follower.poll()
     assert not follower.poll()
     assert follower.entries == known
@@ -302,7 +302,8 @@ def test_a_full_log_says_that_it_is_full_and_not_the_disk(tmp_path: Path, monkey
             for _ in range(100):
                 log.append([answer("P-AAAA", "zebra " * 2000)])
         assert str(refusal.value).endswith(
-            "/log: is full: a log has at most 1572864 bytes. End this study, and start another one in a new folder."
+            "/log: the log is full: a log has at most 1572864 bytes. "
+            "End this study, and start another study in a new folder."
         )
         written = len(log.read())
         assert written > 10

@@ -21,12 +21,12 @@ from thbridge.files.yaml.load import Loaded, load
 
 @dataclass(frozen=True, slots=True)
 class PutInEffect:
-    """An effect on a score of people's answers."""
+    """A simulated effect on a score of people's answers."""
 
-    score: str = field(metadata={"help": "name of the subscale"})
-    shift: float = param(0.1, "increase of answers, as a share of the scale", "", -1, 1)
+    score: str = field(metadata={"help": "name of the score"})
+    shift: float = param(0.1, "increase of the answers, as a share of the scale", "", -1, 1)
     where: Mapping[str, str] = field(
-        default_factory=dict, metadata={"help": "levels with the effect: {FACTOR: LEVEL}; if empty, all levels"}
+        default_factory=dict, metadata={"help": "levels with this effect: {FACTOR: LEVEL}; if empty, all levels"}
     )
 
     def holds(self, levels: Mapping[str, str]) -> bool:
@@ -36,25 +36,27 @@ class PutInEffect:
 
 @dataclass(frozen=True, slots=True)
 class SimulatedPeople:
-    """Simulated people as the file `rehearsal.yaml` describes them."""
+    """Properties of simulated people, from the file `rehearsal.yaml`."""
 
-    drop_out: float = param(0.02, "probability that a person leaves in a step", "", 0, 0.9)
+    drop_out: float = param(0.02, "probability that a person leaves during a step", "", 0, 0.9)
     wrong: float = param(0.15, "probability of a wrong answer in a check", "", 0, 1)
-    not_applicable: float = param(0.02, "probability of that answer, if an item allows it", "", 0, 1)
+    not_applicable: float = param(0.02, "probability of the answer 'not applicable', if an item allows it", "", 0, 1)
     spread: float = param(0.15, "standard deviation of answers between people, as a share of the scale", "", 0, 1)
-    within: float = param(0.15, "standard deviation of a person's answers between items and conditions", "", 0, 1)
+    within: float = param(
+        0.15, "standard deviation of a person's answers between items and conditions, as a share of the scale", "", 0, 1
+    )
     effects: tuple[PutInEffect, ...] = param((), "effects on scores")
     attitudes: tuple[Attitude, ...] = param(
-        (), "attitudes toward what robots say; each participant has one of them. If empty, the attitude of the study"
+        (), "attitudes to robots' claims; each person has one of these attitudes; if empty, the attitude of the study"
     )
     words_per_minute: float = param(220.0, "reading speed of people", "1/min", 10, 2000)
     answering: float = param(4.0, "median time for answering an item", "s", 0.1, 600)
-    hesitation: float = param(0.6, "spread of that time: standard deviation of its logarithm", "", 0, 3)
+    hesitation: float = param(0.6, "spread of the answering time: standard deviation of its logarithm", "", 0, 3)
     crashes: float = param(0.0, "probability that the program crashes after an event and is restarted", "", 0, 0.5)
     plays: bool = param(default=True, help="play and record games; if false, trials end at once")
 
     def without_games(self) -> "SimulatedPeople":
-        """Return the same people with trials that end at once, because their answers do not depend on games."""
+        """Return the same people with trials that end at once. Simulated answers do not depend on games."""
         return replace(self, plays=False)
 
     def answer(
@@ -69,8 +71,8 @@ class SimulatedPeople:
 
         Args:
             item: item of a form.
-            levels: the levels of all factors that the person meets.
-            manner: tendency of the person to answer higher than others in this form; mean 0, variance 1 over people.
+            levels: level of each factor for the person.
+            manner: the person's tendency to give higher answers in this form than other people; mean 0, variance 1.
             draw: source of random numbers from 0 to less than 1.
             normal: source of random numbers with mean 0 and variance 1.
         """
@@ -96,15 +98,15 @@ class SimulatedPeople:
 
 
 def normal(stream: np.uint64, tick: int = 0) -> float:
-    """Return a random number with mean 0 and variance 1: the sum of twelve draws, minus six (Irwin and Hall)."""
+    """Return a random number with mean 0 and variance 1: the sum of 12 uniform numbers, minus 6 (Irwin and Hall)."""
     return sum(chain.from_iterable(noise.uniform_pair(stream, tick, block) for block in range(6))) - 6.0
 
 
 def read_people(path: Path, design: ExperimentDesign) -> SimulatedPeople:
-    """Read the properties of simulated people, or return the default ones if the file does not exist.
+    """Read the properties of simulated people. If the file does not exist, return the default properties.
 
     Raises:
-        BadFile: it cannot be read, or names a score, factor or level that the experiment does not have.
+        BadFile: the file cannot be read, or names a score, factor or level that the experiment does not have.
     """
     if not path.exists():
         return SimulatedPeople()
@@ -114,7 +116,11 @@ def read_people(path: Path, design: ExperimentDesign) -> SimulatedPeople:
 
 
 def check_effects(loaded: Loaded[SimulatedPeople], design: ExperimentDesign) -> None:
-    """Raise BadFile for effects on scores, factors or levels that the experiment does not have."""
+    """Check that the experiment has the scores, factors and levels of all effects.
+
+    Raises:
+        BadFile: the experiment does not have a score, factor or level.
+    """
     scores = {name for form in design.forms.values() for name in form.subscales}
     levels: dict[str, set[str]] = {}
     for combination in (*(each.levels for each in design.conditions), *(each.levels for each in design.cells)):
@@ -138,4 +144,4 @@ def check_effects(loaded: Loaded[SimulatedPeople], design: ExperimentDesign) -> 
 
 
 def _listed(names: set[str]) -> str:
-    return ", ".join(sorted(names)) or "nothing: there is none"
+    return ", ".join(sorted(names)) or "none, because the study has none"

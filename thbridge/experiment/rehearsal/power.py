@@ -1,7 +1,7 @@
-"""Power of an experiment: the share of rehearsals in which its main test finds an effect, by the number of people.
+"""Statistical power of an experiment: the share of rehearsals with a significant effect, by the number of people.
 
-Each rehearsal is run twice: with all effects of its people's file, and without the effects on the tested score. The
-share of significant results without these effects shows whether the test keeps its significance level.
+Each rehearsal is run twice: with all effects in `rehearsal.yaml`, and without the effects on the tested score. Without
+these effects, the share of significant results should be equal to the test's significance level.
 """
 
 import functools
@@ -36,16 +36,16 @@ LEVEL = 0.05
 WARM = ("thbridge.experiment.rehearsal.power",)
 """Modules that workers import before their first task."""
 MOST_DEATHS = 3
-"""Number of workers that may die at one rehearsal. More deaths mean that something is wrong with all workers."""
+"""Number of crashed workers at one rehearsal after which the estimate stops, because all workers would crash."""
 
 
 @dataclass(frozen=True, slots=True)
 class PowerQuestion:
-    """The question that rehearsals answer.
+    """Question of a power estimate.
 
     Attributes:
-        score: name of a subscale.
-        factor: the factor with the levels that are compared.
+        score: name of the tested score.
+        factor: factor whose levels are compared.
         people: numbers of people, ascending.
     """
 
@@ -60,11 +60,11 @@ class PowerTask:
 
     Attributes:
         folder: folder of the experiment.
-        results: folder of the results of this question about this experiment.
+        results: folder of the results for this question and this experiment.
         question: question to answer.
         simulated: properties of the simulated people.
         seed: random seed of the rehearsal.
-        effects: False to leave out effects on the tested score.
+        effects: False for a rehearsal without the effects on the tested score.
     """
 
     folder: Path
@@ -76,7 +76,7 @@ class PowerTask:
 
     @property
     def result(self) -> Path:
-        """The file that exists once the task is done."""
+        """The file that exists after the task is done."""
         return self.results / ("with" if self.effects else "without") / f"{self.seed}.json"
 
     @property
@@ -91,7 +91,7 @@ class PowerTask:
             if not self.effects:
                 kept = tuple(effect for effect in kept if effect.score != self.question.score)
             found = _rehearsed(replace(self.simulated, effects=kept), self)
-            with whole_file(self.result, "free some space, then continue", folders=True) as file:
+            with whole_file(self.result, "free some space, then run the command again", folders=True) as file:
                 file.write(json.dumps(found).encode())
         return TaskOutcome(1, 0, (), 0.0)
 
@@ -125,11 +125,11 @@ class PowerEstimate:
 def estimate_power(
     tasks: Sequence[PowerTask], engine: Engine[PowerTask], progress: Callable[[int], None] = lambda _done: None
 ) -> dict[bool, tuple[PowerEstimate, ...]]:
-    """Rehearse on an open engine; return the estimates with the effects (True) and without (False).
+    """Run all rehearsals on an open engine. Return the estimates with the effects (True) and without effects (False).
 
     Args:
         tasks: tasks of one question.
-        engine: engine that carries them out.
+        engine: engine that runs the tasks.
         progress: receives the number of finished rehearsals.
 
     Raises:
@@ -147,12 +147,12 @@ def estimate_power(
             continue
         deaths[ended.task.result] += 1
         if deaths[ended.task.result] >= MOST_DEATHS:
-            raise EngineFailed(f"{MOST_DEATHS} workers died at the rehearsal with seed {ended.task.seed}.")
+            raise EngineFailed(f"{MOST_DEATHS} workers crashed at the rehearsal with seed {ended.task.seed}.")
         engine.submit(ended.task)
     found: dict[bool, dict[int, list[float | None]]] = {True: defaultdict(list), False: defaultdict(list)}
     for task in tasks:
-        remedy = "Delete this file: the same command rehearses it again"
-        values = read_json(task.result, dict[int, float | None], "not a result of a rehearsal", remedy)
+        remedy = "Delete this file and run the command again: it repeats this rehearsal"
+        values = read_json(task.result, dict[int, float | None], "this is not a result of a rehearsal", remedy)
         for people, value in (values or {}).items():
             found[task.effects][people].append(value)
     return {
@@ -166,12 +166,12 @@ def estimate_power(
 
 @functools.cache
 def _design(folder: Path, _results: Path) -> ExperimentDesign:
-    """Return the experiment of the results. A worker reads it once, because reading takes as long as a rehearsal."""
+    """Return the experiment. A worker reads it only once, because reading takes as long as a rehearsal."""
     return ExperimentFolder(folder).read()
 
 
 def _rehearsed(people: SimulatedPeople, task: PowerTask) -> dict[int, float | None]:
-    """Rehearse with the largest number of people, and compute the test for each smaller number as well."""
+    """Rehearse with the largest number of people. Return the p-value of the test for each number of people."""
     design, question = _design(task.folder, task.results), task.question
     quota = math.ceil(question.people[-1] / len(design.cells))
     design = replace(design, file=replace(design.file, quota=quota))
@@ -186,7 +186,7 @@ def _rehearsed(people: SimulatedPeople, task: PowerTask) -> dict[int, float | No
     )
     found = {}
     for number in question.people:
-        # Places are given in order, so a smaller experiment would have had exactly these people.
+        # Places are assigned in order, so a smaller experiment would have exactly these people.
         some = [run for run in counted if run.place.number < number]
         value = _p_value(design, some, scores, question.factor)
         found[number] = None if math.isnan(value) else value
@@ -196,7 +196,7 @@ def _rehearsed(people: SimulatedPeople, task: PowerTask) -> dict[int, float | No
 def _scores(
     design: ExperimentDesign, progress: Progress, entries: Sequence[LoggedEvent], score: str
 ) -> Mapping[str, list[tuple[int | None, float]]]:
-    """Return the scores of each person, each with the index of its condition."""
+    """Return the scores of each person, by id. Each score is a pair: index of the condition, value."""
     given: defaultdict[tuple[str, int], dict[str, Answer]] = defaultdict(dict)
     for entry in entries:
         event = entry.event
@@ -214,7 +214,7 @@ def _scores(
 def _p_value(
     design: ExperimentDesign, runs: Sequence[Run], scores: Mapping[str, list[tuple[int | None, float]]], factor: str
 ) -> float:
-    """Return the p-value of the hypothesis that all levels of a factor have the same mean; NaN for too few people."""
+    """Return the p-value of the hypothesis that all levels of a factor have the same mean. NaN for too few people."""
     if factor in design.conditions[0].levels:
         levels = list(dict.fromkeys(condition.levels[factor] for condition in design.conditions))
         rows = []
@@ -235,9 +235,9 @@ def _p_value(
 
 
 def within_p_value(rows: FloatArray) -> float:
-    """Return the p-value of equal means of the columns of (people, levels), by Hotelling's test of their differences.
+    """Return the p-value of equal means of the columns of (people, levels), by Hotelling's test of the differences.
 
-    With two levels it is the paired t-test; with more levels it does not require sphericity.
+    For two levels, this is the paired t-test. For more levels, the test does not require sphericity.
 
     Source: Hotelling, The generalization of Student's ratio (1931).
     """
@@ -256,7 +256,7 @@ def within_p_value(rows: FloatArray) -> float:
 
 
 def between_p_value(groups: Sequence[FloatArray]) -> float:
-    """Return the p-value of equal means of groups: Welch's test for two groups, analysis of variance for more.
+    """Return the p-value of equal means of groups: Welch's test for two groups, analysis of variance for more groups.
 
     Source: Welch, The generalization of Student's problem (1947).
     """
@@ -264,7 +264,7 @@ def between_p_value(groups: Sequence[FloatArray]) -> float:
         return math.nan
     variances = [float(group.var(ddof=1)) / len(group) for group in groups]
     if min(variances) <= 0.0:
-        return math.nan  # a group without variance allows no test
+        return math.nan  # The tests need some variance in each group.
     if len(groups) > 2:
         return float(stats.f_oneway(*groups).pvalue)
     one, other = variances

@@ -1,4 +1,4 @@
-"""Rehearsals: simulated people go through a whole experiment, with answers, errors and drop-outs from a random seed."""
+"""Rehearsals: simulated people take part in a complete experiment, with random answers, errors and drop-outs."""
 
 import math
 import random
@@ -28,11 +28,11 @@ from thbridge.files.progress import Tell, untold
 from thbridge.recording.recordings import parts_of
 
 BETWEEN_PEOPLE, PRACTICE, PAUSE = 300.0, 120.0, 60.0
-"""Seconds from one person to the next, of a practice game, and of a pause."""
+"""Durations in seconds: time between two people, practice game, pause."""
 
 
 class ProgramCrashed(Exception):  # noqa: N818 - the name says what happens
-    """A simulated crash of the program in a rehearsal, according to the file of its people. The caller restarts it."""
+    """Simulated crash of the program in a rehearsal. The caller restarts the rehearsal."""
 
 
 def rehearse(
@@ -41,11 +41,11 @@ def rehearse(
     """Rehearse an experiment in its folder, restarting the program after each simulated crash.
 
     Args:
-        folder: the folder for log and recordings; it has no log yet.
+        folder: the folder for log and recordings, without a log.
         design: the experiment.
         people: properties of the simulated people.
-        seed: random seed of all their actions, and of ids, codes and salts of the log.
-        `tell`: receives the number of counted runs so far, and the number wanted.
+        seed: random seed of all actions of people, and of the log's ids, codes and salts.
+        `tell`: receives the present number of valid runs, and the required number.
 
     Returns:
         The reason why no more people are admitted.
@@ -67,10 +67,10 @@ class Rehearsal:
     Args:
         design: the experiment.
         people: properties of the simulated people.
-        seed: random seed of all their actions.
-        clock: clock that is advanced by the time they need.
-        bag_of: returns the path for the recording of a person's step.
-        root: the folder that paths of recordings are relative to.
+        seed: random seed of all actions of people.
+        clock: clock of the rehearsal, which advances by the time that people need.
+        bag_of: function that returns the path for the recording of a person's step.
+        root: folder for relative paths of recordings.
     """
 
     def __init__(
@@ -93,15 +93,15 @@ class Rehearsal:
         self._settings = SettingCache(design.beside)
 
     def run(self, conductor: Conductor, tell: Tell = untold) -> NoPlace:
-        """Let people take part until no place is left; return the reason. `tell` is as for `rehearse`.
+        """Let people take part until no place is free. Return the reason. For `tell`, see `rehearse`.
 
         Raises:
-            ProgramCrashed: a simulated crash; a new conductor of the same log continues.
+            ProgramCrashed: a simulated crash. The caller continues with a new conductor of the same log.
         """
         conductor.rehearse(self._seed)
         conductor.listeners.append(self._may_crash)
         while True:
-            # People with unfinished runs from before a crash come first.
+            # First finish the runs that a crash interrupted.
             for run in list(conductor.progress.runs.values()):
                 self.take_part(conductor, run)
             done = sum(run.state is RunState.COMPLETE for run in conductor.progress.runs.values())
@@ -112,7 +112,7 @@ class Rehearsal:
                 return admitted
 
     def take_part(self, conductor: Conductor, run: Run) -> None:
-        """Go through all remaining steps of a person."""
+        """Simulate all remaining steps of a person."""
         person = run.participant
         while (step := conductor.begin(person)) is not None:
             if self._draw() < self._people.drop_out:
@@ -141,7 +141,7 @@ class Rehearsal:
 
     def _fill_in(self, conductor: Conductor, person: str, step: PlannedStep) -> None:
         form = conductor.form(step)
-        # Each person has a tendency that stays the same in all conditions.
+        # A person has the same tendency in all conditions.
         manner = normal(noise.key(self._seed, "experiment", "manner", person, step.name))
         levels = self._design.levels_at(conductor.progress.runs[person].place.cell, step.condition)
         for item in form.order(self._design.file.seed, person):

@@ -1,1 +1,1 @@
-"""Markers for other recorders, sent over the network."""
+"""Markers for other recording programs, sent over the network."""

@@ -1,11 +1,11 @@
-"""Markers for other recorders: each event of a study's log is sent as a sample of the Lab Streaming Layer.
+"""Markers for other recording programs: each event of a study's log is sent as a Lab Streaming Layer (LSL) sample.
 
-The stream has the type Markers and one channel of text, at no regular rate. A sample is JSON: sequence, kind,
-participant, step, condition and the clocks of the event. Its time is `local_clock()`, which is also in the log. Answers
-are not sent.
+The stream has the type Markers, one channel of text and an irregular rate. A sample is JSON with the sequence number,
+kind, participant, step, condition and clocks of the event. The time of the sample is `local_clock()`; the log contains
+this time, too. Answers are not sent.
 
-Recorders cannot delay a study: a separate thread passes samples to liblsl, and all its errors are reported as
-troubles.
+Recording programs cannot delay a study: a separate thread passes samples to liblsl. The property `troubles` reports all
+errors of this thread.
 """
 
 import json
@@ -21,15 +21,15 @@ from thbridge.experiment.store.events import Clocks, LoggedEvent
 STREAM, STREAM_TYPE = "thbridge", "Markers"
 """Name and type of the stream."""
 MOST_WAITING = 2000
-"""Largest number of markers waiting to be sent; when it is reached, new markers are dropped."""
-INSTALL = "Install it: pip install 'thbridge[markers]'"
-LIBRARY = "Install liblsl 1.16 or newer for this system, and name its file in the environment variable PYLSL_LIB"
+"""Largest number of unsent markers. Above this number, new markers are dropped."""
+INSTALL = "Install pylsl: pip install 'thbridge[markers]'"
+LIBRARY = "Install liblsl 1.16 or newer, and write the path of its file into the environment variable PYLSL_LIB"
 
 
 def why_no_markers() -> str:
-    """Return a sentence on why no markers can be sent from here, or an empty text if they can."""
+    """Return the reason why this program cannot send markers, as a sentence, or an empty text if it can."""
     try:
-        # Without markers, neither the package nor the library needs to be installed.
+        # The package and the library are optional.
         import pylsl  # noqa: F401, PLC0415
     except ImportError:
         return f"Markers: pylsl is not installed. {INSTALL}."
@@ -39,14 +39,14 @@ def why_no_markers() -> str:
 
 
 class MarkerStream:
-    """Markers of one study, from the object's creation until it is closed.
+    """Sender of the markers of one study. It sends markers until `close` is called.
 
     Args:
         study: title of the study.
-        wanted: False for a study without markers; then nothing is loaded and nothing is sent.
+        wanted: False for a study without markers. Then liblsl is not loaded, and no markers are sent.
 
     Attributes:
-        source: source id of the stream, by which recorders find it again after the program restarts.
+        source: source id of the stream. With this id, recording programs find the stream again after a restart.
     """
 
     def __init__(self, study: str, *, wanted: bool = True) -> None:
@@ -73,12 +73,12 @@ class MarkerStream:
 
     @property
     def troubles(self) -> tuple[str, ...]:
-        """The reason why markers are not sent, in a sentence; empty while markers are sent."""
+        """Sentence with the reason why markers are not sent. Empty if markers are sent."""
         lost = f" {self._lost} markers were not sent." if self._lost else ""
         return (self._trouble + lost,) if self._trouble else ()
 
     def stamping(self, clocks: Callable[[], Clocks]) -> Callable[[], Clocks]:
-        """Return clocks that also give LSL's time."""
+        """Return a function that adds LSL's time to the clocks."""
 
         def stamped() -> Clocks:
             return replace(clocks(), lsl=None if self._clock is None else self._clock())
@@ -86,7 +86,7 @@ class MarkerStream:
         return stamped
 
     def push(self, logged: LoggedEvent) -> None:
-        """Send the marker of a logged event. Returns at once and raises nothing."""
+        """Send the marker of a logged event, without waiting and without exceptions."""
         if self._clock is None or self._trouble:
             self._lost += self._wanted
         elif self._waiting.qsize() >= MOST_WAITING:
@@ -97,7 +97,7 @@ class MarkerStream:
             self._waiting.put((_sample(logged), self._clock() if stamp is None else stamp))
 
     def close(self, timeout: float = 2.0) -> None:
-        """Send the waiting markers and end the stream; give up after `timeout` seconds."""
+        """Send all unsent markers and end the stream. Give up after `timeout` seconds."""
         self._waiting.put(None)
         if self._clock is not None:
             self._thread.join(timeout)

@@ -1,1 +1,1 @@
-"""The store of an experiment: a log of all events that detects changed and missing entries."""
+"""The store of an experiment: a log of all events. Its readers detect changed and missing entries."""

@@ -1,7 +1,7 @@
-"""Decoding of a log's events from text. The data that readers rely on is checked here, once.
+"""Decoding of a log's events from text, with a check of all data that other code uses.
 
-A log may come from a later release, another program or an adversary, with correct digests. Unknown kinds and keys are
-kept; known ones must have the right type and be within bounds.
+A log with correct digests may come from a later release, another program or an adversary. Unknown kinds and keys are
+kept. Data of known kinds and keys must have the right type and must be within bounds.
 """
 
 from collections.abc import Mapping
@@ -22,7 +22,7 @@ from thbridge.experiment.store.events import (
 )
 
 LARGEST_EVENT = 1 << 20
-"""Largest event in bytes. The longest answer, 20,000 characters, needs at most 120 kB."""
+"""Largest size of an event, in bytes. The longest answer, with 20,000 characters, needs at most 120 kB."""
 MOST_LEVELS = 16
 """Largest nesting depth of an event's data."""
 LONGEST_NAME = 1000
@@ -39,11 +39,11 @@ _Answer = None | bool | _WholeAnswer | _Number | str | list[str]
 
 
 class BadEvent(ValueError):  # noqa: N818 - it names the fault
-    """Text that is not an event, or lacks what readers of logs rely on; `str()` gives the reason as a clause."""
+    """Text that is not a valid event. `str()` gives the reason as a clause."""
 
 
 class _Event(Struct):
-    """Fields of an event in its text."""
+    """Fields of an event's text."""
 
     kind: Annotated[str, Meta(min_length=1, max_length=LONGEST_NAME)]
     actor: Actor
@@ -58,7 +58,7 @@ class _Event(Struct):
     lsl: float | None = None
 
 
-# Data of each kind that readers rely on
+# Required data of each kind of event
 
 
 class _PlaceTaken(Struct):
@@ -183,13 +183,13 @@ def decoded(content: str) -> NewEvent:
     except msgspec.MsgspecError as error:
         raise BadEvent(str(error)) from None
     except RecursionError:
-        raise BadEvent("JSON nested too deeply") from None
+        raise BadEvent("its JSON is nested too deeply") from None
     if levels > MOST_LEVELS:
         raise BadEvent(f"its data is nested in more than {MOST_LEVELS} levels")
     if read.kind in _OF_A_STEP and read.step == 0:
-        raise BadEvent("it belongs to no step")
+        raise BadEvent("it has no step")
     if not _is_time(read.wall):
-        raise BadEvent(f"its time, {read.wall!r}, is not a date and time in UTC")
+        raise BadEvent(f"its time, {read.wall!r}, is not a date and time with a time zone")
     clocks = Clocks(read.wall, read.monotonic_ns, read.simulated, read.lsl)
     data = cast("dict[str, JsonValue]", read.data)
     return NewEvent(read.kind, read.actor, clocks, read.participant, read.step, read.condition, read.cause, data)

@@ -1,16 +1,18 @@
-"""The log of an experiment: events in an SQLite database, each chained to all events before it.
+"""The log of an experiment: events in an SQLite database, each with a hash over all earlier events.
 
-A row has the event as text, a random salt, the digest of both, and the chain: the digest of the previous chain and the
-row's own digest. So the digest reveals a changed row, and the chain reveals a row that is missing, added or moved. A
-log without its last rows would be shorter and still consistent. Therefore, after each append, the number of rows and
-the chain are written to a second file, the head; a log that is shorter than its head is incomplete. The head also
-names the database and its write-ahead log, so that two files that do not belong together are refused.
+A row has the event as text, a random salt, the digest of both, and the chain. The chain is the hash of the previous
+chain and the row's digest. So the digest reveals a changed row, and the chain reveals a missing, added or moved row.
 
-A withdrawal deletes an event but keeps its digest, which reveals nothing without the salt, so the chain stays valid. A
-later event of kind WITHDRAWN must name the deleted rows; otherwise the gaps count as damage.
+If the last rows are missing, the remaining rows are consistent. Therefore each append also writes the number of rows
+and the last chain to a second file, the head. A log that is shorter than its head is incomplete. The head also names
+the database and its write-ahead log, so that readers can refuse files from different logs.
 
-Each append is on the disk before it returns (SQLite's write-ahead log, synchronous=FULL). The log of a rehearsal can
-be computed again, so it is written in batches instead.
+A withdrawal deletes the text and the salt of an event, but keeps the digest. So the chain stays valid, and the digest
+reveals nothing about the text. A later event of kind WITHDRAWN must list the deleted rows. Otherwise deleted rows count
+as damage.
+
+An append returns after its data are on the disk (SQLite's write-ahead log, synchronous=FULL). The log of a rehearsal is
+written in batches instead, because a rehearsal can be repeated.
 """
 
 import contextlib
@@ -57,20 +59,20 @@ from thbridge.files.disk.whole import write_whole
 from thbridge.files.errors import BadFile, reason_of
 
 BATCH = 256
-"""Number of events that an unsynced log writes together."""
+"""Number of events in a batch of an unsynced log."""
 
 CHECKPOINT = 4 << 20
-"""Size of the write-ahead log, in bytes, at which it is copied into the database."""
+"""Size of the write-ahead log, in bytes, at which its rows are copied into the database."""
 
 APPLICATION = 0x74686578
 """SQLite's application_id of an experiment's log."""
 VERSION = 1
 _MOST_STEPS = 1 << 28
-"""Largest number of steps of SQLite's virtual machine for reading a log; the largest log needs a third of them."""
+"""Largest number of steps of SQLite's virtual machine for reading a log. The largest log needs a third of this."""
 _STEPS_BETWEEN_CHECKS = 1 << 16
 _MOST_BYTES_OF_LETTER = 4
 _ROOM = 1 << 20
-"""Bytes of the largest log that are reserved for withdrawals; more than a transaction needs in addition to its rows."""
+"""Number of bytes below the size limit that are reserved for withdrawals. A withdrawal's transaction needs less."""
 
 _TABLE = """
 CREATE TABLE events (
@@ -87,22 +89,22 @@ _SALT = 16
 _Row: TypeAlias = tuple[int, bytes, str, bytes, bytes]
 
 Salts = Callable[[int], bytes]
-"""Source of a given number of random bytes."""
+"""Function that returns a given number of random bytes."""
 
 
 class ExperimentLog:
     """The log of one experiment, open for appending.
 
-    Only one program at a time can have it open. Close it, or use it in `with`.
+    Only one program at a time can open a log. Close the log, or use it in a `with` statement.
 
     Args:
-        path: path of the database, which is created if it does not exist. The head is next to it.
+        path: path of the database. If the database does not exist, it is created. The head is in the same folder.
         salts: source of the rows' salts.
-        synced: False for a log that does not have to outlive its program, such as that of a rehearsal: events are
+        synced: False for a log that may be lost if the program crashes, such as the log of a rehearsal. Then events are
             written in groups of `BATCH`, and when the log is closed.
 
     Raises:
-        BadFile: it cannot be opened or written, another program has it open, or `read_log` refuses it.
+        BadFile: the log cannot be opened or written, another program has opened it, or `read_log` refuses it.
     """
 
     def __init__(self, path: Path, salts: Salts = os.urandom, *, synced: bool = True) -> None:
@@ -114,30 +116,30 @@ class ExperimentLog:
         self._lock = lock_log(path)
         new = not path.exists()
         if new and head_path(path).exists():
-            raise BadFile(path, "is missing, but its head exists", restore_remedy(path))
+            raise BadFile(path, "the log is missing, but its head exists", restore_remedy(path))
         check_files(path)
         if not new:
             _recover(path)
-        # Nothing is ever appended to a damaged log.
+        # Read the log first: events must never be appended to a damaged log.
         entries = [] if new or _is_just_made(path) else read_log(path)
         try:
             if new:
                 _make(path)
             self._database = _opened(path, "rw")
-            # A copy has been written in another mode.
+            # A backup copy was written in another mode.
             self._database.execute("PRAGMA journal_mode=WAL")
             self._database.execute(f"PRAGMA synchronous={'FULL' if synced else 'OFF'}")
-            # The head must record each checkpoint in advance.
+            # The head must be written before each checkpoint.
             self._database.execute("PRAGMA wal_autocheckpoint=0")
             self._database.execute("PRAGMA journal_size_limit=0")
             self._length, self._chain = len(entries), _last_chain(self._database)
             self._write_head(database_name(path), ANY)
             if any(isinstance(entry, Tombstone) for entry in entries):
-                # The program that deleted them may have died before it finished.
+                # The program of the withdrawal may have crashed before it rewrote the file.
                 self._wipe()
         except (sqlite3.Error, OSError) as error:
             raise BadFile(
-                path, f"cannot be opened ({_reason(error)})", "look at the disk and at the folder's rights"
+                path, f"the log cannot be opened ({_reason(error)})", "Check the disk and the rights of the folder"
             ) from None
 
     def __enter__(self) -> Self:
@@ -147,31 +149,31 @@ class ExperimentLog:
         self.close()
 
     def close(self) -> None:
-        """Write everything into the database file, and close it.
+        """Write all events and close the database.
 
         Raises:
-            BadFile: unwritten events cannot be written; this never happens for a synced log.
+            BadFile: unwritten events cannot be written. This never happens for a synced log.
         """
         with self._lock:
             try:
                 self.flush()
             finally:
-                # If there is no space for a new head, the last one is still right.
+                # If there is no space for a new head, the present head is right, too.
                 with contextlib.suppress(OSError, BadFile):
                     self._write_head(ANY)
                 self._database.close()
                 with contextlib.suppress(OSError, BadFile):
-                    # The write-ahead log stays while another program is reading.
+                    # If another program reads the log, the write-ahead log is not deleted.
                     if wal_name(self.path) is None:
                         if self._synced:
                             sync_folder(self.path.parent)
                         self._write_head(ANY, NONE)
 
     def append(self, events: Sequence[NewEvent]) -> list[LoggedEvent]:
-        """Append all events or none. When this returns, a synced log has them on the disk.
+        """Append all events or none. For a synced log, they are on the disk when this function returns.
 
         Raises:
-            BadFile: the disk is full or gone; nothing was appended.
+            BadFile: the disk is full or missing. No event was appended.
         """
         logged: list[LoggedEvent] = []
         rows: list[_Row] = []
@@ -194,10 +196,10 @@ class ExperimentLog:
         return logged
 
     def flush(self) -> None:
-        """Write the events that are not written yet. A synced log has none.
+        """Write all unwritten events. A synced log never has unwritten events.
 
         Raises:
-            BadFile: the disk is full or gone.
+            BadFile: the disk is full or missing.
         """
         if self._unwritten:
             self._write(self._unwritten)
@@ -214,32 +216,32 @@ class ExperimentLog:
             raise self._unwritable(error, sum(len(content) for _, _, content, _, _ in rows)) from None
 
     def _unwritable(self, error: sqlite3.Error | OSError, size: int) -> BadFile:
-        """Return the fault of rows of `size` letters that could not be written: a full disk, or a full log."""
+        """Return the fault of rows with `size` characters that could not be written: a full disk, or a full log."""
         if _is_full(error):
             (pages,), (page,) = (
                 self._database.execute(f"PRAGMA {of}").fetchone() for of in ("page_count", "page_size")
             )
             if pages * page + _MOST_BYTES_OF_LETTER * size + 2 * _ROOM > LARGEST_LOG:
-                problem = f"is full: a log has at most {LARGEST_LOG} bytes"
-                return BadFile(self.path, problem, "End this study, and start another one in a new folder")
-        return BadFile(self.path, f"cannot be written ({_reason(error)})", "free some space on the disk")
+                problem = f"the log is full: a log has at most {LARGEST_LOG} bytes"
+                return BadFile(self.path, problem, "End this study, and start another study in a new folder")
+        return BadFile(self.path, f"the log cannot be written ({_reason(error)})", "Free some space on the disk")
 
     def read(self) -> list[LogEntry]:
-        """Read the whole log, as `read_log` does."""
+        """Read the complete log; see `read_log`."""
         self.flush()
         return read_log(self.path)
 
     def delete(self, sequences: Sequence[int], clocks: Clocks) -> None:
-        """Delete the content of events for good, including free pages of the file and its write-ahead log.
+        """Delete the content of events permanently, also in free pages of the file and in the write-ahead log.
 
-        An event of kind WITHDRAWN with their numbers is appended in the same transaction.
+        The same transaction appends an event of kind WITHDRAWN with the numbers of the deleted events.
 
         Raises:
-            BadFile: it cannot be written; nothing was deleted.
+            BadFile: the log cannot be written. No event was deleted.
         """
         self.flush()
         try:
-            # A full log still has reserved space for this.
+            # A full log has reserved space for withdrawals.
             _limit(self._database, LARGEST_LOG)
             self._database.execute("PRAGMA secure_delete=ON")
             with self._transaction():
@@ -254,12 +256,13 @@ class ExperimentLog:
             self._write_head()
             self._wipe()
         except sqlite3.Error as error:
-            raise BadFile(self.path, f"cannot be written ({_reason(error)})", "free some space on the disk") from None
+            problem = f"the log cannot be written ({_reason(error)})"
+            raise BadFile(self.path, problem, "Free some space on the disk") from None
         finally:
             _limit(self._database, LARGEST_LOG - _ROOM)
 
     def _wipe(self) -> None:
-        """Rewrite the file, without the remains of deleted rows in its pages."""
+        """Rewrite the file, so that its pages contain no remains of deleted rows."""
         self._write_head(ANY, ANY)
         self._database.execute("VACUUM")
         (blocked, *_) = self._database.execute("PRAGMA wal_checkpoint(TRUNCATE)").fetchone()
@@ -267,7 +270,9 @@ class ExperimentLog:
             self._write_head(database_name(self.path), ANY)
         else:
             raise BadFile(
-                self.path, "another program reads it, so it cannot be rewritten", "close that program, and try again"
+                self.path,
+                "the log cannot be rewritten, because another program reads it",
+                "Close this program, and run the command again",
             )
 
     @contextlib.contextmanager
@@ -277,7 +282,7 @@ class ExperimentLog:
             yield
             self._database.execute("COMMIT")
         except BaseException:
-            # If there is no space, SQLite has already rolled back.
+            # If the disk is full, SQLite has already rolled back.
             if self._database.in_transaction:
                 self._database.execute("ROLLBACK")
             raise
@@ -289,7 +294,7 @@ class ExperimentLog:
             return False
 
     def _checkpoint(self) -> None:
-        """Copy the write-ahead log into the database, as far as readers allow, without waiting for them."""
+        """Copy the write-ahead log into the database, as far as possible without waiting for readers."""
         self._write_head(ANY)
         _, frames, copied = self._database.execute("PRAGMA wal_checkpoint(PASSIVE)").fetchone()
         if frames == copied:
@@ -297,34 +302,34 @@ class ExperimentLog:
             self._write_head(database_name(self.path), ANY)
 
     def _write_head(self, database: str | None = None, wal: str | None = None) -> None:
-        """Write the head. If None, the database keeps its name, and the write-ahead log gets its present name."""
+        """Write the head. If `database` is None, its name does not change. If `wal` is None, use the present name."""
         self._database_name = database or self._database_name
         wal = wal or wal_name(self.path) or ANY
         LogHead(self._length, self._chain, self._database_name, wal).write(self.path, synced=self._synced)
 
 
 def read_log(path: Path) -> list[LogEntry]:
-    """Read a log, even while it is being written.
+    """Read a log. Another program may be writing the log.
 
     Raises:
-        BadFile: the file is not a log, or a row was changed, moved or added, or is missing.
+        BadFile: the file is not a log, or a row is missing or was changed, moved or added.
     """
     check_files(path)
     try:
         with contextlib.closing(_opened(path, "ro")) as database:
             return _verified(path, database)
     except (sqlite3.Error, OSError, UnicodeDecodeError) as error:
-        problem = f"is damaged, or is not the log of an experiment ({_reason(error)})"
+        problem = f"this file is damaged, or is not the log of an experiment ({_reason(error)})"
         raise BadFile(path, problem, restore_remedy(path)) from None
 
 
 def copy_log(path: Path, to: Path) -> None:
-    """Copy a log as it is now, even while a program is writing it. The copy has its own head and is verified.
+    """Copy the present log, and verify the copy. Another program may be writing the log. The copy has its own head.
 
-    An existing copy is replaced, unless it has events that the log does not have.
+    An existing copy is replaced, unless the copy has events that are not in the log.
 
     Raises:
-        BadFile: one of the two is damaged, the copy belongs to another log, or it cannot be written.
+        BadFile: the log or the copy is damaged, the copy belongs to another log, or the copy cannot be written.
     """
     read_log(path)
     new = to.with_name(to.name + "-new")
@@ -335,30 +340,31 @@ def copy_log(path: Path, to: Path) -> None:
                 read_log(to)
                 head = read_head(to)
                 if _last_chain(database, head.length) != head.chain or _length(database) < head.length:
-                    remedy = "Name another folder: nothing was written to this one"
-                    problem = "is not an earlier copy of this study's log, or the study was run there"
+                    remedy = "Name another folder. This folder was not changed"
+                    problem = "this is not an earlier copy of the study's log, or the study was run in this folder"
                     raise BadFile(to, problem, remedy)
             database.backup(copy)
             copy.execute("PRAGMA journal_mode=DELETE")
             LogHead(_length(copy), _last_chain(copy)).write(new)
         read_log(new)
-        # In this order, because a head may be behind its log, but never ahead of it. For a first copy, the head comes
-        # first: a log without a head always counts as damaged.
+        # The order matters: a head may have fewer events than its log, but never more. But for a first copy, write the
+        # head first, because a log without a head counts as damaged.
         order = [(new, to), (head_path(new), head_path(to))]
         for one, other in order if to.exists() else reversed(order):
             one.replace(other)
             sync_folder(to.parent)
     except (sqlite3.Error, OSError) as error:
-        raise BadFile(to, f"cannot be written ({_reason(error)})", "free some space on the disk") from None
+        raise BadFile(to, f"the copy cannot be written ({_reason(error)})", "Free some space on the disk") from None
     finally:
         with contextlib.suppress(OSError):
             _remove(new)
 
 
 def replace_log(path: Path, new: Path) -> None:
-    """Replace a log by another one that no program has open. Until this is done, `check_files` refuses the log.
+    """Replace a log by another log that no program has opened.
 
-    The caller holds the lock of the log, and has created the file of `restoring_path`.
+    The caller must hold the lock of the log, and must create the file of `restoring_path` before. While this file
+    exists, `check_files` refuses the log.
 
     Raises:
         OSError: a file cannot be renamed or deleted.
@@ -383,7 +389,7 @@ def _remove(path: Path) -> None:
 
 
 def _reason(error: Exception) -> str:
-    """Return the system's text for errors that SQLite words differently."""
+    """Return the text of an error. For a full disk, return the system's text instead of SQLite's text."""
     if isinstance(error, OSError):
         return reason_of(error)
     return os.strerror(errno.ENOSPC) if _is_full(error) else str(error)
@@ -395,22 +401,22 @@ def _is_full(error: Exception) -> bool:
 
 
 def log_digests(path: Path) -> list[bytes]:
-    """Return the digests of all events of a log that `read_log` accepts, including deleted ones.
+    """Return the digests of all events of a log, including deleted events. `read_log` must accept the log.
 
     Raises:
-        BadFile: it cannot be read.
+        BadFile: the log cannot be read.
     """
     try:
         with contextlib.closing(_opened(path, "ro")) as database:
             return [bytes(digest) for (digest,) in database.execute("SELECT digest FROM events ORDER BY sequence")]
     except sqlite3.Error as error:
-        raise BadFile(path, f"cannot be read ({_reason(error)})", restore_remedy(path)) from None
+        raise BadFile(path, f"the log cannot be read ({_reason(error)})", restore_remedy(path)) from None
 
 
 def deleted_digests(path: Path) -> frozenset[bytes]:
-    """Return the digests of the events that withdrawals deleted from a log, as far as it can be read."""
+    """Return the digests of the events that withdrawals deleted from a log. Ignore unreadable parts of the log."""
     found: set[bytes] = set()
-    # A damaged log can be read up to the damage; its write-ahead log may belong to another log.
+    # The first part of a damaged log is readable. Its write-ahead log may belong to another log.
     for mode in ("ro", "ro&immutable=1"):
         with contextlib.suppress(sqlite3.Error, OSError, BadFile), contextlib.closing(_opened(path, mode)) as database:
             for (digest,) in database.execute("SELECT digest FROM events WHERE content IS NULL ORDER BY sequence"):
@@ -419,13 +425,13 @@ def deleted_digests(path: Path) -> frozenset[bytes]:
 
 
 class LogFollower:
-    """Reader of a growing log: it reads all entries at first, then only new ones, verified as in `read_log`.
+    """Reader of a growing log: it first reads all entries, then only new entries. It verifies them as `read_log` does.
 
     Args:
-        path: path of the log, which need not exist yet. It is only opened for each reading.
+        path: path of the log. The log may not exist yet. It is open only during each reading.
 
     Attributes:
-        entries: entries read so far.
+        entries: entries that were read.
     """
 
     def __init__(self, path: Path) -> None:
@@ -435,10 +441,10 @@ class LogFollower:
         self._head = b""
 
     def poll(self) -> bool:
-        """Read new entries. Return False if there are none; this only reads one small file.
+        """Read new entries. Return False if there are no new entries; then only one small file is read.
 
         Raises:
-            BadFile: as for `read_log`; the same fault is not raised again until something changes.
+            BadFile: `read_log` refuses the log. The same fault is not raised again until the log changes.
         """
         head = head_path(self._path)
         try:
@@ -446,7 +452,8 @@ class LogFollower:
         except FileNotFoundError:
             now = b""
         except OSError as error:
-            raise BadFile(head, f"cannot be read ({error.strerror})", "Give the right to read it") from None
+            problem = f"the file cannot be read ({error.strerror})"
+            raise BadFile(head, problem, "Give your account the right to read it") from None
         if now == self._head:
             return False
         self._head = now
@@ -457,7 +464,7 @@ class LogFollower:
         return True
 
     def _grown(self) -> bool:
-        """Add the appended entries to the known ones; return False if the whole log must be read."""
+        """Read only the appended entries. Return False if the complete log must be read."""
         known, chain = len(self.entries), self._chain
         entries: list[LoggedEvent] = []
         try:
@@ -491,18 +498,18 @@ def _verified(path: Path, database: sqlite3.Connection) -> list[LogEntry]:
         return BadFile(path, problem, restore_remedy(path))
 
     if database.execute("PRAGMA application_id").fetchone() != (APPLICATION,):
-        raise damaged("is not the log of an experiment")
+        raise damaged("this is not the log of an experiment")
     (version,) = database.execute("PRAGMA user_version").fetchone()
     if version != VERSION:
-        problem = f"is a log of layout {version}, but this release of thbridge reads layout {VERSION}"
+        problem = f"the log has layout {version}, but this release of thbridge reads only layout {VERSION}"
         raise BadFile(
-            path, problem, "Use the release with which the study was run; its freeze.json and methods.md name it"
+            path, problem, "Use the release of thbridge that ran the study; freeze.json and methods.md name the release"
         )
     if not _has_our_table(database):
-        raise damaged("is not the log of an experiment: its schema is different")
+        raise damaged("this is not the log of an experiment: its database schema is different")
     if database.execute("PRAGMA integrity_check").fetchone() != ("ok",):
-        raise damaged("is damaged: SQLite finds errors in its pages")
-    # The head is read before the rows, because another program may append between the two.
+        raise damaged("the log is damaged: SQLite finds errors in its pages")
+    # The head is read before the rows, because another program may append rows at the same time.
     head = read_head(path)
     entries: list[LogEntry] = []
     chain, chains = _START, [_START]
@@ -514,18 +521,18 @@ def _verified(path: Path, database: sqlite3.Connection) -> list[LogEntry]:
             raise damaged(f"event {len(entries) + 1} is missing")
         chain = _chained(chain, digest)
         if chained != chain:
-            raise damaged(f"event {sequence} is not the one that was written")
+            raise damaged(f"event {sequence} was replaced or moved")
         chains.append(chain)
         if content is None and salt is None:
             entries.append(Tombstone(sequence))
             continue
         if content is None or salt is None or _digest(salt, content) != digest:
-            raise damaged(f"event {sequence} is not what was written")
+            raise damaged(f"event {sequence} was changed")
         try:
             event = decoded(content)
         except BadEvent as fault:
-            problem = f"event {sequence} is not one that thbridge writes: {fault}"
-            newer = "Use the release with which the study was run, if it is newer"
+            problem = f"event {sequence} is not a valid event of thbridge: {fault}"
+            newer = "If a newer release of thbridge ran the study, use this release"
             raise BadFile(path, problem, f"{newer}. {restore_remedy(path)}") from None
         if event.kind == WITHDRAWN:
             allowed.update(cast("list[int]", (event.data or {})["sequences"]))
@@ -539,22 +546,23 @@ def _verified(path: Path, database: sqlite3.Connection) -> list[LogEntry]:
 
 
 def _has_our_table(database: sqlite3.Connection) -> bool:
-    """Return True if a database has only our table: no view, trigger, index or computed column that could do harm."""
+    """Return True if a database has only our table, without views, triggers, indexes or computed columns."""
     schema = database.execute("SELECT type, name, sql FROM sqlite_schema LIMIT 2").fetchall()
     return [(kind, name, str(sql).split()) for kind, name, sql in schema] == [("table", "events", _TABLE.split())]
 
 
 def _opened(path: Path, mode: str) -> sqlite3.Connection:
-    """Open an untrusted database, so that its contents can neither act nor grow without bounds.
+    """Open an untrusted database. Its contents cannot run code or use unlimited memory or time.
 
     Args:
         path: path of the database.
-        mode: "ro" to read it, "rw" to write it as well.
+        mode: "ro" to read, "rw" to read and write.
     """
     for file in (path, path.with_name(path.name + "-wal")):
-        # The files are not opened here: closing them would release the locks of this process's own connections.
+        # Do not open the files here: closing them would release the locks of this process's own connections.
         if file.exists() and size_of(file) > LARGEST_LOG:
-            raise BadFile(file, f"is larger than {LARGEST_LOG} bytes, which no log of a study is", restore_remedy(path))
+            problem = f"the file has more than {LARGEST_LOG} bytes, the largest size of a study's log"
+            raise BadFile(file, problem, restore_remedy(path))
     database = sqlite3.connect(f"{path.absolute().as_uri()}?mode={mode}", uri=True, isolation_level=None)
     try:
         database.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, LARGEST_EVENT)
@@ -566,7 +574,7 @@ def _opened(path: Path, mode: str) -> sqlite3.Connection:
                 lambda: next(checks) * _STEPS_BETWEEN_CHECKS > _MOST_STEPS, _STEPS_BETWEEN_CHECKS
             )
         else:
-            # Nothing is written that would be too large to read again.
+            # Readers would refuse a larger log.
             _limit(database, LARGEST_LOG - _ROOM)
     except BaseException:
         database.close()
@@ -590,7 +598,7 @@ def _make(path: Path) -> None:
 
 
 def _recover(path: Path) -> None:
-    """Roll back a write that a power cut interrupted, which readers cannot do. Readers report any damage."""
+    """Roll back a write that a power cut interrupted. Readers cannot do this. They report any other damage."""
     with contextlib.suppress(BadFile, OSError):
         if (wal := wal_name(path)) is not None:
             # Closing the connection below causes a checkpoint.
@@ -600,7 +608,7 @@ def _recover(path: Path) -> None:
 
 
 def _is_just_made(path: Path) -> bool:
-    """Return True for a log without a head and events: its program died before writing the head."""
+    """Return True for a log without a head and events. Its program crashed before it wrote the head."""
     if head_path(path).exists():
         return False
     try:
@@ -611,7 +619,7 @@ def _is_just_made(path: Path) -> bool:
 
 
 def lock_log(path: Path) -> IO[bytes]:
-    """Return an open file that locks the log against other programs; the system unlocks it when this program ends.
+    """Return an open file that locks the log against other programs. The system unlocks it when this program ends.
 
     Raises:
         BadFile: another program has the log open, or the folder cannot be written.
@@ -619,7 +627,7 @@ def lock_log(path: Path) -> IO[bytes]:
     try:
         file = own_target(path.with_name(path.name + "-lock")).open("ab")
     except OSError as error:
-        raise BadFile(path, f"cannot be opened ({_reason(error)})", "look at the folder's rights") from None
+        raise BadFile(path, f"the log cannot be opened ({_reason(error)})", "Check the rights of the folder") from None
     try:
         fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except OSError:
@@ -629,7 +637,7 @@ def lock_log(path: Path) -> IO[bytes]:
 
 
 def _last_chain(database: sqlite3.Connection, sequence: int = 2**62) -> bytes:
-    """Return the chain of the last row, or of the last row up to a number."""
+    """Return the chain of the last row, or of the last row with a number up to `sequence`."""
     row = database.execute(
         "SELECT chain FROM events WHERE sequence <= ? ORDER BY sequence DESC LIMIT 1", (sequence,)
     ).fetchone()

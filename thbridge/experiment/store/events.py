@@ -12,15 +12,16 @@ Actor = Literal["participant", "experimenter", "robot", "program"]
 
 @dataclass(frozen=True, slots=True)
 class Clocks:
-    """Times of an event by all available clocks.
+    """Times of an event, from all available clocks.
 
-    Wall clocks jump, and simulated time restarts with each trial, so only the sequence orders events.
+    Only the sequence number gives the order of events, because wall clocks may jump and simulated time restarts with
+    each trial.
 
     Attributes:
         wall: date and time of day, ISO 8601 in UTC.
         monotonic_ns: nanoseconds of the clock of the process that logged the event.
         simulated: seconds of simulated time, or None outside of a trial.
-        lsl: seconds of the Lab Streaming Layer's `local_clock()`, or None if no markers are sent.
+        lsl: time of the Lab Streaming Layer's `local_clock()`, s. None if no markers are sent.
     """
 
     wall: str
@@ -31,16 +32,16 @@ class Clocks:
 
 @dataclass(frozen=True, slots=True)
 class NewEvent:
-    """An event, before it is in the log.
+    """An event that is not yet in the log.
 
     Attributes:
-        kind: name of its kind, such as "item-given".
-        actor: who caused it.
+        kind: kind of the event, such as "item-given".
+        actor: the participant, experimenter, robot or program that caused the event.
         clocks: times of the event.
-        participant: id of the person of the run; empty if it belongs to no person.
-        step: number of the step of that run, from 1; 0 if it belongs to no step.
-        condition: name of the condition of that step; may be empty.
-        cause: sequence number of the event that caused it; 0 if there is none.
+        participant: id of the person; empty if the event belongs to no person.
+        step: number of the step in the person's run, from 1; 0 if the event belongs to no step.
+        condition: name of the step's condition; may be empty.
+        cause: sequence number of the event that caused this event; 0 if there is none.
         data: further data.
     """
 
@@ -59,7 +60,7 @@ class LoggedEvent:
     """An event of the log.
 
     Attributes:
-        sequence: number in the log, from 1, without gaps.
+        sequence: number of the event in the log, from 1, without gaps.
         event: the event.
     """
 
@@ -82,25 +83,25 @@ LogEntry = LoggedEvent | Tombstone
 
 
 class EventKind(StrEnum):
-    """Kinds of events that change the progress of a run; a log may have other kinds."""
+    """Kinds of events. A log may have further kinds."""
 
     RUN_BEGUN = "run-begun"
     """Data: place."""
     STEP_BEGUN = "step-begun"
     STEP_RESUMED = "step-resumed"
-    """A program resumed a step that another one had begun. Data: from, a `ResumeRule`."""
+    """A program resumed a step that another program had begun. Data: from, a `ResumeRule`."""
     ITEM_SHOWN = "item-shown"
-    """Data: item, and options, the answers of a choice in the order shown, if it differs between participants."""
+    """Data: item, and for a shuffled choice options, the answers in the order shown."""
     ITEM_TOUCHED = "item-touched"
     """A person has begun to answer an item. Data: item."""
     ITEM_CHANGED = "item-changed"
     """Data: item, answer."""
     ITEM_GIVEN = "item-given"
-    """An answer is final for now: the person continued. Data: item, answer."""
+    """A person has given an answer and continued. Data: item, answer."""
     ITEM_TIMED_OUT = "item-timed-out"
-    """The time limit of an item has closed it. Data: item, and answer, the answer so far or null."""
+    """An item was closed at its time limit. Data: item, and answer, the present answer or null."""
     WENT_BACK = "went-back"
-    """A person went back to an earlier page of the current form. Data: page, its number from 1."""
+    """A person went back to an earlier page of the current form. Data: page, the number of this page from 1."""
     GAME_PLAYED = "game-played"
     """A trial has its recording. Data: bag, sha256, and measures of the game."""
     PRACTICE_PLAYED = "practice-played"
@@ -112,33 +113,33 @@ class EventKind(StrEnum):
     CONSENT_ANSWERED = "consent-answered"
     """Data: agrees, and version, the SHA-256 of the text's bytes."""
     TEXT_PASTED = "text-pasted"
-    """Text was pasted into a free answer, so the person may not have written it. Data: item, and characters, their
-    number."""
+    """Text was pasted into a free answer, so the person may not have written it. Data: item, and characters, the number
+    of pasted characters."""
     FOCUS_LOST = "focus-lost"
-    """Another window took the keyboard focus: the person looked at something else."""
+    """Another window has the keyboard focus, so the person may look at something else."""
     FOCUS_REGAINED = "focus-regained"
     """The study's window has the keyboard focus again."""
     INSTRUCTIONS_OPENED = "instructions-opened"
-    """A participant opened the instructions again; in a game, with its rules and keys."""
+    """A participant opened the instructions again. In a game, they include rules and keys."""
     INSTRUCTIONS_CLOSED = "instructions-closed"
     """A participant closed the instructions."""
     GAME_BROKEN_OFF = "game-broken-off"
-    """A game was abandoned after its program died, and another game begins instead. Data: bag, the incomplete recording
-    next to the person's other files, or none."""
+    """A game was abandoned after a crash of its program, and another game starts instead. Data: bag, the incomplete
+    recording in the person's folder, or null."""
     RECORDING_CUT_OFF = "recording-cut-off"
-    """The recording of a game was cut off with its program. The game resumes, and another file records all of it. Data:
-    bag, the file next to the person's other files."""
+    """The recording of a game is incomplete after a crash of its program. The game resumes, and another file records
+    the complete game. Data: bag, the incomplete file in the person's folder."""
     FAREWELL_READ = "farewell-read"
-    """A person has left the last page, with the completion code or the reason why the run ended."""
+    """A person has closed the last page, which shows the completion code or the reason why the run ended."""
     RUN_ENDED = "run-ended"
-    """Data: outcome and reason; for a complete run, its completion code; and excluded, the reason why a run that
-    reached its end does not count."""
+    """Data: outcome and reason; for a complete run, code, the completion code; and excluded, the reason why a complete
+    run does not count."""
     RUN_EXCLUDED = "run-excluded"
     """The experimenter excluded a run. Data: reason."""
     REHEARSED = "rehearsed"
     """Simulated people take part from now on. Data: seed."""
     NOTE = "note"
-    """Text from the experimenter. Data: text."""
+    """Note of the experimenter. Data: text."""
 
 
 class StepOutcome(StrEnum):
@@ -146,11 +147,11 @@ class StepOutcome(StrEnum):
 
     DONE = "done"
     FAILED = "failed"
-    """A check that was not passed."""
+    """The person did not pass the check."""
     PASSED_OVER = "passed over"
-    """A step that the person's condition or answers do not call for."""
+    """The step was skipped, because it is for another condition or other answers."""
     LOST = "lost"
-    """A step that could not resume after a crash, and must not restart."""
+    """The step could not resume after a crash, and must not restart."""
 
 
 class RunState(StrEnum):
@@ -164,4 +165,4 @@ class RunState(StrEnum):
 
 
 WITHDRAWN = "withdrawn"
-"""Kind of the event by which rows were deleted; its data has their numbers and no names."""
+"""Kind of the event that lists deleted rows. Its data contain only the numbers of these rows."""

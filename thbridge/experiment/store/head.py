@@ -1,12 +1,13 @@
-"""The head of a log: its length and chain, and the names of its files.
+"""The head of a log: the length and chain of the log, and the names of its files.
 
-SQLite writes new rows to a write-ahead log (WAL) and copies them into the database later, at a checkpoint. After a kill
-both files are needed, and SQLite combines any two files with these names. So if a log is copied over the log of a
-killed program, the result is malformed, or it is the newer log again, without any notice. Therefore the head names both
-files: the database by its digest, the WAL by the random salts that SQLite gives it at each restart.
+SQLite writes new rows to a write-ahead log (WAL) and copies them into the database later, at a checkpoint. If the
+program is killed, both files are needed. But SQLite combines any two files with these names. For example, if a user
+copies another database over the database of a killed program, SQLite applies the old WAL without any notice. Therefore
+the head names both files: the database by its digest, the WAL by the random salts that SQLite writes into it at each
+restart.
 
-A process may be killed between any two changes of these files, so the head is always written before the change that
-would make it wrong: a file that is about to change is `ANY` until its new name is known.
+A process may be killed between any two changes of these files. So the head is always written before a file changes: its
+name for this file is then `ANY` until the new name is known.
 """
 
 import contextlib
@@ -22,17 +23,17 @@ from thbridge.files.disk.whole import write_whole
 from thbridge.files.errors import BadFile
 
 ANY: Final = "any"
-"""Name in a head that any file matches."""
+"""Name in a head that matches any file."""
 NONE: Final = "none"
-"""Name in a head of a write-ahead log that does not exist, because the log was closed."""
+"""Name in a head for a write-ahead log that does not exist, because the log was closed."""
 
 LARGEST_LOG = 1 << 28
-"""Largest log, and largest write-ahead log, in bytes: about a thousand people with some hundred events each."""
+"""Largest size of a log and of a write-ahead log, in bytes: about 1000 people with some hundred events each."""
 LARGEST_HEAD = 1000
-"""Largest head in bytes."""
+"""Largest size of a head, in bytes."""
 
 _WAL_HEADER = 32
-"""Bytes of the header of a write-ahead log; the salts are bytes 16 to 23 (SQLite's file format, section 4.1)."""
+"""Size of a write-ahead log's header, in bytes. The salts are bytes 16 to 23 (SQLite's file format, section 4.1)."""
 _WRITE_VERSION, _WITH_WAL = 18, 2
 """Position and value of the header byte of a database that uses a write-ahead log (section 1.3.3)."""
 
@@ -42,7 +43,7 @@ class LogHead:
     """Head of a log: its length, its chain and its files.
 
     Attributes:
-        length: number of its events.
+        length: number of events in the log.
         chain: chain of the last event.
         database: SHA-256 of the database in hexadecimal, or `ANY`.
         wal: salts of the write-ahead log in hexadecimal, `ANY`, or `NONE`.
@@ -54,10 +55,10 @@ class LogHead:
     wal: str = NONE
 
     def write(self, log: Path, *, synced: bool = True) -> None:
-        """Write the head next to its log.
+        """Write the head into the folder of its log.
 
         Raises:
-            BadFile: it cannot be written.
+            BadFile: the head cannot be written.
         """
         line = f"{self.length} {self.chain.hex()} {self.database} {self.wal}"
         write_whole(head_path(log), f"{line} {_sum(line)}\n".encode(), synced=synced)
@@ -77,7 +78,7 @@ def read_head(log: Path) -> LogHead:
     """Read the head of a log.
 
     Raises:
-        BadFile: it is missing or damaged.
+        BadFile: the head is missing or damaged.
     """
     head = head_path(log)
     try:
@@ -85,11 +86,11 @@ def read_head(log: Path) -> LogHead:
         line, _, checksum = content.removesuffix("\n").rpartition(" ")
         if content != f"{line} {_sum(line)}\n" or checksum != _sum(line):
             raise ValueError
-        # Earlier releases named no files.
+        # Heads of earlier releases do not name the files.
         length, chain, database, wal = (*line.split(), ANY, ANY)[:4]
         return LogHead(int(length), bytes.fromhex(chain), database, wal)
     except (OSError, ValueError):
-        raise BadFile(head, "is missing or damaged", restore_remedy(log)) from None
+        raise BadFile(head, "the head of the log is missing or damaged", restore_remedy(log)) from None
 
 
 def restoring_path(log: Path) -> Path:
@@ -98,7 +99,7 @@ def restoring_path(log: Path) -> Path:
 
 
 def check_files(log: Path) -> None:
-    """Refuse files of a log that do not belong together, even while a program is writing them.
+    """Check that the files of a log belong together. Another program may be writing the log.
 
     Raises:
         BadFile: a restore was interrupted, or the write-ahead log belongs to another log.
@@ -106,7 +107,7 @@ def check_files(log: Path) -> None:
     if restoring_path(log).exists():
         again = _restore(log)
         raise BadFile(
-            log, "the restore of this study was interrupted", f"Run it again, with the same backup: `{again}`"
+            log, "the restore of this study was interrupted", f"Run it again with the same backup: `{again}`"
         )
     seen = b""
     while True:
@@ -118,24 +119,24 @@ def check_files(log: Path) -> None:
             wal = wal_name(log)
             foreign = wal is not None and (head.wal not in {ANY, wal} or _is_foreign(_bytes_of(log), head))
         except (OSError, sqlite3.Error, BadFile):
-            # `read_log` reports what is missing or damaged.
+            # `read_log` reports missing or damaged files.
             return
         if not foreign:
             return
         if content == seen:
-            problem = f"it and {wal_path(log).name} do not belong together: one of them was replaced or changed"
+            problem = f"this file and {wal_path(log).name} do not belong together: one was replaced or changed"
             raise BadFile(log, problem, restore_remedy(log))
-        # The program that writes the log may have changed a file after its head was read.
+        # Another program may have changed a file after the head was read.
         seen = content
 
 
 def database_name(log: Path) -> str:
-    """Return the name of the database for the head. Raises sqlite3.Error."""
+    """Return the name of the database in the head. Raises sqlite3.Error."""
     return _name(_bytes_of(log))
 
 
 def wal_name(log: Path) -> str | None:
-    """Return the name of the write-ahead log for the head, or None if it does not exist. Raises OSError, BadFile."""
+    """Return the name of the write-ahead log in the head, or None if it does not exist. Raises OSError, BadFile."""
     with contextlib.suppress(FileNotFoundError), open_regular(wal_path(log)) as file:
         header = file.read(_WAL_HEADER)
         if len(header) == _WAL_HEADER:
@@ -160,7 +161,7 @@ def _is_foreign(database: bytes, head: LogHead) -> bool:
 def _bytes_of(log: Path) -> bytes:
     """Return the bytes of the database, without its write-ahead log.
 
-    SQLite reads them, because closing a file of our own would release this process's locks on the database.
+    SQLite itself reads the bytes. If this function opened and closed the file, this process would lose its locks.
     """
     uri = f"{log.absolute().as_uri()}?mode=ro&immutable=1"
     with contextlib.closing(sqlite3.connect(uri, uri=True)) as database:

@@ -1,4 +1,4 @@
-"""Lists of folders of a study's exports and backups, which may be outside of the study."""
+"""Lists of folders with a study's exports and backups. These folders may be outside the study's folder."""
 
 import json
 import os
@@ -9,14 +9,14 @@ from thbridge.files.disk.json_files import read_json
 from thbridge.files.disk.whole import write_whole
 from thbridge.files.errors import BadFile
 
-_REMEDY = "Correct it: a JSON list of paths. Or move it away, and check those folders yourself"
+_REMEDY = "Correct the file: it must be a JSON list of paths. Or move the file away, and check the folders yourself"
 
 
 class KnownFolders:
-    """A list of folders in a file. It has no names of people.
+    """A list of folders in a file. The file contains no names of people.
 
     Args:
-        list_: path of the file, which need not exist.
+        list_: path of the file. The file may not exist.
         root: the study's folder, which may be moved with its contents.
         what: kind of the folders, for messages.
     """
@@ -27,7 +27,7 @@ class KnownFolders:
         self._what = what
 
     def add(self, folder: Path) -> None:
-        """Add a folder, before anything is written there.
+        """Add a folder. Call this before writing into the folder.
 
         Raises:
             BadFile: the list cannot be read or written.
@@ -37,7 +37,7 @@ class KnownFolders:
             self._write([*known, path])
 
     def remove(self, folder: Path) -> bool:
-        """Remove a folder that no longer exists; return False if the list does not have it.
+        """Remove a folder that no longer exists. Return False if it is not in the list.
 
         Raises:
             BadFile: the list cannot be read or written.
@@ -60,14 +60,14 @@ class KnownFolders:
         write_whole(self._list, (json.dumps(folders, indent=1, ensure_ascii=False) + "\n").encode())
 
     def _stored_path(self, folder: Path) -> str:
-        """Return a path relative to the study's folder if it is inside, or else an absolute path."""
+        """Return the path in the list: relative to the study's folder for a folder inside, otherwise absolute."""
         path, root = folder.resolve(), self._root.resolve()
         return os.fspath(path.relative_to(root) if path.is_relative_to(root) else path)
 
     def _stored(self) -> list[str]:
-        noted = read_json(self._list, list[str], f"not a list of {self._what}", _REMEDY) or []
+        noted = read_json(self._list, list[str], f"this is not a list of {self._what}", _REMEDY) or []
         for path in noted:
-            # Absolute paths may be anywhere; relative ones must stay in the study's folder.
+            # Relative paths must not lead out of the study's folder.
             names = [] if path.startswith("/") or path == "." else path.split("/")
             if problem := fault_of_path(path) or next(filter(None, map(fault_of_name, names)), ""):
                 raise BadFile(self._list, problem, _REMEDY, key=repr(path))

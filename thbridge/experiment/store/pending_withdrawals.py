@@ -1,4 +1,4 @@
-"""Withdrawals that have begun and are not finished, and the digests of events that withdrawals deleted."""
+"""Unfinished withdrawals, and the digests of events that withdrawals deleted."""
 
 import json
 from collections.abc import Iterable
@@ -10,19 +10,19 @@ from thbridge.files.disk.synced import sync_folder
 from thbridge.files.disk.whole import clear_parts, write_whole
 from thbridge.files.errors import BadFile, reason_of
 
-_DAMAGE = "is damaged: it lists withdrawals"
-_REMEDY = "Check who withdrew in it, move it away, and withdraw them again with `thbridge study withdraw`"
+_DAMAGE = "this list of withdrawals is damaged"
+_REMEDY = "Find the participants in it, move the file away, and run `thbridge study withdraw` for each participant"
 _MOST_BYTES = 1 << 26
-"""Largest list in bytes; the digest of an event takes 68."""
+"""Largest size of a list, in bytes. A digest takes 68 bytes."""
 
 
 @dataclass(frozen=True, slots=True)
 class PendingWithdrawal:
-    """A withdrawal that has begun.
+    """A withdrawal that was started and is not finished.
 
     Attributes:
         participant: id of the participant.
-        code: their completion code; empty if there is none.
+        code: the participant's completion code; empty if there is none.
     """
 
     participant: str
@@ -30,9 +30,9 @@ class PendingWithdrawal:
 
 
 class PendingWithdrawals:
-    """The list of withdrawals that have begun, in a file that exists only while there are some.
+    """List of unfinished withdrawals in a file. The file exists only if the list is not empty.
 
-    The list is on the disk before anything is deleted, and is deleted when nothing is left to do.
+    A withdrawal is in the file before its deletions start, until all of them are done.
 
     Args:
         path: path of the file.
@@ -53,7 +53,7 @@ class PendingWithdrawals:
         """Add a withdrawal before anything is deleted.
 
         Raises:
-            BadFile: the file cannot be read or written; nothing is added.
+            BadFile: the file cannot be read or written. The withdrawal is not added.
         """
         pending = self.read()
         if withdrawal not in pending:
@@ -67,7 +67,7 @@ class PendingWithdrawals:
         """
         left = [asdict(one) for one in self.read() if one != withdrawal]
         try:
-            # A program that was killed while writing the list has left a part of it, with the participant's id.
+            # A killed program may have left an unfinished list with the participant's id.
             clear_parts(self._path)
             if left:
                 _write(self._path, left)
@@ -75,17 +75,17 @@ class PendingWithdrawals:
             self._path.unlink(missing_ok=True)
             sync_folder(self._path.parent)
         except OSError as error:
-            problem = f"it cannot be deleted ({reason_of(error)})"
-            raise BadFile(self._path, problem, "Give the right to write its folder") from None
+            problem = f"the file cannot be deleted ({reason_of(error)})"
+            raise BadFile(self._path, problem, "Give your account the right to write into this folder") from None
 
 
 class WithdrawnEvents:
-    """Digests of all events that withdrawals deleted, in a file without names of people.
+    """List of the digests of all events that withdrawals deleted, in a file without names of people.
 
-    A restored log is an older one, which may still have these events.
+    After a restore, the log is older and may contain these events again.
 
     Args:
-        path: path of the file, which need not exist.
+        path: path of the file. The file may not exist.
     """
 
     def __init__(self, path: Path) -> None:

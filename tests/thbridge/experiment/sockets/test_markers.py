@@ -47,7 +47,7 @@ def test_without_pylsl_it_is_told_what_to_install(monkeypatch: pytest.MonkeyPatc
     stream = MarkerStream("x")
     push(stream, 3)
     assert stream.troubles == (
-        "Markers: pylsl is not installed. Install it: pip install 'thbridge[markers]'. 3 markers were not sent.",
+        "Markers: pylsl is not installed. Install pylsl: pip install 'thbridge[markers]'. 3 markers were not sent.",
     )
     assert stream.stamping(lambda: NOON)() == NOON
     stream.close()

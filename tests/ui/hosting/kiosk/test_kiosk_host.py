@@ -682,7 +682,7 @@ def test_on_a_full_disk_people_are_told_and_no_answer_is_lost(when: str, tmp_pat
                 filled.enter_context(disk.full())
 
         person = Person(learns=True, does=fill)
-        with pytest.raises(BadFile, match=r"log: cannot be written \(No space left on device\)"):
+        with pytest.raises(BadFile, match=r"log: the log cannot be written \(No space left on device\)"):
             laboratory.run(person)
         assert person.seen[-1] == HostStops(TEXTS.text("kiosk.pauses"), TEXTS.text("kiosk.failed_text"))
         told = laboratory.events
