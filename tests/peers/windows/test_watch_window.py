@@ -173,7 +173,7 @@ def test_what_a_researcher_does_to_a_session_is_in_its_record(screen: Desktop, t
         screen.press("d")
         screen.found("Robot 1 is thinking", seconds=PATIENCE)
         watch.click("Room 2 (", "push button")
-        watch.click("Other words for robot 1", "text")
+        watch.click("Your own words for robot 1", "text")
         screen.do("windowfocus", "--sync", watch.handle, "type", "--delay", "10", WORDS)
         screen.press("Return")
         screen.found(f"Robot 1: {WORDS}", seconds=PATIENCE)

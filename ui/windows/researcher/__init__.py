@@ -1,1 +1,1 @@
-"""Researcher's window, which shows a session or a recording: the true state next to the robots' beliefs."""
+"""Researcher's window, which shows the true state and the robots' beliefs in a session or a recording."""

@@ -1,4 +1,4 @@
-"""Update of the lists and of the timeline's marks, from the log of the session or recording."""
+"""Update of the lists and of the timeline with entries from the log of a session or recording."""
 
 from collections.abc import Iterator, Sequence
 
@@ -12,11 +12,11 @@ from ui.windows.researcher.feeds.feed import Feed
 MAX_NEW_ROWS = 2000
 """Largest number of rows added to a list at once."""
 MARK_TOLERANCE = 0.01
-"""Seconds around a mark within which the time shown counts as that of the mark."""
+"""Largest difference between the time shown and a mark's time at which both count as equal, seconds."""
 
 
 class LogUpdater:
-    """Updater that copies new log entries to the lists, in portions that are small enough not to block the window.
+    """Updater that copies new log entries to the lists in small portions, so that it does not block the window.
 
     Args:
         feed: source of the log.
@@ -31,7 +31,7 @@ class LogUpdater:
         self._marked = (0, 0.0)
 
     def clear(self) -> None:
-        """Empty the lists, because another log follows."""
+        """Empty the lists before the entries of another log are shown."""
         self._taken = {}
         for log in self._window.logs.values():
             log.clear()
@@ -66,7 +66,7 @@ class LogUpdater:
         return LogRow(time, cells, entry.robot)
 
     def _room(self, entry: Entry) -> str:
-        """Return the room of an entry in words; empty if it is the corridor or there is no room."""
+        """Return the room of an entry in words; empty if the entry has no room or is about the corridor."""
         return self._feed.data.log.room_names.titled(entry.room) if entry.room else ""
 
     def _timeline_marks(self) -> Iterator[TimelineMark]:
@@ -90,7 +90,7 @@ class LogUpdater:
     def neighbouring_mark(self, direction: int, bookmarks: Sequence[float]) -> float:
         """Return the time of the next (1) or previous (-1) mark or bookmark.
 
-        If there is none, return the end or the beginning.
+        If there is no such mark, return the time of the end or the beginning.
         """
         times = sorted([*bookmarks, *(mark.time for mark in self._marks if not mark.is_utterance)])
         here = self._feed.transport.time

@@ -1,4 +1,4 @@
-"""Memory of the researcher's windows: previously opened recordings and sessions, and bookmarks."""
+"""Storage of the recordings and sessions that a researcher opened, and of bookmarks."""
 
 import json
 from collections.abc import Sequence
@@ -6,27 +6,27 @@ from collections.abc import Sequence
 from PySide6.QtCore import QSettings
 
 RECENT = 10
-"""Largest number of recordings and sessions to remember."""
+"""Largest number of stored recordings and sessions."""
 _RECENT_KEY, _BOOKMARKS_KEY = "watch/recent", "watch/bookmarks"
 
 
 class WatchMemory:
-    """Recent recordings and sessions, and their bookmarks.
+    """Storage of recent recordings and sessions, and of the bookmarks of recordings.
 
     Args:
-        settings: storage of the memory.
+        settings: settings that store the data.
     """
 
     def __init__(self, settings: QSettings) -> None:
         self._settings = settings
 
     def recent(self) -> list[str]:
-        """Return paths of recordings and addresses of sessions, the latest first."""
+        """Return the paths of recordings and addresses of sessions, the latest first."""
         kept = self._read(_RECENT_KEY)
         return [source for source in kept if isinstance(source, str)] if isinstance(kept, list) else []
 
     def add(self, source: str) -> None:
-        """Make a path or an address the latest entry."""
+        """Store a path or an address as the latest entry."""
         others = [each for each in self.recent() if each != source]
         self._write(_RECENT_KEY, [source, *others][:RECENT])
         bookmarks = self._bookmarks()
@@ -40,7 +40,7 @@ class WatchMemory:
     def keep_bookmarks(self, source: str, times: Sequence[float]) -> None:
         """Store the bookmarks of a recording.
 
-        They are removed when the recording is no longer among the recent ones.
+        When a recording is no longer among the recent entries, its bookmarks are removed.
         """
         self._write(_BOOKMARKS_KEY, {**self._bookmarks(), source: list(times)})
 
@@ -52,7 +52,7 @@ class WatchMemory:
         self._settings.sync()
         try:
             return json.loads(str(self._settings.value(key, "null")))
-        except ValueError:  # Another program wrote this value.
+        except ValueError:  # Another program has written this value.
             return None
 
     def _write(self, key: str, value: object) -> None:

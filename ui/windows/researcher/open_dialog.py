@@ -1,4 +1,4 @@
-"""Dialog *Open* for a recording, a folder with a recording, or the address of a running session."""
+"""Dialog *Open*, for a recording, a folder with a recording, or the address of a running session."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -26,14 +26,14 @@ class OpenDialog(QDialog):
 
     Args:
         recent: previously opened paths and addresses, the latest first.
-        open_source: function that opens a path or an address with a key file; it returns the reason if that fails,
+        open_source: function that opens a path or an address with a key file. If that fails, it returns the reason,
             otherwise an empty text.
-        parent: the window, if there is one.
+        parent: window that opens the dialog. If None, there is no window.
 
     Attributes:
         source: field for a path or an address.
         key: field for a key file.
-        recent: list of recent sources.
+        recent: list of recently opened sources.
         fault: reason why the source could not be opened.
     """
 
@@ -47,10 +47,10 @@ class OpenDialog(QDialog):
         self.source.setPlaceholderText("hunt.bag, a folder, or 127.0.0.1:6010")
         self.source.setAccessibleName("Recording, or address of a running session")
         self.key = QLineEdit()
-        self.key.setPlaceholderText("only for a session that requires a key")
+        self.key.setPlaceholderText("needed only if the session requires a key")
         self.key.setAccessibleName("Key file")
         self.recent = QListWidget()
-        self.recent.setAccessibleName("Opened before")
+        self.recent.setAccessibleName("Recently opened")
         self.recent.addItems([shown(source) for source in recent])
         self._sources = recent
         self.recent.currentRowChanged.connect(lambda row: self.source.setText(self._sources[row]))
@@ -70,7 +70,7 @@ class OpenDialog(QDialog):
         column.addWidget(label("Key file:"))
         column.addLayout(_row(self.key, ("Key…", self._browse_key)))
         if recent:
-            column.addWidget(label("Opened before:"))
+            column.addWidget(label("Recently opened:"))
         column.addWidget(self.recent, 1)
         self.recent.setVisible(bool(recent))
         column.addWidget(self.fault)
@@ -103,7 +103,7 @@ class OpenDialog(QDialog):
             self.key.setText(chosen)
 
     def _folder(self) -> str:
-        """Return the folder to start in: that of the latest recording, or the current one."""
+        """Return the folder in which a file dialog starts: that of the latest recording, or the current folder."""
         folders = (Path(source).parent for source in [self.source.text(), *self._sources] if Path(source).is_absolute())
         return str(next((folder for folder in folders if folder.is_dir()), Path.cwd()))
 

@@ -1,4 +1,4 @@
-"""Pictures of the map and of the plots, copied or saved as PNG or SVG; sections of a recording as MP4 or GIF."""
+"""Pictures of the map and the plots, copied or saved as PNG or SVG; videos of recordings, saved as MP4 or GIF."""
 
 import shutil
 from collections.abc import Callable
@@ -12,14 +12,14 @@ from PySide6.QtSvg import QSvgGenerator
 from PySide6.QtWidgets import QWidget
 
 FRAMES_PER_SECOND = 25
-"""Frames per second of video, which is also the number per second of recorded time."""
+"""Frames per second of a video. One second of the video shows one second of recorded time."""
 MOST_WAITING = 32 * 2**20
-"""Bytes of frames in the queue to ffmpeg above which no new frame is drawn."""
-NO_FFMPEG = "Videos need the program ffmpeg. Install it (Debian: apt install ffmpeg), then save again."
+"""Bytes in the queue to ffmpeg above which no new frame is drawn."""
+NO_FFMPEG = "Videos need the program ffmpeg. Install ffmpeg (Debian: apt install ffmpeg), then save the video again."
 
 
 def image_of(part: QWidget) -> QImage:
-    """Return a picture of a part of the window in its present state.
+    """Return a picture of a part of the window in its current state.
 
     A picture of plots also includes the parts that are scrolled out of view.
     """
@@ -39,7 +39,7 @@ def save_picture(part: QWidget, path: Path) -> str:
 
     Args:
         part: the map, or a widget with plots.
-        path: target file. With the suffix `.svg`, the picture consists of curves and lines; otherwise, of pixels.
+        path: target file. With the suffix `.svg`, the picture is a vector graphic; otherwise it consists of pixels.
     """
     if path.suffix.lower() != ".svg":
         saved = image_of(part).save(str(path))
@@ -61,18 +61,18 @@ def save_picture(part: QWidget, path: Path) -> str:
 
 
 class VideoWriter(QObject):
-    """Writer that saves a section of a recording as a video, frame by frame, while the window remains usable.
+    """Writer of a video of a recording's section. It works frame by frame, so that the window remains usable.
 
     Args:
-        path: path of the video; its suffix decides the format.
+        path: path of the video; the suffix decides the format.
         span: first and last moment, seconds since the beginning.
-        frame: function that shows a moment and returns its picture; all pictures have the same size.
+        frame: function that shows the moment at a time and returns its picture. All pictures have the same size.
         program: path of ffmpeg.
-        parent: owner; the writer lives as long as this object.
+        parent: owner of the writer; Qt deletes both together.
 
     Signals:
-        progressed: completed share, 0 to 1.
-        ended: the reason why saving failed, or an empty text.
+        progressed: more frames were written; with the completed share, 0 to 1.
+        ended: the video was saved or saving failed; with the reason of a failure, or an empty text.
     """
 
     progressed = Signal(float)
@@ -83,7 +83,7 @@ class VideoWriter(QObject):
     ) -> None:
         super().__init__(parent)
         self._path, self._frame = path, frame
-        # ffmpeg writes to another file name, so that a failed video never replaces an earlier one.
+        # ffmpeg writes to another file name, so that a failed video never replaces an earlier video.
         self._part = path.with_name(f".{path.stem}.part{path.suffix}")
         count = max(2, round((span[1] - span[0]) * FRAMES_PER_SECOND))
         self._times = [span[0] + number / FRAMES_PER_SECOND for number in range(count)]
@@ -100,7 +100,7 @@ class VideoWriter(QObject):
         self._timer.start(0)
 
     def cancel(self) -> None:
-        """Stop, and remove the unfinished file."""
+        """Stop saving, and remove the unfinished file."""
         self._timer.stop()
         self._process.blockSignals(True)
         self._process.kill()
@@ -112,7 +112,7 @@ class VideoWriter(QObject):
 
     def _next(self) -> None:
         if self._process.bytesToWrite() > MOST_WAITING:
-            return  # ffmpeg is slower than the drawing; more frames would only fill the memory.
+            return  # ffmpeg is slower than the drawing, so more frames would only fill the memory.
         if self._done == len(self._times):
             self._timer.stop()
             self._process.closeWriteChannel()
@@ -147,7 +147,7 @@ def ffmpeg() -> str | None:
 
 
 def _format(path: Path) -> list[str]:
-    """Return ffmpeg's options for a file. Many players require that width and height of frames are even."""
+    """Return ffmpeg's options for a file. Many players require an even width and height of frames."""
     if path.suffix.lower() == ".gif":
         return ["-vf", "split[a][b];[a]palettegen[p];[b][p]paletteuse", "-r", "12.5"]
     return ["-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-pix_fmt", "yuv420p"]

@@ -1,4 +1,4 @@
-"""Entry point of the researcher's windows."""
+"""Functions that open the researcher's windows."""
 
 import time
 from pathlib import Path
@@ -16,20 +16,20 @@ from ui.windows.researcher.open_dialog import OpenDialog
 from ui.windows.researcher.window import ResearcherWindow
 
 OPEN_TIMEOUT = 0.5
-"""Seconds that the dialog waits for a recording to open. If a fault is found later, the recording's window shows it."""
+"""Seconds for which the dialog waits for a recording to open. The recording's window shows faults found later."""
 
 
 class WatchProgram(QObject):
-    """Researcher's windows of one process: each shows one recording or session.
+    """Researcher's windows of one process. Each window shows one recording or session.
 
     Args:
         app: the application.
         preferences: preferences of the user.
-        memory: previously opened recordings and sessions.
+        memory: storage of recently opened recordings and sessions.
 
     Attributes:
         windows: open windows.
-        dialog: latest dialog *Open*; None before the first one.
+        dialog: latest dialog *Open*; None before the first dialog.
     """
 
     def __init__(self, app: QApplication, preferences: Preferences, memory: WatchMemory) -> None:
@@ -42,7 +42,7 @@ class WatchProgram(QObject):
         """Show a recording or session in a new window."""
         self._memory.add(opened.source)
         window = ResearcherWindow(opened.feed, opened.title, colours(), time.monotonic)
-        # The lambdas connected below refer to the window, so garbage collection would never delete it.
+        # Delete the window when it closes. Lambdas below refer to it, so garbage collection would never delete it.
         window.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         self._preferences.changed.connect(window.set_palette)
         self._preferences.add_keys(window)
@@ -79,7 +79,7 @@ class WatchProgram(QObject):
 
 
 def show(opened: OpenedFeed | None, choice: Choice) -> None:
-    """Show a recording or session, and all windows opened from it, until they are closed.
+    """Show a recording or session. Return when its window and all windows opened from it are closed.
 
     Args:
         opened: recording or session to show. If None, ask for one first.

@@ -1,4 +1,4 @@
-"""Requests of the researcher to robots, made by buttons and by strokes on the map."""
+"""Researcher's requests to robots, by buttons, by strokes on the map, and by the wizard's dock."""
 
 import math
 from collections.abc import Callable, Mapping
@@ -20,29 +20,29 @@ from ui.windows.researcher.map.preview import ToolPreview
 from ui.windows.researcher.map.tools import TOOLS, Gesture, MapTool
 
 GRAB_RADIUS, GRAB_PIXELS = 0.4, 24.0
-"""Distance from a robot's middle within which a press selects it for a stroke: meters or pixels, whichever is
-larger."""
+"""Distance from a robot's middle within which a press selects the robot for a stroke, meters and pixels. The larger
+distance counts."""
 _CONFIRMATIONS = {
     MapTool.GOAL: "Sending {robot} there.",
     MapTool.POSE: "Setting the pose of {robot}.",
-    MapTool.CARRY: "Moving {robot} there; its software is not informed.",
-    MapTool.OBSTACLE: "Requested. An obstacle appears as soon as its place is free.",
+    MapTool.CARRY: "Moving {robot} there. The robot's software is not informed.",
+    MapTool.OBSTACLE: "Requested. An obstacle appears as soon as there is free space at its place.",
 }
 
 
 class ToolController:
-    """Controller that turns buttons, strokes and the wizard's choices into requests, and reports if they were sent.
+    """Controller that turns buttons, strokes and the wizard's choices into requests, and reports their sending.
 
     Args:
         feed: receiver of the requests.
         window: window with the buttons.
         view: the map.
-        bodies: by robot, the (n, 2) corners of its body in its own frame, if known.
+        bodies: (n, 2) corners of the known robots' bodies in their own frames, by the robots' indices.
         select: function that selects another robot.
 
     Attributes:
         scene: scene on the map; None before there is one.
-        selected: robot that the buttons act on.
+        selected: index of the robot that the buttons act on.
     """
 
     def __init__(
@@ -78,12 +78,12 @@ class ToolController:
         return robot_name(self.selected)
 
     def _ask(self, make: Callable[[Tools, Scene, int], FeedRequest | RequestRefused], sentence: str) -> None:
-        """Make a request for the selected robot."""
+        """Create a request for the selected robot, and send it."""
         if self.scene is not None:
             self._send(make(self._tools, self.scene, self.selected), sentence)
 
     def _send(self, request: FeedRequest | RequestRefused, sentence: str) -> None:
-        """Send a request, and report that it was sent, or the reason why it was not."""
+        """Send a request. Show `sentence` if it was sent, otherwise the reason why it was not sent."""
         refusal = request.sentence if isinstance(request, RequestRefused) else self._feed.ask(request)
         self._window.show_status(refusal or sentence.format(robot=self._name))
 
@@ -93,27 +93,27 @@ class ToolController:
         box.setIcon(QMessageBox.Icon.Warning)
         box.setWindowTitle("Kill a robot")
         box.setText(f"Kill {robot_name(self.selected)}?")
-        box.setInformativeText("Its software stops and its motors brake until it is revived. The recording shows this.")
+        box.setInformativeText("Its software stops and its motors brake until you revive it. The recording shows this.")
         kill = box.addButton("Kill it", QMessageBox.ButtonRole.DestructiveRole)
         box.setDefaultButton(box.addButton("Leave it alive", QMessageBox.ButtonRole.RejectRole))
-        kill.setAutoDefault(False)  # Without this, Enter would press the button after a change of colors.
+        kill.setAutoDefault(False)  # Without this, Enter would press this button after a change of colors.
         kill.clicked.connect(lambda: self._ask(Tools.kill, "Killing {robot}."))
         box.open()
 
     def _puppeteer(self, robot: int, on: bool) -> None:
         if self.scene is not None:
-            sentence = "You now speak for {robot}." if on else "Now {robot} speaks for itself."
+            sentence = "You now speak for {robot}." if on else "You no longer speak for {robot}."
             self._send(self._tools.puppeteer(self.scene, robot, on), sentence.format(robot=robot_name(robot)))
 
     def _speak(self, turn: PendingTurn, move: int, text: str) -> None:
         if self.scene is not None:
-            sentence = f"{robot_name(turn.robot).capitalize()} says this."
+            sentence = f"{robot_name(turn.robot).capitalize()} says your sentence."
             self._send(self._tools.speak(self.scene, turn, move, text), sentence)
 
     def _advise(self, robot: int, room: int) -> None:
         if self.scene is not None:
             where = self._feed.data.log.room_names.titled(room)
-            sentence = f"{robot_name(robot).capitalize()} will suggest {where}. Choose its words next."
+            sentence = f"{robot_name(robot).capitalize()} will suggest {where}. Next, choose the robot's sentence."
             self._send(self._tools.advise(self.scene, robot, room), sentence)
 
     def use_tool(self, tool: MapTool) -> None:
@@ -127,7 +127,7 @@ class ToolController:
         if self._window.tool is MapTool.CARRY:
             robot = self._robot_near(x, y)
             if robot is None:
-                self._window.show_status("No robot is there: press on a robot and drag it.")
+                self._window.show_status("No robot is there. Press the button on a robot and drag the robot.")
                 return
             self._select(robot)
             self._preview.body = self._bodies.get(robot)
@@ -152,7 +152,7 @@ class ToolController:
             self._window.select_tool(MapTool.LOOK)
 
     def _meant(self, done: Gesture, scene: Scene) -> FeedRequest | RequestRefused:
-        """Return the request for a stroke."""
+        """Return the request that a stroke means, or the reason why it is not possible."""
         tools = self._tools
         match done.tool:
             case MapTool.GOAL | MapTool.POSE:
@@ -167,8 +167,7 @@ class ToolController:
                 return put if hit is None or isinstance(hit, RequestRefused) else hit
 
     def _heading(self) -> float:
-        """Return the selected robot's heading: the true one if the robot is moved by hand, otherwise the estimated
-        one."""
+        """Return the selected robot's heading: the true heading for the tool Kidnap, otherwise the estimate."""
         robots = () if self.scene is None else self.scene.robots
         robot = next((each for each in robots if each.robot == self.selected), None)
         if robot is None:
@@ -178,7 +177,7 @@ class ToolController:
         return 0.0 if pose is None else pose.theta
 
     def _robot_near(self, x: float, y: float) -> int | None:
-        """Return the robot near this place, by its true or estimated pose."""
+        """Return the index of the robot whose true or estimated pose is near this place; None if there is none."""
         here = Pose2(x, y, 0.0)
         robots = () if self.scene is None else self.scene.robots
         near = [

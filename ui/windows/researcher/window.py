@@ -1,4 +1,4 @@
-"""Researcher's window, which passes data from a feed to its parts, and people's actions to the feed."""
+"""Researcher's window. It passes the data of a feed to the window's parts, and people's actions to the feed."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -38,13 +38,13 @@ from ui.windows.researcher.tool_controller import ToolController
 FRAME = 33
 """Milliseconds between two frames of the map."""
 SLOW, PLOTTED = 5, 2
-"""Number of frames of the map for each update of the lists, and for each update of one plot. The plots take turns."""
+"""Frames of the map for each update of the lists, and for each update of a plot. The plots are updated in turn."""
 MARGIN = 3.0
-"""Meters that the view adds around robots if there is no map."""
+"""Margin of the view around the robots if there is no map, meters."""
 DEFAULT_FOOTPRINT: FloatArray = 0.2 * np.array(
     [[math.cos(a), math.sin(a)] for a in np.linspace(0.0, 2.0 * math.pi, 17)[:-1]]
 )
-"""Footprint of a robot that has not published its own, meters."""
+"""Footprint of a robot that has not published its own footprint, meters."""
 
 
 class ResearcherWindow(DockedWindow):
@@ -58,8 +58,8 @@ class ResearcherWindow(DockedWindow):
 
     Attributes:
         scene: scene on the map; None before there is one.
-        sign: label on the map for a sentence about a problem.
-        bookmarks: moments that a person marked.
+        sign: label on the map with a sentence about a problem.
+        bookmarks: times that a person marked.
 
     Signals:
         bookmarked: the bookmarks have changed.
@@ -85,7 +85,7 @@ class ResearcherWindow(DockedWindow):
         self._overlays = Overlays(self._map.box)
         self._tool_controller = ToolController(feed, self, self._map, self._bodies, self.select)
         self._log_updater = LogUpdater(feed, self)
-        # The label is a child of the viewport, because screen readers find nothing in the map itself.
+        # The label is a child of the viewport, because screen readers do not find widgets in the map itself.
         self.sign = TroubleSign(self._map.viewport())
         self._connect()
         self._tool_controller.use_tool(self.tool)
@@ -198,7 +198,7 @@ class ResearcherWindow(DockedWindow):
         self._map.show_robots([mark for robot in scene.robots if (mark := self._mark(robot)) is not None])
 
     def _widen(self, scene: Scene) -> None:
-        """Extend the view to all robots shown so far, because there is no map."""
+        """If there is no map, extend the view to all robots shown so far."""
         box = self._map.box
         places = [place for robot in scene.robots if (place := robot.estimate or robot.truth) is not None]
         for place in places:
@@ -253,9 +253,9 @@ class ResearcherWindow(DockedWindow):
         self.plots.show_time(self._transport.time)
 
     def _show_end(self, bag: str | None) -> None:
-        """Report that the session has ended, and offer its recording.
+        """Show that the session has ended, and offer its recording.
 
-        If `bag` is None, report that another session has started.
+        If `bag` is None, another session has started, and the offer is hidden.
         """
         self._ended_bag = bag
         here = bool(bag) and any(part.exists() for part in parts_of(Path(bag or "")))
@@ -267,7 +267,7 @@ class ResearcherWindow(DockedWindow):
     # Contents of recordings
 
     def _show_contents(self, scene: Scene) -> None:
-        """List the topics of a recording when it is open. For recordings of other programs, show the list first."""
+        """List the topics of a recording when it is open. For another program's recording, bring the list to the front."""
         numbers = self._feed.data.numbers
         if self._contents_shown or numbers is None:
             return
@@ -336,7 +336,7 @@ class ResearcherWindow(DockedWindow):
             self.save_video(path, (start, end), program)
 
     def save_video(self, path: Path, span: tuple[float, float], program: str) -> VideoWriter:
-        """Save the middle of the window as a video, from one time to another, by ffmpeg."""
+        """Save a video of the middle of the window over a time span with ffmpeg."""
         before, part = self._transport.time, self.canvas if self.canvas.isVisible() else self.plots.canvas
         self._transport.play(False)
 
@@ -360,7 +360,7 @@ class ResearcherWindow(DockedWindow):
     # Robots
 
     def _place(self, robot: int) -> int:
-        """Return the row of a robot in the list, or -1."""
+        """Return the row of a robot in the list; -1 if the robot is not in the list."""
         robots = () if self.scene is None else self.scene.robots
         return next((row for row, each in enumerate(robots) if each.robot == robot), -1)
 
@@ -394,7 +394,7 @@ class ResearcherWindow(DockedWindow):
     # Time
 
     def use_bookmarks(self, times: Sequence[float]) -> None:
-        """Show these bookmarks, seconds since the beginning; they replace all others."""
+        """Show these bookmarks, seconds since the beginning. They replace all earlier bookmarks."""
         self.bookmarks = Bookmarks(times)
         self._show_bookmarks(None)
 
@@ -408,7 +408,7 @@ class ResearcherWindow(DockedWindow):
         span = self.bookmarks.around(self._transport.time) if on else None
         if on and span is None:
             self.show_status(
-                "A loop needs two bookmarks. Go to a moment and press B; then go to another one and press B again."
+                "A loop needs two bookmarks. Go to a time and press B. Then go to another time and press B again."
             )
         self._show_bookmarks(span)
         if span is not None:
@@ -431,7 +431,7 @@ class ResearcherWindow(DockedWindow):
     # Colors and closing
 
     def set_palette(self, palette: Palette) -> None:
-        """Use these colors for the map and the plots; all other parts use the application's palette."""
+        """Use these colors for the map and the plots. All other parts use the application's palette."""
         self._map.set_palette(palette)
         self.plots.set_palette(palette)
 
@@ -453,7 +453,7 @@ def _row_of(robot: RobotScene) -> RobotRow:
 def _plot_of(number: PlottedField) -> str:
     """Return the title of a number's plot.
 
-    Numbers of a topic with the same unit share a plot, and so do elements of an array.
+    Numbers of a topic with the same unit share a plot. The elements of an array also share a plot.
     """
     if number.unit:
         return f"{number.topic}, {number.unit}"
@@ -461,12 +461,12 @@ def _plot_of(number: PlottedField) -> str:
 
 
 def _figures(series: RobotSeries, panel: str, gaps: Sequence[float]) -> dict[str, tuple[FloatArray, FloatArray]]:
-    """Return the curves of a robot in one panel; for the error, also the band of two standard deviations.
+    """Return the curves of a robot in one panel. For the error, also return the band of two standard deviations.
 
     Args:
         series: series of the robot.
         panel: name of the panel.
-        gaps: times after which no messages arrived for a while; curves are interrupted there.
+        gaps: times after which no messages arrived for a while; the curves have gaps there.
     """
     match panel:
         case "error":
@@ -484,5 +484,5 @@ def _figures(series: RobotSeries, panel: str, gaps: Sequence[float]) -> dict[str
 
 
 def _admitted(series: RobotSeries, gaps: Sequence[float]) -> FloatArray:
-    """Return the standard deviations as steps: a standing robot publishes none, and the last ones remain valid."""
+    """Return the standard deviations as steps. A standing robot publishes none, and its last values remain valid."""
     return as_steps(broken(series.deviations.rows(), gaps), series.estimate.time)

@@ -1,1 +1,1 @@
-"""Docks around the researcher's map: robots, displays, plots, lists, playback, wizard."""
+"""Docks around the researcher's map: robots, displays, plots, arguments, lists, topics, playback, and wizard."""

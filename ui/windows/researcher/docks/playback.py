@@ -1,4 +1,4 @@
-"""Bar below the map with controls for play, pause, step, speed and time."""
+"""Bar below the map, with controls to play, pause, step, and set the speed and the time."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -15,12 +15,12 @@ from ui.windows.untrusted_text import PlainLabel
 SPEEDS = (0.1, 0.25, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0)
 """Speeds to choose from, simulated seconds per second."""
 UTTERANCE_ARM, EVENT_ARM = 3.0, 5.0
-"""Half the height of marks on the timeline, for utterances and for events, pixels."""
+"""Half the height of marks for utterances and for events on the timeline, pixels."""
 
 LOOP, FLAG = 3.0, 5.0
-"""Half the height of a loop on the timeline, and half the width of a bookmark, pixels."""
+"""Half the height of a loop and half the width of a bookmark on the timeline, pixels."""
 BAR, BAR_ROWS = 2.0, 2
-"""Height of a bar at the bottom of the timeline, pixels, and number of rows of bars."""
+"""Height of a bar at the bottom of the timeline, pixels; number of rows of bars."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,8 +29,8 @@ class TimelineMark:
 
     Attributes:
         time: seconds since the beginning.
-        text: description of the event.
-        robot: index of the robot concerned, or None.
+        text: description of the event or utterance.
+        robot: index of the robot of the event or utterance; None if there is none.
         is_utterance: True for a sentence of a dialogue, False for an event.
     """
 
@@ -42,13 +42,13 @@ class TimelineMark:
 
 @dataclass(frozen=True, slots=True)
 class TimelineBar:
-    """Bar on the timeline.
+    """Bar on the timeline for an activity of a robot.
 
     Attributes:
         start: seconds since the beginning.
         end: seconds since the beginning.
         text: description of the activity.
-        robot: index of the robot concerned.
+        robot: index of the robot.
     """
 
     start: float
@@ -90,7 +90,7 @@ class Timeline(QSlider):
         return QSize(200, 32)
 
     def paintEvent(self, event: QPaintEvent) -> None:
-        """Draw the line, its elapsed part, the marks and the handle."""
+        """Draw the line and its elapsed part, the marks, bars, bookmarks and loop, and the handle."""
         painter, palette = smooth_painter(self), colours()
         middle = self.height() / 2.0
         left, right, here = self._x(self.minimum()), self._x(self.maximum()), self._x(self.value())
@@ -124,13 +124,13 @@ class Timeline(QSlider):
         painter.drawEllipse(QRectF(here - 6.5, middle - 6.5, 13.0, 13.0))
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
-        """Move to the pointer, and start following it."""
+        """Move the handle to the pointer, and start to follow the pointer."""
         if event.button() == Qt.MouseButton.LeftButton:
             self.setSliderDown(True)
             self.setSliderPosition(self._value(event.position().x()))
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
-        """Follow the pointer, or describe the marks and bars under it."""
+        """Follow the pointer, or describe the marks and bars under the pointer in the tool tip."""
         if self.isSliderDown():
             self.setSliderPosition(self._value(event.position().x()))
             return
@@ -161,18 +161,18 @@ class Timeline(QSlider):
 
 
 class PlaybackBar(QWidget):
-    """Controls for play, pause, step, speed and time.
+    """Bar with controls to play, pause, step, and set the speed and the time.
 
     Args:
-        live: True for a running session, where time cannot go back.
+        live: True for a running session, whose time cannot go back.
 
     Signals:
-        play_toggled: play if it is paused, pause if it is playing.
-        stepped: number of steps forward; negative for back.
-        speed_chosen: simulated seconds per second.
-        seek: go to this time, seconds since the beginning.
-        recording_wanted: open the recording of the session that has ended.
-        refused: the reason why a typed time is not valid.
+        play_toggled: a person wants to play, or to pause.
+        stepped: a person wants to go this number of steps forward, or back if it is negative.
+        speed_chosen: a person chose this speed, simulated seconds per second.
+        seek: a person wants to go to this time, seconds since the beginning.
+        recording_wanted: a person wants to open the recording of the session that has ended.
+        refused: a typed time is not valid; with the reason.
     """
 
     play_toggled = Signal()
@@ -200,7 +200,7 @@ class PlaybackBar(QWidget):
         self.time = QLineEdit("0:00.00")
         self.time.setAccessibleName("Time shown")
         self.time.setToolTip(
-            "Time shown" if live else "Time shown. To go elsewhere, type a time and press Enter (Ctrl+T)"
+            "Time shown" if live else "Time shown. To go to another time, type it and press Enter (Ctrl+T)"
         )
         self.time.setReadOnly(live)
         self.time.setAlignment(Qt.AlignmentFlag.AlignRight)
@@ -231,7 +231,7 @@ class PlaybackBar(QWidget):
             layout.insertStretch(4, 1)
 
     def show_span(self, seconds: float, marks: Sequence[TimelineMark], bars: Sequence[TimelineBar] = ()) -> None:
-        """Show the length in seconds, and these marks and bars."""
+        """Set the length of the timeline in seconds, and show these marks and bars."""
         with QSignalBlocker(self.timeline):
             self.timeline.setRange(0, round(seconds * 1000.0))
         self.timeline.set_marks(marks, bars)
@@ -259,13 +259,13 @@ class PlaybackBar(QWidget):
         self.seek.emit(time)
 
     def show_playing(self, playing: bool) -> None:
-        """Show if it plays or is paused."""
+        """Show whether the session or recording plays or is paused."""
         if playing != self._playing:
             self._playing = playing
             self.play.setText("❚❚  Pause" if playing else "▶  Play")
 
     def show_speed(self, speed: float) -> None:
-        """Show the nearest of `SPEEDS`."""
+        """Show the speed in `SPEEDS` that is nearest to this speed."""
         nearest = min(range(len(SPEEDS)), key=lambda number: abs(SPEEDS[number] - speed))
         self.speed.setCurrentIndex(nearest)
 
@@ -275,7 +275,7 @@ class PlaybackBar(QWidget):
         self.recording.setToolTip(path)
 
     def show_state(self, text: str) -> None:
-        """Show the state of the source in words."""
+        """Show the state of the session or recording in words."""
         self.state.setText(text)
 
 

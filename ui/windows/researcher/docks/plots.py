@@ -1,5 +1,7 @@
-"""Plots over time: errors of position and heading, standard deviations, energy and speed of the robots, and all other
-numbers in the topics of a recording."""
+"""Plots over time: errors of position and heading, standard deviations, energy and speed of the robots.
+
+For a recording, all other numbers of its topics can be plotted as well.
+"""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -17,29 +19,29 @@ from ui.windows.look import follow_text, font, label, px
 from ui.windows.untrusted_text import shown
 
 LATE = 1.0
-"""Seconds after the beginning of a session after which a window has joined late."""
+"""Seconds after the beginning of a session, after which a window counts as connected late."""
 LIVE_SECONDS = 60.0
-"""Last seconds of a running session that the plots show until a person moves along the time axis."""
+"""Number of last seconds of a running session that the plots show until a person moves along the time axis."""
 _UNBOUNDED = 16_777_215.0
 """Qt's maximum height of a widget."""
 LEAST_HEIGHT = 112
-"""Smallest height of a plot, `px`; if not all plots fit, the dock scrolls."""
-NOTHING = "Nothing is plotted. Open a topic in the Topics pane, and tick numbers."
+"""Smallest height of a plot, `px`. If not all plots fit, the dock scrolls."""
+NOTHING = "There are no plots. Open a topic in the Topics pane, and tick its numbers."
 MOST_POINTS = 4000
-"""Greatest number of points in a curve, which is more than the columns of a screen.
+"""Greatest number of points in a drawn curve, which is more than a screen has columns of pixels.
 
-A longer curve shows the extreme values of each run of neighbors.
+A longer curve is drawn with the smallest and greatest value of each group of neighboring points.
 """
 
 
 @dataclass(frozen=True, slots=True)
 class PlotPanel:
-    """Plot of one figure of all robots.
+    """Plot of one figure for all robots.
 
     Attributes:
         name: name of the figure in `RobotCurves`.
         title: title for people, with the unit.
-        factor: factor from SI units to those of the title.
+        factor: factor from SI units to the units of the title.
     """
 
     name: str
@@ -54,8 +56,8 @@ class RobotCurves:
     Attributes:
         robot: index in the team.
         name: name of the robot in the legend.
-        figures: curves by the name of a panel, or "band" for two standard deviations of position, meters. A curve has
-            (n,) seconds since the beginning, ascending, and (n,) values; NaN leaves a gap.
+        figures: curves by the name of a panel; the name "band" is for two standard deviations of position, meters. A
+            curve has (n,) seconds since the beginning, ascending, and (n,) values; NaN leaves a gap.
     """
 
     robot: int
@@ -65,7 +67,7 @@ class RobotCurves:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class NumberCurve:
-    """Number in the messages of a topic, over time.
+    """Curve of a number in the messages of a topic, over time.
 
     Attributes:
         plot: title of the plot; curves with the same title share a plot.
@@ -89,23 +91,23 @@ PANELS = (
 )
 BAND = "band"
 TimeRange = Literal["all", "end", "free"]
-"""Time in view: all of it, the moving end, or the part that a person chose."""
+"""Range of the time axis: the whole time, the moving end, or a part that a person chose."""
 
 
 class Plots(QWidget):
     """One plot for each figure, with a curve for each robot and a shared time axis.
 
-    A band behind the error shows two standard deviations of the selected robot. Numbers of topics have their plots
-    below these. A plot without a curve is hidden.
+    A band behind the error shows two standard deviations of the selected robot. Plots of topic numbers are below the
+    plots of robots. A plot without a curve is hidden.
 
-    A click seeks a time. Dragging and the mouse wheel move along the time axis; a double click shows all of it again.
+    A click goes to a time. Dragging and the mouse wheel move along the time axis; a double click shows the whole time.
 
     Args:
         palette: the colors.
         live: True for a running session, whose end moves.
 
     Signals:
-        seek: a person wants to see this time, seconds since the beginning.
+        seek: a person wants to go to this time; seconds since the beginning.
     """
 
     seek = Signal(float)
@@ -153,7 +155,7 @@ class Plots(QWidget):
         return [plot.title for plot in self._shown]
 
     def show_curves(self, robots: Sequence[RobotCurves], end: float) -> None:
-        """Draw these curves; they replace earlier curves of the same robots.
+        """Draw these curves, which replace earlier curves of the same robots.
 
         Args:
             robots: curves of any robots of the team.
@@ -207,13 +209,13 @@ class Plots(QWidget):
             self._range()
 
     def show_joined(self, time: float) -> None:
-        """Mark the time at which the window joined the session; nothing before it is shown."""
+        """Mark the time at which the window connected to the session; earlier values are unknown."""
         if time != self._joined:
             self._joined = time
             self._dress()
 
     def select(self, robot: int) -> None:
-        """Draw the curves of this robot with stronger lines, and the band of its standard deviation."""
+        """Draw the curves of this robot with stronger lines, and draw the band of its standard deviation."""
         self._selected = robot
         for (_, number), curve in self._curves.items():
             curve.setPen(self._pen(number))
@@ -231,7 +233,7 @@ class Plots(QWidget):
         self.select(self._selected)
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        """Choose a size of letters that fits."""
+        """Choose a size of letters that fits the new width."""
         super().resizeEvent(event)
         if self._letters.pointSizeF() != self._fitting_letters().pointSizeF():
             self.set_palette(self._palette)
@@ -243,7 +245,7 @@ class Plots(QWidget):
         return 0 if times is None else len(times)
 
     def _arrange(self) -> None:
-        """Show the plots that have curves, one below another; only the last one shows the time axis."""
+        """Show the plots that have curves, one below another. Only the last plot shows the time axis."""
         panels = {panel for panel, _ in self._curves}
         wanted = [plot for name, plot in self._panels.items() if name in panels]
         wanted += [plot for plot in self._number_plots.values() if plot not in wanted]
@@ -284,16 +286,18 @@ class Plots(QWidget):
             plot.joined.setPen(pg.mkPen(palette.muted, width=1, style=Qt.PenStyle.DashLine))
             plot.joined.setValue(self._joined)
             plot.joined.setVisible(self._joined > LATE)
-            # The first plot explains the line in words; the others show only the line.
+            # The first plot explains the line in words. The other plots show only the line.
             plot.joined_words.setVisible(first)
-            plot.joined_words.setFormat(f"window joined\nat {self._joined:.0f} s")
+            plot.joined_words.setFormat(f"connected\nat {self._joined:.0f} s")
             plot.joined_words.setColor(palette.muted)
             plot.joined_words.textItem.setFont(letters)
         self._name_curves()
 
     def _name_curves(self) -> None:
-        """Fill the legends: names of robots in the first plot of robots, names of numbers in each plot that several of
-        them share."""
+        """Fill the legends.
+
+        The first plot of robots has the robots' names. A plot that several numbers share has their names.
+        """
         robots = next((plot for plot in self._shown if plot in self._panels.values()), None)
         curves = self._of_numbers()
         if robots is not None:
@@ -312,12 +316,12 @@ class Plots(QWidget):
             legend.setColumnCount(max(1, int((self.width() - px(48)) / (letter * longest + px(48)))))
             for curve in named:
                 legend.addItem(curve, curve.name())
-        # Without this, the legends keep the size that they had while they were empty.
+        # Without this, the legends keep the size of empty legends.
         self.canvas.ci.layout.activate()
         self.canvas.ci.setGeometry(self.canvas.range)
 
     def _fitting_letters(self) -> QFont:
-        """Return a small font, or a smaller one if the widest title would not fit."""
+        """Return the small font, reduced if the widest title does not fit."""
         letters = font("small")
         widest = max(QFontMetricsF(letters).horizontalAdvance(panel.title) for panel in PANELS)
         share = min(1.0, (self.width() - px(48)) / widest)
@@ -398,7 +402,7 @@ class Plots(QWidget):
 
 
 class _TimePlot:
-    """Plot over time with a cursor, a legend, and a line at the time at which the window joined.
+    """Plot over time with a cursor, a legend, and a line at the time at which the window connected.
 
     Args:
         shown_title: title for people.
@@ -412,16 +416,16 @@ class _TimePlot:
         self.item.setMouseEnabled(x=True, y=False)
         self.item.setClipToView(True)
         self.item.getViewBox().setAutoVisible(y=True)
-        # The legend is above the plot, because curves fill the whole plot.
+        # Put the legend above the plot, because curves fill the whole plot.
         self.legend = pg.LegendItem(size=(0, 0), verSpacing=-8)
         self.legend.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Fixed)
         for side in ("left", "bottom"):
-            # Grid lines between the numbers take longer to paint than all curves together.
+            # Grid lines between the numbers would take longer to paint than all curves together.
             self.item.getAxis(side).setStyle(maxTickLevel=0)
             self.item.getAxis(side).enableAutoSIPrefix(False)
         self.cursor = pg.InfiniteLine(angle=90, movable=False)
         self.joined = pg.InfiniteLine(angle=90, movable=False)
-        # The words are left of the line, where nothing is drawn.
+        # Put the words left of the line, where no curve is drawn.
         self.joined_words = pg.InfLineLabel(self.joined, anchors=[(1.0, 0.5), (1.0, 0.5)])
         self.joined.hide()
         for line in (self.cursor, self.joined):
@@ -429,10 +433,10 @@ class _TimePlot:
 
 
 def thinned(times: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return a curve of at most `MOST_POINTS` points that looks the same.
+    """Return a curve of at most `MOST_POINTS` points that looks like this curve.
 
-    The curve is divided into runs of neighbors. Each run keeps its smallest and its greatest value, so that no peak
-    disappears. NaN within a run is dropped.
+    The points are divided into groups of neighbors. Each group keeps its smallest and its greatest value, so that no
+    peak disappears. NaN within a group is dropped.
     """
     run = -(-2 * len(times) // MOST_POINTS)
     if run <= 2:

@@ -1,4 +1,4 @@
-"""Tree of a recording's topics, with their types, numbers of messages, and the numbers that can be plotted."""
+"""Tree of a recording's topics, with their types, their message counts, and the numbers that can be plotted."""
 
 from collections.abc import Iterable, Iterator, Sequence
 
@@ -17,8 +17,8 @@ class TopicTree(QWidget):
     """Tree of all topics. A person opens a topic to see its numbers, and ticks numbers to plot them.
 
     Signals:
-        opened: a person opened a topic before its numbers were listed.
-        chosen: the ticked numbers, as a tuple, in the order of the tree.
+        opened: a person opened a topic whose numbers are not listed yet.
+        chosen: a person changed the ticks; with the tuple of ticked numbers, in the order of the tree.
     """
 
     opened = Signal(str)
@@ -52,13 +52,13 @@ class TopicTree(QWidget):
         for topic in topics:
             item = QTreeWidgetItem([shown(topic.name), shown(topic.msgtype), str(topic.messages)])
             item.setTextAlignment(2, Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
-            item.setToolTip(0, "Open the topic to list its numbers; tick numbers to plot them")
+            item.setToolTip(0, "Open the topic to list its numbers. Tick numbers to plot them.")
             item.setChildIndicatorPolicy(QTreeWidgetItem.ChildIndicatorPolicy.ShowIndicator)
             item.setData(0, _FIELD, topic.name)
             self.tree.addTopLevelItem(item)
         messages = sum(topic.messages for topic in topics)
         topic_count = "1 topic" if len(topics) == 1 else f"{len(topics)} topics"
-        self.total.setText(f"{topic_count}, {messages} messages. Open a topic, and tick numbers to plot them.")
+        self.total.setText(f"{topic_count}, {messages} messages. Open a topic, and tick its numbers to plot them.")
 
     def show_numbers(self, topic: str, numbers: Sequence[PlottedField]) -> None:
         """List these numbers below their topic."""
@@ -81,7 +81,7 @@ class TopicTree(QWidget):
             self.opened.emit(item.data(0, _FIELD))
 
     def _toggle(self, item: QTreeWidgetItem) -> None:
-        """Let Enter and a double click tick or clear a number."""
+        """Tick a number, or clear its tick, at Enter or a double click."""
         if item.flags() & Qt.ItemFlag.ItemIsUserCheckable:
             on = item.checkState(0) is Qt.CheckState.Checked
             item.setCheckState(0, Qt.CheckState.Unchecked if on else Qt.CheckState.Checked)

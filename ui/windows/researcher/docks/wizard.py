@@ -1,4 +1,4 @@
-"""Wizard of Oz: the researcher speaks in place of a robot, and the recording marks these sentences."""
+"""Dock for a Wizard of Oz: the researcher speaks in place of a robot, and the recording marks these sentences."""
 
 from functools import partial
 from textwrap import fill
@@ -26,24 +26,24 @@ from ui.windows.look import follow_text, font, px
 from ui.windows.untrusted_text import PlainLabel, button_text
 
 NO_NAMES = RoomNames()
-"""Room names while none are known."""
+"""Room names before the names are known."""
 PUPPETS_PER_ROW = 5
-"""Largest number of robots in a row."""
+"""Largest number of robots in a row of check boxes."""
 
 WIDEST = 480
-"""Greatest width of a sentence on a button, logical pixels; longer sentences are wrapped."""
+"""Greatest width of a sentence on a button, logical pixels. Longer sentences are wrapped."""
 
 HEIGHT, REST = 248, 190
-"""Height of the list of waiting turns, and height that the list leaves to the other parts of a low window, `px`."""
+"""Height of the list of waiting turns, and height that this list leaves to the other parts of a low window, `px`."""
 
 
 class WizardDock(QWidget):
-    """Check boxes of the robots that the wizard speaks for, and the turns that wait for the wizard.
+    """Dock with check boxes of the robots that the wizard speaks for, and with the turns that wait for the wizard.
 
     Signals:
-        puppeteered: begin or stop speaking for this robot.
-        spoke: in this waiting turn, make the legal move with this index, in these words unless they are empty.
-        advised: let this robot suggest this room.
+        puppeteered: the wizard wants to start or stop speaking for this robot.
+        spoke: the wizard chose a move: the waiting turn, the index of the legal move, and own words or an empty text.
+        advised: the wizard chose the room that this robot should suggest.
     """
 
     puppeteered = Signal(int, bool)
@@ -91,10 +91,10 @@ class WizardDock(QWidget):
     def show_wizard(self, wizard: Wizard, robots: int, rooms: RoomNames = NO_NAMES) -> None:
         """Show the robots that the wizard speaks for, and the waiting turns.
 
-        Typed words remain while the turns do not change.
+        Words that the wizard typed remain while the turns do not change.
 
         Args:
-            wizard: the puppets, and the waiting turns.
+            wizard: the robots that the wizard speaks for, and the waiting turns.
             robots: number of robots in the team.
             rooms: names of the rooms of the map.
         """
@@ -111,10 +111,10 @@ class WizardDock(QWidget):
         for pending in wizard.advice:
             self._cards.addWidget(self._advice(pending))
         waits = bool(wizard.turns or wizard.advice)
-        # Waiting turns need the space more than the note, which people have read by then.
+        # Hide the note to give its space to the waiting turns; by then, the wizard has read it.
         self._note.setVisible(not waits or bool(self._reason))
         if not waits:
-            self._cards.addWidget(PlainLabel("Nothing waits for you."))
+            self._cards.addWidget(PlainLabel("No robot waits for you."))
 
     def _show_puppets(self, robots: int, puppets: tuple[int, ...]) -> None:
         while len(self._puppets) < robots:
@@ -132,9 +132,9 @@ class WizardDock(QWidget):
     def _turn(self, turn: PendingTurn) -> QWidget:
         about = "" if turn.room is None else f" about {self._rooms.titled(turn.room)}"
         card, column = _card()
-        words = QLineEdit(placeholderText="Optional: your own words; then press the sentence with the same meaning")
+        words = QLineEdit(placeholderText="Optional: type your own words, then press the sentence of the same meaning")
         words.setToolTip(words.placeholderText())
-        words.setAccessibleName(f"Other words for {robot_name(turn.robot)}")
+        words.setAccessibleName(f"Your own words for {robot_name(turn.robot)}")
         top = FlowLayout()
         top.addWidget(_heading(f"{robot_name(turn.robot).capitalize()} waits to speak{about}"))
         top.addWidget(words)
@@ -170,10 +170,10 @@ class WizardDock(QWidget):
 
 
 class _SteadyArea(QScrollArea):
-    """Scroll area with the same height with and without waiting turns, so that these never move the map.
+    """Scroll area whose height does not depend on waiting turns, so that they never move the map.
 
     Attributes:
-        steady: False if the contents never change; the height is then that of the contents.
+        steady: False if the contents never change. The area then has the height of its contents.
     """
 
     steady = True
@@ -183,7 +183,7 @@ class _SteadyArea(QScrollArea):
         self.setWidgetResizable(True)
 
     def minimumSizeHint(self) -> QSize:
-        """Return this height, as far as the window has space for it."""
+        """Return the fixed height, limited to the space in the window."""
         hint, contents, high = super().minimumSizeHint(), self.widget(), px(HEIGHT)
         if not self.steady and contents is not None:
             high = contents.heightForWidth(self.viewport().width()) + 2 * self.frameWidth()

@@ -1,1 +1,1 @@
-"""Sources of data for the researcher's window: a running session, or a recording."""
+"""Sources of data for the researcher's window: running sessions and recordings."""

@@ -1,4 +1,4 @@
-"""Interface that sessions and recordings share, so that the researcher's window can show both."""
+"""Common interface of sessions and recordings, so that the researcher's window can show both."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,10 +17,10 @@ FeedRequest = Request | PaceRequest
 
 @dataclass(frozen=True, slots=True)
 class FeedData:
-    """All known data of a session or recording; its log and series grow.
+    """All known data of a session or recording. The log and the series grow.
 
     Attributes:
-        generation: counter that increases when all earlier data becomes invalid.
+        generation: counter that increases when all earlier data become invalid.
         start_ns: ROS time of the beginning.
         log: log of the events known so far.
         series: numbers over time known so far.
@@ -39,7 +39,7 @@ class FeedData:
 
 
 class FeedTransport(Protocol):
-    """Time shown of a session or recording, and its controls. Times are seconds since the beginning."""
+    """Time shown of a session or recording, and its controls. All times are seconds since the beginning."""
 
     @property
     def time(self) -> float:
@@ -47,7 +47,7 @@ class FeedTransport(Protocol):
 
     @property
     def span(self) -> float:
-        """Length of the recording, or of the session so far."""
+        """Length of the recording, or of the session so far, seconds."""
 
     @property
     def playing(self) -> bool:
@@ -55,13 +55,13 @@ class FeedTransport(Protocol):
 
     @property
     def speed(self) -> float:
-        """Simulated seconds per second while playing. If 0, it is as fast as possible."""
+        """Simulated seconds per second while playing. If 0, time advances as fast as possible."""
 
     def play(self, on: bool) -> None:
-        """Start or stop time."""
+        """Play if `on` is True; otherwise pause."""
 
     def step(self, steps: int) -> None:
-        """Move this number of ticks forward, or back if negative, and stop there."""
+        """Go this number of ticks forward, or back if it is negative, and pause there."""
 
     def set_speed(self, speed: float) -> None:
         """Play at this speed."""
@@ -70,19 +70,19 @@ class FeedTransport(Protocol):
         """Go to this time."""
 
     def loop(self, span: tuple[float, float] | None) -> None:
-        """Play from one time to another repeatedly. If None, play to the end. Has no effect on a running session."""
+        """Play repeatedly between these two times. If None, play to the end. It has no effect on a running session."""
 
 
 class Feed(Protocol):
-    """Session or recording that can be watched. All times are seconds since the beginning."""
+    """Interface of a session or recording that can be watched. All times are seconds since the beginning."""
 
     @property
     def live(self) -> bool:
-        """True for a running session, which advances by itself and cannot go back in time."""
+        """True for a running session, whose time advances by itself and cannot go back."""
 
     @property
     def refusal(self) -> str:
-        """Sentence that says why the robots never accept requests; empty if they do."""
+        """Sentence with the reason why the robots never accept requests; empty if they accept requests."""
 
     @property
     def data(self) -> FeedData:
@@ -90,38 +90,38 @@ class Feed(Protocol):
 
     @property
     def transport(self) -> FeedTransport:
-        """Time and its controls."""
+        """Time shown and its controls."""
 
     @property
     def ended_bag(self) -> str | None:
-        """Path of the bag of an ended session; empty if there is no bag, None while the session runs."""
+        """Path of the bag of an ended session; empty if there is no bag; None while the session runs."""
 
     def advance(self, now: float) -> None:
         """Fetch new data, and advance time; `now` is in monotonic seconds."""
 
     def work(self) -> bool:
-        """Do some milliseconds of background work; return True if more remains."""
+        """Do background work for some milliseconds. Return True if more work remains."""
 
     def scene(self, shown: ShownLayers) -> Scene | None:
-        """Return the scene at the time shown; None before anything is known."""
+        """Return the scene at the time shown; None before a scene is known."""
 
     def state(self, now: float) -> str:
-        """Return the feed's state in a few words."""
+        """Return the state of the feed in a few words."""
 
     def trouble(self) -> str:
-        """Return why there is nothing to see, or nothing new; empty if there is no problem."""
+        """Return the reason why there are no data or no new data; empty if there is no problem."""
 
     def take_notices(self) -> list[str]:
-        """Return sentences that are shown only once."""
+        """Return sentences that the window should show once."""
 
     def use_map(self, grid: OccupancyGrid) -> None:
-        """Show this map in place of the recorded one; no effect on a running session."""
+        """Show this map in place of the recorded map. This has no effect on a running session."""
 
     def save_section(self, path: Path, start: float, end: float) -> str:
-        """Save a section of a recording as a bag. Return why that is not possible, or an empty text."""
+        """Save a section of a recording as a bag. Return the reason if that fails at once, otherwise an empty text."""
 
     def ask(self, request: FeedRequest) -> str:
-        """Send a request. Return why that is not possible, or an empty text."""
+        """Send a request. If that is not possible, return the reason, otherwise an empty text."""
 
     def close(self) -> None:
         """Close files, threads and connections."""

@@ -1,4 +1,4 @@
-"""Opener of the source that a person names: a recording by its path, or a running session by its address."""
+"""Function that opens a recording by its path, or a running session by its address."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,12 +14,12 @@ from ui.windows.researcher.feeds.session import SessionFeed, WatchConnection
 
 @dataclass(frozen=True, slots=True)
 class OpenedFeed:
-    """Feed, with its name and the text that opens it.
+    """Opened feed, with its name and the text that opens the feed again.
 
     Attributes:
         feed: source of all data shown.
-        title: name for people.
-        source: text that opens it again: an absolute path, or an address.
+        title: name of the feed for people.
+        source: text that opens the feed again: an absolute path, or an address.
         opener: opener of a recording; None for a session.
     """
 
@@ -35,7 +35,7 @@ def open_feed(what: str, key: Path | None, wait: float) -> OpenedFeed:
     Args:
         what: path of a recording, or HOST:PORT of a session.
         key: file with the key that the session requires.
-        wait: seconds to wait for a recording to open; if a fault is found later, the window shows it.
+        wait: seconds to wait for a recording to open. If a fault is found later, the window shows the fault.
 
     Raises:
         BadFile: the recording does not exist or cannot be read, or the port or the key is wrong.
@@ -45,7 +45,7 @@ def open_feed(what: str, key: Path | None, wait: float) -> OpenedFeed:
         client = WatchClient(address.host, address.port, None if key is None else read_key(key))
         return OpenedFeed(SessionFeed(WatchConnection(client), str(address)), str(address), str(address))
     if key is not None:
-        raise BadFile(Path(what), "this is not HOST:PORT, and a recording needs no key", "remove the key")
+        raise BadFile(Path(what), "this is not an address HOST:PORT, and a recording needs no key", "remove the key")
     opener = BagOpener(Path(what))
     if opener.wait(wait) and opener.fault is not None:
         raise opener.fault

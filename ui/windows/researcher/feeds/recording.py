@@ -1,4 +1,4 @@
-"""Recording as a feed: a thread opens it; the window reads it in pieces, and plays it at any speed."""
+"""Recording as a feed. A thread opens the recording; the window reads it in pieces, and plays it at any speed."""
 
 import gc
 import threading
@@ -18,7 +18,7 @@ from ui.sources.bag import BagSource, open_bag
 from ui.windows.researcher.feeds.feed import FeedData, FeedRequest
 
 READ_SLICE = 0.008
-"""Seconds of reading, after which the window handles other events."""
+"""Seconds of reading after which the window handles other events."""
 
 
 class BagOpener:
@@ -40,7 +40,7 @@ class BagOpener:
         self._thread.start()
 
     def wait(self, seconds: float) -> bool:
-        """Wait at most this long; return True if the attempt to open has ended."""
+        """Wait at most this number of seconds. Return True if the attempt to open the recording has ended."""
         self._thread.join(seconds)
         return not self._thread.is_alive()
 
@@ -62,14 +62,14 @@ class BagOpener:
                 self.share = next(work)
             except StopIteration as done:
                 source: BagSource = done.value
-                # Prepare the first frame in this thread; in the window's thread, this would block the window.
+                # Prepare the first frame in this thread, because this work would block the window's thread.
                 source.scene(source.start_ns, ShownLayers())
                 return source
         return None
 
 
 def _keep_for_good() -> None:
-    """Exempt the objects read so far from garbage collection, which would block the window for 0.1 s or longer."""
+    """Exempt all present objects from garbage collection, because it would block the window for 0.1 s or longer."""
     gc.freeze()
 
 
@@ -110,11 +110,11 @@ class RecordingTransport:
         return self.playback.speed
 
     def play(self, on: bool) -> None:
-        """Start or stop time; at the end, start from the beginning."""
+        """Play if `on` is True, otherwise pause. At the end, play from the beginning."""
         self.playback.play(self._now, on)
 
     def step(self, steps: int) -> None:
-        """Move this number of ticks forward, or back if negative, and stop there."""
+        """Go this number of ticks forward, or back if it is negative, and pause there."""
         if self._source is not None:
             self.playback.playing = False
             self.playback.seek(self._source.step(self.playback.at_ns, steps))
@@ -124,20 +124,20 @@ class RecordingTransport:
         self.playback.set_speed(self._now, speed)
 
     def seek(self, time: float) -> None:
-        """Go to this time, or the nearest one in the recording."""
+        """Go to this time, or to the nearest time in the recording."""
         self.playback.seek(self._start_ns + round(time * 1e9))
 
     def loop(self, span: tuple[float, float] | None) -> None:
-        """Play from one time to another repeatedly. If None, play to the end."""
+        """Play repeatedly between these two times. If None, play to the end."""
         start, end = (self._start_ns + round(time * 1e9) for time in span or (0.0, 0.0))
         self.playback.loop = None if span is None else (start, end)
 
 
 class RecordingFeed:
-    """Recording; see `Feed`.
+    """Feed of a recording; see `Feed`.
 
     Args:
-        opener: opener that is still running, or done.
+        opener: opener of the recording, which may still be running.
     """
 
     live = False
@@ -156,7 +156,7 @@ class RecordingFeed:
         self.transport = RecordingTransport()
 
     def advance(self, now: float) -> None:
-        """Use the recording when it is open, and play."""
+        """Begin to use the recording when it is open, and advance the time shown."""
         if self._source is None and self._opener.source is not None:
             self._begin(self._opener.source)
         if self._opener.fault is not None:
@@ -173,13 +173,13 @@ class RecordingFeed:
         _keep_for_good()
 
     def work(self) -> bool:
-        """Read for some more milliseconds."""
+        """Read the recording for some more milliseconds."""
         if self._source is None or self._fault:
             return False
         end = time.perf_counter() + READ_SLICE
         try:
             while time.perf_counter() < end:
-                # Read these numbers first, because a person waits for them.
+                # Read the chosen numbers first, because a person waits for their plots.
                 if self._source.numbers.work():
                     continue
                 if self._whole:
@@ -206,7 +206,7 @@ class RecordingFeed:
             return None
 
     def state(self, now: float) -> str:
-        """Return how much of the recording has been read."""
+        """Return the state of reading: opening, reading with a percentage, or the whole recording."""
         if self._source is None:
             return f"opening, {self._opener.share:.0%}"
         if self._source.numbers.share < 1.0:
@@ -220,20 +220,19 @@ class RecordingFeed:
         return "" if self._source is not None else f"Opening {self._opener.path} ({self._opener.share:.0%})"
 
     def take_notices(self) -> list[str]:
-        """Return sentences about topics that cannot be read, after the recording was opened, and about results of
-        saving."""
+        """Return new sentences about topics that cannot be read, and about the results of saving."""
         notices, self._notices = self._notices, []
         return notices
 
     def use_map(self, grid: OccupancyGrid) -> None:
-        """Show this map in place of the recorded one."""
+        """Show this map in place of the recorded map."""
         if self._source is not None:
             self._source.map = grid
 
     def save_section(self, path: Path, start: float, end: float) -> str:
-        """Save a section as a bag, in a thread; a notice reports the result."""
+        """Save a section as a bag in a thread. A notice reports the result."""
         if path.absolute() == self._opener.path.absolute():
-            return "A section cannot replace its own recording. Choose another name."
+            return "A section cannot replace the recording that it is taken from. Choose another file name."
         threading.Thread(target=self._cut, args=(path, CutRange(start, end)), daemon=True).start()
         return ""
 
@@ -249,7 +248,7 @@ class RecordingFeed:
         return self.refusal
 
     def close(self) -> None:
-        """Close the file, or stop opening it."""
+        """Close the recording, or stop opening it."""
         gc.unfreeze()
         self._opener.give_up()
         if self._source is not None:

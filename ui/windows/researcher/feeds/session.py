@@ -1,4 +1,4 @@
-"""Running session as a feed: a thread receives its messages and sends requests."""
+"""Running session as a feed. A thread receives the session's messages and sends requests."""
 
 import asyncio
 import threading
@@ -24,18 +24,19 @@ from ui.windows.researcher.feeds.feed import FeedData, FeedRequest
 SENDER = "watch"
 """Sender of this window's requests."""
 DELAY_WINDOW = 2.0
-"""Seconds over which delays of messages are compared."""
+"""Length of the time window in which delays of messages are compared, seconds."""
 LAG_THRESHOLD, LAG_WINDOW = 0.5, 10.0
-"""Increase of the lag from which a session is reported as too slow, and the time window of this increase; seconds."""
+"""Increase of a session's lag above which the session is reported as too slow, and the time window of this increase,
+seconds."""
 STALE_AFTER = 1.5
-"""Seconds without a message after which a session that is not paused is reported as silent."""
+"""Seconds without a message after which a session that is not paused is reported as "no messages"."""
 
 
 class WatchConnection:
-    """Thread that runs a client until it is closed.
+    """Thread that runs a client until the connection is closed.
 
     Args:
-        client: client that is not running yet.
+        client: client to run.
     """
 
     def __init__(self, client: WatchClient) -> None:
@@ -47,13 +48,13 @@ class WatchConnection:
 
     def close(self) -> None:
         """Close the connection, and wait for the thread."""
-        # The event loop runs in the other thread, and only that thread may cancel its task.
+        # Only the thread that runs the event loop may cancel the loop's task.
         self._loop.call_soon_threadsafe(self._listening.cancel)
         self._thread.join()
 
     def _run(self) -> None:
         asyncio.set_event_loop(self._loop)
-        # The first call takes half a second. It is made here, because it would block the window later.
+        # Make the first call here. It takes half a second, and would block the window later.
         Frames(()).planar(MAP_FRAME)
         try:
             self._loop.run_until_complete(self._listening)
@@ -71,7 +72,7 @@ class SessionTransport:
         ask: function that sends a request to the session.
 
     Attributes:
-        status: latest status of the watch server; None before the first of a connection.
+        status: latest status of the watch server; None until a connection receives its first status.
     """
 
     def __init__(self, source: LiveSource, ask: Callable[[FeedRequest], object]) -> None:
@@ -88,7 +89,7 @@ class SessionTransport:
 
     @property
     def playing(self) -> bool:
-        """True while the session advances, according to the watch server's status."""
+        """True while the session advances, by the latest status of the watch server."""
         return self.status is None or not (self.status.paused or self.status.ended)
 
     @property
@@ -101,7 +102,7 @@ class SessionTransport:
         self._ask(Resume() if on else Pause())
 
     def step(self, steps: int) -> None:
-        """Ask for this number of ticks; a session cannot go back in time."""
+        """Ask for this number of ticks. A session cannot go back in time."""
         if steps > 0:
             self._ask(Step(steps))
 
@@ -110,14 +111,14 @@ class SessionTransport:
         self._ask(SetRate(speed))
 
     def seek(self, time: float) -> None:
-        """Do nothing: a running session cannot be searched; its bag can be searched later."""
+        """Do nothing, because a running session cannot go to another time. Its recording can do so later."""
 
     def loop(self, span: tuple[float, float] | None) -> None:
-        """Do nothing: a session only moves forward in time."""
+        """Do nothing, because the time of a session only goes forward."""
 
 
 class SessionFeed:
-    """Running session; see `Feed`.
+    """Feed of a running session; see `Feed`.
 
     Args:
         connection: connection to the watch server.
@@ -143,7 +144,7 @@ class SessionFeed:
 
     @property
     def data(self) -> FeedData:
-        """All data since watching began, and the earlier log as far as the session sends it."""
+        """All data since the window connected, and the earlier log entries that the session sends."""
         source = self._source
         known_since = 0.0 if source.joined_ns is None else (source.joined_ns - source.start_ns) / 1e9
         return FeedData(source.sessions, source.start_ns, source.log, source.series, known_since)
@@ -161,7 +162,7 @@ class SessionFeed:
             match event:
                 case WatchConnected():
                     self._connected, self._lost = True, None
-                    # The old status is that of the previous session, which may have ended.
+                    # The old status may belong to a previous session, which may have ended.
                     self.transport.status = None
                 case ConnectionLost():
                     self._connected, self._lost = False, event
@@ -198,7 +199,7 @@ class SessionFeed:
             self._delays.popleft()
 
     def _find_rooms(self) -> None:
-        """Read the session's rooms in a thread, because reading a map takes longer than a frame."""
+        """Read the session's rooms in a thread, because reading a map takes more time than a frame."""
         record = self._source.session
         if record is not None and self._asked_for_rooms != self._source.sessions:
             self._asked_for_rooms = self._source.sessions
@@ -207,7 +208,7 @@ class SessionFeed:
             self._source.rooms, self._rooms = self._rooms[1], None
 
     def _read_rooms(self, record: SessionRecord, generation: int) -> None:
-        # A single assignment needs no lock: the window's thread sees both values or none of them.
+        # A single assignment needs no lock: the window's thread sees either both new values or both old values.
         self._rooms = generation, rooms_of(record, Path("session.bag"))
 
     def work(self) -> bool:
@@ -219,7 +220,7 @@ class SessionFeed:
         return self._source.scene(shown) if self._source.messages else None
 
     def state(self, now: float) -> str:
-        """Return in words that the session is live, and by how much the window is behind it."""
+        """Return the state of the session in words, with the delay of the window."""
         if self.ended_bag is not None:
             return "session ended"
         if not self._connected:
@@ -229,18 +230,18 @@ class SessionFeed:
             return "live, paused"
         stale = self._source.stale_for(now)
         if stale > STALE_AFTER:
-            return "live, silent"
+            return "live, no messages"
         behind = self._delays[-1][1] - min(came for _, came in self._delays) if self._delays else 0.0
         state = f"live, {1000.0 * behind:.0f} ms behind"
         lost = self._lags[-1][1] - min(lag for _, lag in self._lags) if self._lags else 0.0
         if lost > LAG_THRESHOLD:
-            state += f"; the session is too slow, {lost:.1f} s in the last {LAG_WINDOW:.0f}"
+            state += f"; the session is too slow: it lost {lost:.1f} s in the last {LAG_WINDOW:.0f} s"
         if status is not None and status.dropped:
             state += f"; {status.dropped} messages lost"
         return state
 
     def trouble(self) -> str:
-        """Return the reason why there is no connection; the end of a session is not a fault."""
+        """Return the reason why there is no connection; empty if there is a connection or the session has ended."""
         if self.ended_bag is not None:
             return ""
         if self._lost is None:
@@ -255,7 +256,7 @@ class SessionFeed:
                 return f"The connection to {self._address} is lost{detail}. Retrying..."
 
     def take_notices(self) -> list[str]:
-        """Return the refusals since the last call."""
+        """Return sentences about the requests refused since the last call."""
         notices, self._notices = self._notices, []
         return notices
 
@@ -263,15 +264,15 @@ class SessionFeed:
         """Do nothing, because a session has its own map."""
 
     def save_section(self, path: Path, start: float, end: float) -> str:
-        """Refuse: only a recording has sections."""
+        """Refuse, because only sections of recordings can be saved."""
         return "Only sections of recordings can be saved. Open the session's bag after the session has ended."
 
     def ask(self, request: FeedRequest) -> str:
-        """Send a request; a refusal arrives later with the status."""
+        """Send a request. If the session refuses it, the refusal arrives later, with the status."""
         if self.ended_bag is not None:
-            return "The session has ended: its robots accept no requests."
+            return "The session has ended. Its robots do not accept requests."
         sent = self._connection.client.send(request_line(SENDER, request))
-        return "" if sent else f"No connection to {self._address}: requests cannot be sent."
+        return "" if sent else f"There is no connection to {self._address}, so requests cannot be sent."
 
     def close(self) -> None:
         """Close the connection."""

@@ -1,1 +1,1 @@
-"""Overlays of the researcher's map, and the tools that work on it."""
+"""Overlays and tools of the researcher's map."""

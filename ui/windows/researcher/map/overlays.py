@@ -20,7 +20,7 @@ ARROW = 0.5
 
 
 class _RobotItem(MapItem):
-    """Item that draws something for each robot in the robot's color.
+    """Base class of items that draw the data of each robot in the robot's color.
 
     Args:
         box: view of the map.
@@ -40,7 +40,7 @@ class _RobotItem(MapItem):
         self._rows: Mapping[int | None, FloatArray] = {}
 
     def show_rows(self, rows: Mapping[int | None, FloatArray]) -> None:
-        """Show (n, 2) or (n, 3) rows by robot; rows with the key None get the color of text."""
+        """Show (n, 2) or (n, 3) rows by robot. Rows with the key None get the color of text."""
         self._rows = rows
         self.update()
 
@@ -63,7 +63,7 @@ class Dots(_RobotItem):
     """Thousands of dots: particles, or the end points of a scan's beams."""
 
     def draw_rows(self, painter: QPainter, to_pixels: QTransform, rows: FloatArray) -> None:
-        """Draw squares without smooth edges, which are painted several times faster than discs."""
+        """Draw the dots as squares without smooth edges, which are painted several times faster than discs."""
         painter.setRenderHint(QPainter.RenderHint.Antialiasing, False)
         painter.drawPoints(polygon(mapped(to_pixels, rows)))
 
@@ -72,7 +72,7 @@ class Lines(_RobotItem):
     """Lines through points, for example plans. A row of NaN separates two pieces of a line."""
 
     def draw_rows(self, painter: QPainter, to_pixels: QTransform, rows: FloatArray) -> None:
-        """Draw the pieces; single lines are painted several times faster than polylines."""
+        """Draw the pieces as single lines, which are painted several times faster than polylines."""
         pixels = mapped(to_pixels, rows)
         if self._style == Qt.PenStyle.SolidLine:
             draw_lines(painter, steps(pixels))
@@ -82,7 +82,7 @@ class Lines(_RobotItem):
 
 
 class Arrows(_RobotItem):
-    """Arrows for poses (x, y, theta); each arrow starts at its pose."""
+    """Arrows for poses (x, y, theta). Each arrow starts at its pose."""
 
     def draw_rows(self, painter: QPainter, to_pixels: QTransform, rows: FloatArray) -> None:
         """Draw the arrows."""
@@ -97,7 +97,7 @@ class Arrows(_RobotItem):
 
 
 class Things(MapItem):
-    """Obstacles, at rest or moving."""
+    """Obstacles that are not on the map, at rest or moving."""
 
     _outlines: tuple[tuple[str, FloatArray], ...] = ()
 
@@ -107,7 +107,7 @@ class Things(MapItem):
         self.update()
 
     def draw(self, painter: QPainter, to_pixels: QTransform) -> None:
-        """Draw hatched outlines with their names."""
+        """Draw the outlines of the obstacles, hatched, with their names."""
         for name, corners in self._outlines:
             body = polygon(mapped(to_pixels, corners))
             painter.setPen(QPen(QColor(self.box.colors.bad), 2.0))
@@ -118,11 +118,11 @@ class Things(MapItem):
 
 
 def _cost_colors() -> NDArray[np.uint8]:
-    """Return (256, 4) red, green, blue, opacity for each cost as published in ROS, read as an unsigned byte.
+    """Return (256, 4) red, green, blue and opacity for each cost that ROS publishes, read as an unsigned byte.
 
-    Source: rviz's costmap colors: blue to red from 1 to 98, cyan (99) for inscribed, magenta (100) for lethal,
-    gray-green (255) for unknown, green and yellow for values without a meaning. Unlike in rviz, they are half
-    transparent.
+    Source: rviz's costmap colors, which are blue to red from 1 to 98, cyan (99) for inscribed, magenta (100) for
+    lethal, gray-green (255) for unknown, and green and yellow for values without a meaning. Here, unlike in rviz, the
+    colors are half transparent.
     """
     colors = np.zeros((256, 4), dtype=np.uint8)
     ramp = np.arange(1, 99) * 255 // 100
@@ -140,7 +140,7 @@ COST_COLORS = _cost_colors()
 
 
 class Overlays:
-    """Items on a map that show the scene. Each item draws all robots, because a few items are painted faster than many.
+    """Items on a map that show the scene. Each item draws all robots, because few items are painted faster than many.
 
     Args:
         box: view of the map.
@@ -157,7 +157,7 @@ class Overlays:
         self._plans = Lines(box, Z_FLAT, 3.0)
         self._true_paths = Lines(box, Z_FLAT, 1.2, style=Qt.PenStyle.DotLine)
         self._odometry = Lines(box, Z_FLAT, 1.2, style=Qt.PenStyle.DashDotLine)
-        # These are drawn above the robots, because a body is often larger than the spread of its particles.
+        # Draw these items above the robots, because a body is often larger than the cloud of its particles.
         self._particles = Dots(box, Z_ABOVE, 2.0, 0.6)
         self._goals = Arrows(box, Z_ABOVE, 3.0)
         self._footprints = Lines(box, Z_ABOVE, 1.5)
@@ -194,5 +194,5 @@ def _goal(robot: RobotScene) -> FloatArray:
 
 
 def _closed(robot: RobotScene) -> FloatArray:
-    """Return the corners of a footprint, with the first one repeated at the end."""
+    """Return the corners of a footprint, with the first corner repeated at the end."""
     return np.concatenate((robot.footprint, robot.footprint[:1]))

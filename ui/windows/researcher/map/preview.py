@@ -19,13 +19,13 @@ HEAD = 14.0
 
 
 class ToolPreview(MapItem):
-    """Preview of the stroke of a tool.
+    """Preview of a tool's stroke.
 
     Attributes:
         gesture: stroke so far. If None, nothing is drawn.
-        thing_shape: shape of an obstacle.
-        body: (n, 2) corners of the robot that is moved by hand, in its own frame.
-        heading: heading of that robot, radians.
+        thing_shape: shape of a new obstacle.
+        body: (n, 2) corners of the robot that is moved by hand, in the robot's own frame.
+        heading: heading of this robot, radians.
     """
 
     def __init__(self, box: MapBox) -> None:

@@ -7,11 +7,11 @@ from ui.windows.look import px, style_as_panel
 from ui.windows.untrusted_text import PlainLabel
 
 WIDEST, EDGE = 640, 16
-"""Greatest width of the sign, `px`, and its distance from the edges of the map, pixels."""
+"""Greatest width of the label, `px`, and its distance from the edges of the map, pixels."""
 
 
 class TroubleSign(PlainLabel):
-    """Label that reports a problem, or what the window waits for.
+    """Label with a sentence about a problem, or about the reason why the window waits.
 
     Args:
         view: map below the label.
@@ -26,7 +26,7 @@ class TroubleSign(PlainLabel):
         self.hide()
 
     def show_sentence(self, text: str) -> None:
-        """Show a sentence. If it is empty, hide the sign."""
+        """Show a sentence. If it is empty, hide the label."""
         if text == self.text() and self.isHidden() == (not text):
             return
         if text.partition("(")[0] != self.text().partition("(")[0]:

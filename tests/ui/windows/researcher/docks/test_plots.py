@@ -58,7 +58,7 @@ def test_a_window_that_joined_late_says_so_where_its_curves_begin(plots: Plots) 
     before = plots.grab().toImage()
     assert words() == []
     plots.show_joined(40.0)
-    assert words() == ["window joined\nat 40 s"]
+    assert words() == ["connected\nat 40 s"]
     assert plots.grab().toImage() != before
 
 
