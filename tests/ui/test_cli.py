@@ -203,7 +203,7 @@ def test_a_suggestion_is_the_first_room_of_the_cheapest_tour() -> None:
         "proven": True,
     }
     message = invoke("suggest", "--costs", COSTS, "--at", "0", "--unvisited", "1,2,5").stdout
-    assert message == "Next room 1; the cheapest tour is 1 2 5 and costs 49.\n"
+    assert message == "Next room: 1. The cheapest tour is 1 2 5 and costs 49.\n"
 
 
 def test_maps_are_listed_and_without_fault() -> None:
@@ -395,7 +395,7 @@ def test_a_person_needs_no_templates_and_no_seed() -> None:
 
 
 def test_real_robots_are_not_simulated_and_not_hurried() -> None:
-    assert "--ros: real robots are on a ROS graph already" in refusal("simr", "--robots-from", "ros", "--ros")
+    assert "--ros: real robots are always on a ROS graph" in refusal("simr", "--robots-from", "ros", "--ros")
     assert "--rate: real robots run in real time" in refusal("simr", "--robots-from", "ros", "--rate", "2")
     Path("study.yaml").write_text("robots_from: ros\n")
     assert "this study is for real robots" in refusal("play", "study.yaml")
@@ -408,7 +408,7 @@ def test_real_robots_are_not_simulated_and_not_hurried() -> None:
 def test_robots_by_themselves_are_no_vehicles() -> None:
     Path("study.yaml").write_text("mavlink: {on: true}\n")
     message = refusal("simr", "--study", "study.yaml", "--ros", "--ros-master", "nonsense")
-    assert "mavlink has no effect here: robots are MAVLink vehicles in `thbridge play`." in message
+    assert "mavlink has no effect here: robots are MAVLink vehicles only in `thbridge play`." in message
 
 
 def test_fewer_robots_than_the_study_has_software_for_are_refused() -> None:
@@ -465,7 +465,7 @@ def test_where_nobody_can_watch_is_refused_and_so_is_a_key_that_is_none(folder: 
     assert "key.txt, line 1: there is no key in this line" in refusal("simr", "--watch", "0", "--watch-key", "key.txt")
     Path("study.yaml").write_text("watch: {port: 0, key: key.txt}\n")
     assert "there is no key in this line" in refusal("play", "study.yaml", "--headless")
-    message = "--watch: watch real robots on their ROS graph"
+    message = "--watch: this option needs simulated robots."
     assert message in refusal("simr", "--robots-from", "ros", "--watch", "6010")
 
 

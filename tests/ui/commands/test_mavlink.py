@@ -144,7 +144,7 @@ def test_status_for_people(at: Address, fleet: Fleet) -> None:
 def test_goto_takes_command_waits_and_gives_it_back(at: Address, fleet: Fleet) -> None:
     done = mavlink("goto", 2, -1.5, 3, "--at", at, "--heading", 90)
     assert done.exit_code == 0, done.output
-    assert done.stdout == "Robot 2 is at 1.00 2.00.\n"
+    assert done.stdout == "Robot 2 is at x 1.00 m, y 2.00 m.\n"
     names = [call[0] for call in fleet.games[1].asked]
     assert names.index("take") < names.index("go_to") < names.index("release")
     (went,) = fleet.games[1].calls("go_to")
@@ -261,7 +261,7 @@ def test_a_wrong_key(at: Address, signed: Fleet, key: Path) -> None:
 @pytest.mark.usefixtures("impatient")
 def test_a_key_that_is_missing(at: Address, signed: Fleet) -> None:
     message = failure("goto", 1, 0, 0, "--at", at)
-    assert "Robot 1 does not answer. If it requires signed frames, add --signing-key." in message
+    assert "Robot 1 does not answer. If the robot requires signed frames, add --signing-key." in message
 
 
 @pytest.mark.usefixtures("impatient")
@@ -319,7 +319,7 @@ def test_a_replay_for_people(recorded: Path) -> None:
 
 def test_a_replay_in_two_studies(recorded: Path, tmp_path: Path) -> None:
     message = refusal("replay", recorded, tmp_path / "s.yaml", "--with", "seed=2")
-    assert "--with: it changes the study in the recording, but a study file is given." in message
+    assert "--with: this option changes the study in the recording, but a study file is given." in message
 
 
 def test_a_replay_onto_itself(recorded: Path) -> None:

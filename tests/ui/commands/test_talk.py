@@ -178,7 +178,7 @@ def test_of_a_folder_only_its_own_games_are_told(tmp_path: Path) -> None:
         "replies": [{"say": "assert", "of": "topic", "next": "claimed", "last": None, "questioned": None}],
     }
     shown = [line.strip() for line in talk("check", tmp_path).splitlines()]
-    assert "reject claim -> disagreement; reconsidered, when that is questioned" in shown
+    assert "reject claim -> disagreement; reconsidered, when the refusal is questioned" in shown
 
 
 def test_faults_of_all_folders_are_told_with_their_lines(tmp_path: Path) -> None:

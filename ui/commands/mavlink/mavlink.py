@@ -1,4 +1,4 @@
-"""Commands of `thbridge mavlink`: list robots, send one to a point, and replay the frames of a recording."""
+"""Commands of `thbridge mavlink`: list robots, send a robot to a point, and replay the frames of a recording."""
 
 import dataclasses
 import math
@@ -73,16 +73,17 @@ def goto(
     robot: Annotated[int, typer.Argument(help="Number of the robot (its system id).", min=1, max=255)],
     x: Annotated[float, typer.Argument(help="Meters east of the map's origin.")],
     y: Annotated[float, typer.Argument(help="Meters north of the map's origin.")],
-    at: Annotated[str, typer.Option(metavar="HOST:PORT", help="Address of the robot, as for `status`.")] = USUAL,
+    at: Annotated[str, typer.Option(metavar="HOST:PORT", help="Address, as for `mavlink status`.")] = USUAL,
     heading: Annotated[
         float | None, typer.Option(help="Heading at the goal: degrees counterclockwise from east.")
     ] = None,
-    keep: Annotated[bool, typer.Option("--keep", help="Stay in command of the robot afterwards.")] = False,
+    keep: Annotated[bool, typer.Option("--keep", help="Do not release command afterwards.")] = False,
     signing_key: KeyFile = None,
 ) -> None:
     """Take command of a robot, send it to a point of the map, wait until it arrives, and release command.
 
-    `thbridge mavlink status` prints the robot's number and its x and y. A point in a room is a move of the game.
+    `thbridge mavlink status` prints the robot's number and its x and y. If the point is in a room, the drive is a move
+    of the game.
     """
     from thbridge.mavlink.sockets.client import StationSocket
     from thbridge.mavlink.station.trip import TripOutcome
@@ -106,10 +107,12 @@ def goto(
     if not link.station.robots:
         fail_without_robots(link, address, signing_key)
     if outcome.problem:
-        hint = " If it requires signed frames, add --signing-key." if signing_key is None and outcome.unanswered else ""
+        hint = ""
+        if signing_key is None and outcome.unanswered:
+            hint = " If the robot requires signed frames, add --signing-key."
         fail(FAILED, f"{outcome.problem[:1].upper()}{outcome.problem[1:].rstrip('.')}.{hint}")
     there = link.station.robots[robot]
-    show(f"Robot {robot} is at {there.x:.2f} {there.y:.2f}.")
+    show(f"Robot {robot} is at x {there.x:.2f} m, y {there.y:.2f} m.")
 
 
 def mavlink_replay(
@@ -123,11 +126,12 @@ def mavlink_replay(
         typer.Option(
             "--with",
             metavar="KEY=VALUE|FILE.yaml",
-            help="Change a key of the recorded study, for example `--with seed=2`. Can be repeated.",
+            help="Change a key of the recorded study, for example `--with seed=2`, or all keys that a FILE.yaml "
+            "contains. Can be repeated.",
         ),
     ] = None,
     rate: Annotated[
-        float | None, typer.Option(help="Simulated seconds per second; default: full speed.", min=0.01, max=1000)
+        float | None, typer.Option(help="Simulated seconds per real second; default: full speed.", min=0.01, max=1000)
     ] = None,
     to: Annotated[Path | None, typer.Option(help="Bag to write the new recording to.")] = None,
     longer: Annotated[float, typer.Option(help="Seconds to continue after the end of the recording.", min=0)] = 0.0,
@@ -138,8 +142,8 @@ def mavlink_replay(
 ) -> None:
     """Run a new hunt in which robots receive only the MAVLink frames of a recording.
 
-    Without another study and without `--with`, the exit code is 1 if the rooms were reached in another order or the
-    score differs.
+    If neither a study nor `--with` is given, and the rooms were reached in another order or the score differs, the exit
+    code is 1.
     """
     import asyncio
 
@@ -169,7 +173,7 @@ def mavlink_replay(
     else:
         show_frames_replayed(done)
     if not done.finished:
-        fail(FAILED, "stopped before the end of the recording")
+        fail(FAILED, "Stopped before the end of the recording.")
     if done.recorded is not None and not done.same and not what_if:
         raise typer.Exit(FAILED)
 

@@ -44,12 +44,12 @@ def setting_of_recording(bag: Path, study_file: Path | None, changes: list[str],
         if changes:
             fail(
                 BAD_INPUT,
-                "--with: it changes the study in the recording, but a study file is given. Omit one of the two.",
+                "--with: this option changes the study in the recording, but a study file is given. Omit one of them.",
             )
         return setting_of(study_of(study_file, {}), study_file)
     with bad_input():
         if not has_session(bag):
-            fail(BAD_INPUT, f"{bag}: it does not contain its study. Add a study file after it.")
+            fail(BAD_INPUT, f"{bag}: the recording does not contain its study. Name a study file after the recording.")
         record = session_of(bag)
         for sentence in other_versions(record):
             note(sentence)
@@ -64,11 +64,11 @@ def show_frames_replayed(done: FramesReplayed) -> None:
     table.add_row("rooms reached", "-" if was is None else _arrivals(was), _arrivals(now))
     out.print(table)
     if done.unusable:
-        note(f"{done.unusable} messages contained no frame, or were for robots that do not exist.")
+        note(f"{done.unusable} messages were ignored: they contained no frame, or were for robots that do not exist.")
     if done.compared and done.parted is None:
         show("Each robot drove exactly as recorded, bit for bit.")
     elif done.parted is not None:
-        show(f"At {done.parted:.2f} s, a robot was first at another place than recorded.")
+        show(f"First difference: at {done.parted:.2f} s, the pose of a robot was not as recorded.")
 
 
 def _arrivals(hunt: HuntResult) -> str:
@@ -91,13 +91,13 @@ async def drive_robot(link: StationSocket, robot: int, destination: Target, keep
                 shown = clock()
             if trip.stage is StationTripStage.UNDER_WAY and clock() - shown >= _PROGRESS_SECONDS:
                 shown = clock()
-                note(f"{trip.remaining:.1f} m to go")
+                note(f"Robot {robot}: {trip.remaining:.1f} m to the goal")
             stage = trip.stage
     return trip.outcome
 
 
 def sighting_as_json(robot: KnownRobot) -> dict[str, object]:
-    """Return a robot as a JSON object; values that it has not sent are null."""
+    """Return a robot as a JSON object; values that the robot has not sent are null."""
     seconds = max(robot.last_frame - robot.first_heartbeat, 1e-9)
     return {
         "robot": robot.system,
@@ -134,7 +134,7 @@ def _known(value: float, digits: int) -> float | None:
 
 def sightings_table(robots: list[KnownRobot]) -> Table:
     """Return robots as a table."""
-    table = Table("robot", "mode", "armed", "commander", "x, y (m)", "energy", "frames/s", "lost")
+    table = Table("robot", "mode", "armed", "commander", "x, y (m)", "energy", "frames/s", "lost frames")
     for robot in robots:
         figures = sighting_as_json(robot)
         place = "" if math.isnan(robot.x) else f"{robot.x:.2f}, {robot.y:.2f}"
@@ -156,7 +156,7 @@ def run_program(program: Coroutine[object, object, T]) -> T:
     try:
         return asyncio.run(program)
     except KeyboardInterrupt:
-        fail(FAILED, "stopped")
+        fail(FAILED, "The command was stopped.")
 
 
 @asynccontextmanager
@@ -172,7 +172,7 @@ async def station_at(address: Address, tcp: bool, key: Path | None) -> AsyncIter
 
 
 def fail_without_robots(link: StationSocket, address: Address, key: Path | None) -> NoReturn:
-    """End the command with a message about why no robot may have answered."""
+    """End the command with a message about the probable reason why no robot has answered."""
     if link.refused:
         fail(
             FAILED, f"{address}: {link.refused} frames were refused, because they are not signed with the key in {key}."
@@ -180,5 +180,5 @@ def fail_without_robots(link: StationSocket, address: Address, key: Path | None)
     if link.is_listening:
         remedy = "Start `thbridge play --mavlink`, or use the address that it prints"
         fail(FAILED, f"{address}: no program sends MAVLink there. {remedy}.")
-    remedy = f"Use a free address, such as {OTHER}; robots can send to several, see `play --udp`"
+    remedy = f"Use a free address, such as {OTHER}; robots can send to several addresses, see `play --udp`"
     fail(FAILED, f"{address}: this address belongs to another program or machine, and no robot answers. {remedy}.")

@@ -51,8 +51,8 @@ def drive(
     params: Annotated[
         list[Path] | None,
         typer.Option(
-            help="ROS YAML file, NAMESPACE:FILE if a launch file names a namespace, or a file with sections `world` and"
-            " `robot` of a study. Can be repeated."
+            help="Parameters: a ROS YAML file, or a file with the sections `world` and `robot` of a study. If a launch "
+            "file sets a namespace, write NAMESPACE:FILE. Can be repeated."
         ),
     ] = None,
     unmapped: Annotated[
@@ -91,7 +91,8 @@ def drive(
     world = given.world if footprint is None else dataclasses.replace(given.world, footprint=corners_in(footprint))
     if footprint is None and (believed := given.robot.local_costmap.footprint) not in {(), world.footprint}:
         corners = [list(corner) for corner in believed]
-        note(f"local_costmap.footprint differs from the simulated body; to simulate it, add --footprint '{corners}'")
+        problem = "local_costmap.footprint is not the footprint of the simulated body"
+        note(f"{problem}. To simulate local_costmap.footprint, add --footprint '{corners}'")
     announce_compiling()
     errand = DriveTask(Pose2(*start), Pose2(*goal, goal_yaw or 0.0), goal_yaw is None, timeout)
     result = driven(grid, world, given.robot, errand, seed, true_grid, schedule, parts)
@@ -107,6 +108,6 @@ def drive(
         return
     out.print("Reached." if result.reached else f"Not reached: {result.reason}.", highlight=False, soft_wrap=True)
     note(
-        f"{result.seconds:.1f} s, {result.distance:.2f} m, least distance to walls {result.min_clearance:.3f} m,"
-        f" {'collided' if result.collided else 'no collision'}"
+        f"Time {result.seconds:.1f} s, distance {result.distance:.2f} m, least distance to walls "
+        f"{result.min_clearance:.3f} m, {'with a collision' if result.collided else 'no collision'}"
     )

@@ -28,7 +28,7 @@ class DriveParameters:
     """Sections that a file of parameters may contain."""
 
     world: WorldParameters = param(WorldParameters(), "bodies, motors and sensors")
-    robot: RobotParameters = param(RobotParameters(), "the software that drives")
+    robot: RobotParameters = param(RobotParameters(), "the robot's software")
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,7 +47,7 @@ class ParameterFiles:
 
 
 def read_parameters(files: list[Path]) -> ParameterFiles:
-    """Return the parameters of the files. Those of ROS come first, so that sections of a study override them."""
+    """Return the parameters of the files. ROS files are read first, so that sections of a study override them."""
     ours = {file: _is_ours(file) for file in files}
     hunts = RobotParameters()
     of_ros = parse_ros_files([file for file in files if not ours[file]])
@@ -74,7 +74,7 @@ def _is_ours(file: Path) -> bool:
 class MovingObstacles:
     """Contents of a file of obstacles: things, as in a study."""
 
-    things: tuple[ThingEntry, ...] = param((), "obstacles that no map shows, each a line - {key: value}")
+    things: tuple[ThingEntry, ...] = param((), "obstacles that no map shows; each has a line - {key: value}")
 
 
 def read_moving(path: Path, grid: OccupancyGrid) -> tuple[ScheduledInput, ...]:
@@ -88,7 +88,7 @@ def read_moving(path: Path, grid: OccupancyGrid) -> tuple[ScheduledInput, ...]:
     faults = list(faults_of_things(loaded, things))
     if not things:
         faults.append(
-            loaded.fault("things", "there are no things", "Write things: and a line - {name: ..., ...} for each")
+            loaded.fault("things", "there are no things", "Write things: and a line - {name: ..., ...} for each thing")
         )
     for index, entry in enumerate(things):
         key = f"things[{index}]"

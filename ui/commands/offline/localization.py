@@ -53,9 +53,9 @@ def pose_in(triple: tuple[float, float, float]) -> Pose2:
 def read_localization_parameters(
     files: list[Path], localization: str
 ) -> tuple[RobotParameters, tuple[str, ...], tuple[RosDefault, ...]]:
-    """Return a localizer's parameters, messages about them, and the defaults of amcl that differ from those of hunts.
+    """Return a localizer's parameters from ROS files, messages about them, and defaults of amcl that differ in hunts.
 
-    The parameters are those in ROS files. Parameters of amcl that no file sets have ROS's defaults, even without files.
+    Parameters of amcl that no file sets have ROS's defaults, even if there are no files.
     """
     hunts = RobotParameters()
     of_ros = parse_ros_files(files)
@@ -67,11 +67,11 @@ def read_localization_parameters(
 
 
 AUTO = "auto"
-"""Value of --time-offset: estimate it by a first run of the filter."""
+"""Value of --time-offset with which a first run of the filter estimates the offset."""
 
 
 def time_offset_in(text: str) -> float | None:
-    """Return the time offset that an option gives, in seconds; None for `AUTO`."""
+    """Return the time offset in the value of an option, in seconds; None for `AUTO`."""
     if text == AUTO:
         return None
     try:
@@ -212,7 +212,7 @@ def show_localized(recording: LocalizationBag, result: LocalizationResult, appli
     last = result.last
     pose, deviations = last.base_in_map, np.sqrt(np.diag(last.covariance)).tolist()
     place = f"x {pose.x:.3f} m, y {pose.y:.3f} m, yaw {pose.theta:.3f} rad"
-    spread = f"standard deviations {deviations[0]:.3f}, {deviations[1]:.3f}, {deviations[2]:.3f}"
+    spread = f"standard deviations {deviations[0]:.3f} m, {deviations[1]:.3f} m, {deviations[2]:.3f} rad"
     show(f"At the end the robot is at {place} ({spread}).")
     if last.lost:
         show("The filter considers this pose wrong: the robot is lost.")
@@ -233,21 +233,21 @@ def show_localized(recording: LocalizationBag, result: LocalizationResult, appli
 
 
 def offset_sentence(offset: TimeOffset | None, applied: float) -> str:
-    """Return a sentence about the time offset of odometry to scans.
+    """Return sentences about the time offset between odometry and scans.
 
     Args:
         offset: estimate from a run in which `applied` was added to the stamps of odometry; None if there is no
             estimate.
         applied: corrected offset, seconds.
     """
-    corrected = f" Of this, {applied:.3f} s are corrected." if applied else ""
+    corrected = f" An offset of {applied:.3f} s is corrected." if applied else ""
     if offset is None:
         return f"The time offset of odometry to scans is unknown, because the robot turned too little.{corrected}"
     seconds = offset.seconds + applied
-    leads = "leads" if seconds >= 0.0 else "trails"
+    leads = "ahead of" if seconds >= 0.0 else "behind"
     return (
-        f"The odometry {leads} the scans by {abs(seconds):.3f} s (standard deviation {offset.deviation:.3f} s); it "
-        f"reports {offset.turns:.2f} times each real turn.{corrected}"
+        f"The odometry is {abs(seconds):.3f} s {leads} the scans (standard deviation {offset.deviation:.3f} s). Its "
+        f"turns are {offset.turns:.2f} times the real turns.{corrected}"
     )
 
 
@@ -258,7 +258,7 @@ def offset_warning(result: LocalizationResult) -> str | None:
         return None
     return (
         f"The clocks of odometry and scans differ by {abs(offset.seconds):.3f} s. "
-        f"Correct it with --time-offset {AUTO}, or in the program that stamps the messages."
+        f"Correct this with --time-offset {AUTO}, or in the program that stamps the messages."
     )
 
 
@@ -270,10 +270,10 @@ def _show_lost(result: LocalizationResult) -> None:
         return
     lost = sum(stretch.updates for stretch in stretches)
     show(
-        f"The robot was lost at {lost} of {len(result.updates)} updates: stretches, in seconds after the first update:"
+        f"The robot was lost at {lost} of {len(result.updates)} updates. Periods, in seconds after the first update:"
     )
     for stretch in stretches[:MOST_STRETCHES]:
         start, end = (stretch.start_ns - first_ns) / 1e9, (stretch.end_ns - first_ns) / 1e9
         show(f"  {start:.1f} to {end:.1f}, {stretch.updates} updates")
     if len(stretches) > MOST_STRETCHES:
-        show(f"  and {len(stretches) - MOST_STRETCHES} more (write all updates with --updates).")
+        show(f"  and {len(stretches) - MOST_STRETCHES} more periods (write all updates with --updates).")

@@ -1,4 +1,4 @@
-"""`thbridge localize`: localize a robot afterwards, from any bag with scans and odometry."""
+"""`thbridge localize`: localize a robot in any recording with scans and odometry."""
 
 from pathlib import Path
 from typing import Annotated
@@ -14,7 +14,7 @@ Triple = tuple[float, float, float]
 
 
 FILTERS = ("amcl", "ekf", "ukf")
-"""Filters for recordings, by the names that `localization` has in a study."""
+"""Filters for recordings, with the same names as under `localization` in a study."""
 
 
 def localize(
@@ -26,24 +26,28 @@ def localize(
             metavar="|".join((*FILTERS, "NAME")),
             callback=one_of(FILTERS, "thbridge.localizers"),
             autocompletion=lambda: [*FILTERS],
-            help="Particle filter, extended or unscented Kalman filter, or the NAME of an installed localizer.",
+            help="Filter: `amcl` (particle filter), `ekf` or `ukf` (extended or unscented Kalman filter), or the NAME "
+            "of an installed localizer.",
         ),
     ] = "amcl",
     params: Annotated[
         list[Path] | None, typer.Option(help="ROS YAML file with parameters of the filter. Can be repeated.")
     ] = None,
     scan_topic: Annotated[
-        str | None, typer.Option(help="Topic of the scans (sensor_msgs/LaserScan); default: that of the only robot.")
+        str | None,
+        typer.Option(help="Topic of the scans (sensor_msgs/LaserScan); default: the topic of the only robot."),
     ] = None,
     odom_topic: Annotated[
         str | None,
-        typer.Option(help="Topic of the odometry (nav_msgs/Odometry); default: that of the same robot, otherwise tf."),
+        typer.Option(
+            help="Topic of the odometry (nav_msgs/Odometry); default: the topic of the same robot, otherwise tf."
+        ),
     ] = None,
     initial_pose: Annotated[
         Triple | None,
         typer.Option(help="Pose of the robot at the start, in the map: meters, radians.", metavar="X Y YAW"),
     ] = None,
-    anywhere: Annotated[bool, typer.Option("--global", help="The robot may start anywhere on the map.")] = False,
+    anywhere: Annotated[bool, typer.Option("--global", help="Search the robot's start pose on the whole map.")] = False,
     laser_pose: Annotated[
         Triple | None, typer.Option(help="Pose of the laser on the base; default: from tf.", metavar="X Y YAW")
     ] = None,
@@ -57,14 +61,15 @@ def localize(
     time_offset: Annotated[
         str,
         typer.Option(
-            help="Correct odometry that is this many seconds ahead of the scans; `auto` estimates it in a first run.",
+            help="Correct odometry that is this many seconds ahead of the scans; `auto` estimates the seconds in a "
+            "first run.",
             metavar="auto|SECONDS",
         ),
     ] = "0",
     seed: Annotated[int, typer.Option(help="Random seed.", min=0, max=2**31 - 1)] = 1,
     to: Annotated[
         Path | None,
-        typer.Option("--out", help="Write a TUM trajectory, one line per update; `-` is standard output."),
+        typer.Option("--out", help="Write the path as a TUM file, one line per update; `-` is standard output."),
     ] = None,
     updates: Annotated[
         Path | None,
@@ -73,12 +78,13 @@ def localize(
         ),
     ] = None,
     plot: Annotated[
-        Path | None, typer.Option(help="Draw the path on the map, and where the robot was lost: a .png, .svg or .pdf.")
+        Path | None,
+        typer.Option(help="Draw the path and the places where the robot was lost on the map: a .png, .svg or .pdf."),
     ] = None,
     progress: ProgressOption = ProgressKind.AUTO,
     as_json: AsJson = False,
 ) -> None:
-    """Compute where a robot was in a map, from the scans and the odometry of a bag."""
+    """Compute the path of a robot on a map, from the scans and the odometry in a recording."""
     from thbridge.files.ros.defaults import sentences_of
     from thbridge.hunt.refusals import RequestRefused
     from thbridge.offline.localization_updates import UpdatesFormat, updates_text
@@ -104,7 +110,8 @@ def localize(
     if (initial_pose is None) == (not anywhere):
         fail(
             BAD_INPUT,
-            "--initial-pose, --global: exactly one of the two is needed. Write --initial-pose X Y YAW, or --global.",
+            "--initial-pose, --global: exactly one of these options is needed. Write --initial-pose X Y YAW, or "
+            "--global.",
         )
     if updates is not None and updates.suffix.lower().strip(".") not in set(UpdatesFormat):
         fail(BAD_INPUT, f"--updates: {updates} has no known format. Write a file name that ends in .csv or .jsonl.")

@@ -47,7 +47,7 @@ def plan(
     ] = SearchAlgorithm.NAVFN,
     as_json: AsJson = False,
 ) -> None:
-    """Plan paths for a round robot on any map, as ROS's navfn does. Paths may cross unknown space.
+    """Plan paths for a round robot on any map, like ROS's navfn. Paths may cross unknown space.
 
     Print a table, or one JSON object {"queries": [{"found", "length", "milliseconds", "reason", "code"}, ...]} in the
     order of the queries: length in meters, planning time, and the reason if there is no path.

@@ -18,7 +18,7 @@ def read_queries(start: tuple[float, float] | None, goal: tuple[float, float] | 
         return read_columns(batch, ("start_x", "start_y", "goal_x", "goal_y"))
     if batch is not None or start is None or goal is None:
         remedy = "Write --start X Y --goal X Y, or --batch FILE.csv"
-        fail(BAD_INPUT, f"--start, --goal, --batch: give the first two, or only the third. {remedy}.")
+        fail(BAD_INPUT, f"--start, --goal, --batch: give both --start and --goal, or only --batch. {remedy}.")
     for option, place in (("--start", start), ("--goal", goal)):
         if not all(map(math.isfinite, place)):
             fail(BAD_INPUT, f"{option}: not a finite number. Write meters, such as 1.5.")
@@ -28,7 +28,7 @@ def read_queries(start: tuple[float, float] | None, goal: tuple[float, float] | 
 def answers_table(queries: FloatArray, answers: list[PlanResult]) -> Table:
     """Return the results as a table."""
     table = Table("from", "to", "path")
-    for column in ("m", "ms"):
+    for column in ("length (m)", "time (ms)"):
         table.add_column(column, justify="right")
     for (x, y, u, v), answer in zip(queries.tolist(), answers, strict=True):
         table.add_row(

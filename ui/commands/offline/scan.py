@@ -47,7 +47,7 @@ def scan(
         grid = grid_at(map_yaml)
         if (pose is None) == (batch is None):
             remedy = "Write --pose X Y YAW, or --batch FILE.csv"
-            fail(BAD_INPUT, f"--pose, --batch: exactly one of the two is needed. {remedy}.")
+            fail(BAD_INPUT, f"--pose, --batch: exactly one of these options is needed. {remedy}.")
         poses = np.array([pose]) if batch is None else read_columns(batch, ("x", "y", "yaw"))
     ranges = scan_map(grid, poses, beam_angles(beams, angle_min, angle_max), range_max)
     if as_json:

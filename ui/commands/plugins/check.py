@@ -18,7 +18,7 @@ TRIALS: Mapping[PluginKind, Callable[[str, int, float], PluginTrial]] = {
     PLANNERS: try_planner,
     RECOVERIES: try_recovery,
 }
-"""Trial of each kind of plug-in; it receives a name, a seed and the time limit of a call in seconds."""
+"""Trial of each kind of plug-in. A trial receives a name, a seed and the time limit of a call in seconds."""
 
 
 def check_plugin(kind: PluginKind, name: str, seed: int) -> TrialReport:
@@ -34,14 +34,14 @@ def check_plugin(kind: PluginKind, name: str, seed: int) -> TrialReport:
     """
     trial = TRIALS[kind](name, seed, LONGEST)
     if not trial.faults:
-        # Another process has another order of sets, and imports the module again.
+        # In another process, sets have another order, and the module is imported again.
         with ProcessPoolExecutor(1, multiprocessing.get_context("spawn")) as pool:
             other = pool.submit(TRIALS[kind], name, seed, LONGEST).result()
         if other.digest != trial.digest:
-            trial.note("in another process it decided differently with the same seed", DETERMINED, ())
+            trial.note("it decided differently in another process with the same seed", DETERMINED, ())
     package = kind.package(name)
-    tried = f"{name} ({package}): {trial.situations} situations, each twice"
-    summary = f"{tried}, {trial.slowness:.2g} times the time of the built-in {trial.what}"
+    tried = f"{name} ({package}): {trial.situations} situations, each run twice"
+    summary = f"{tried}, in {trial.slowness:.2g} times the time of the built-in {trial.what}"
     figures = {
         "kind": kind.what,
         "package": package,
@@ -52,7 +52,7 @@ def check_plugin(kind: PluginKind, name: str, seed: int) -> TrialReport:
 
 
 def listed() -> Iterator[tuple[PluginKind, str, str]]:
-    """Yield the kind, name and description of each installed plug-in, without loading any."""
+    """Yield the kind, name and description of each installed plug-in, without loading the plug-ins."""
     for kind in KINDS:
         for name in kind.names():
             yield kind, name, kind.describe(name)

@@ -25,19 +25,19 @@ def plugins_list(as_json: AsJson = False) -> None:
 
 def plugins_check(
     participant: Annotated[
-        str | None, typer.Option(help="Installed simulated participant; it plays games in all conditions.")
+        str | None, typer.Option(help="Installed simulated participant to check, in games of all conditions.")
     ] = None,
     recovery: Annotated[
-        str | None, typer.Option(help="Installed recovery behavior; it runs in places of all kinds.")
+        str | None, typer.Option(help="Installed recovery behavior to check, in places of all kinds.")
     ] = None,
-    localizer: Annotated[str | None, typer.Option(help="Installed localizer; all its methods are called.")] = None,
+    localizer: Annotated[str | None, typer.Option(help="Installed localizer to check, with all its methods.")] = None,
     planner: Annotated[
-        str | None, typer.Option(help="Installed global planner; it plans on maps with and without paths.")
+        str | None, typer.Option(help="Installed global planner to check, on maps with and without paths.")
     ] = None,
     seed: Seed = 0,
     as_json: AsJson = False,
 ) -> None:
-    """Try plug-ins in many situations, twice and in a second process, and report faults.
+    """Try plug-ins in many situations, and report faults. Each situation runs twice, and again in a second process.
 
     To check strategies and authors of wordings, use `thbridge talk check`.
     """
@@ -49,7 +49,7 @@ def plugins_check(
     if not asked:
         fail(
             BAD_INPUT,
-            "nothing to check. Write, for example, --participant NAME; see `thbridge plugins list`.",
+            "The plug-in to check is missing. Write, for example, --participant NAME; see `thbridge plugins list`.",
         )
     with bad_input():
         checked = [check_plugin(kind, name, seed or 0) for kind, name in asked]

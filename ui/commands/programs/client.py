@@ -23,7 +23,7 @@ ANOTHER_GAME = (
 
 
 def player_of(who: str, study: Study, study_file: Path | None, templates: str | None, seed: int | None) -> LocalPlayer:
-    """Return the player; a person needs no study and no options. The study already includes `templates` and `seed`."""
+    """Return the player. The study already includes `templates` and `seed`, which have no effect for a person."""
     if who == PERSON:
         for option, value in (("--templates", templates), ("--seed", seed)):
             if value is not None:
@@ -46,7 +46,7 @@ def address_of(server: str | None, study: ServerSection) -> tuple[str, int]:
     if server is None:
         if study.port == 0:
             fail(
-                BAD_INPUT, "server: port: 0 of the study means any free port. Add the actual port: --server HOST:PORT."
+                BAD_INPUT, "server: port: 0 in the study means any free port. Add the actual port: --server HOST:PORT."
             )
         return WILDCARD_ADDRESSES.get(study.host, study.host), study.port
     host, colon, port = server.rpartition(":")

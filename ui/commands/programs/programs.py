@@ -46,7 +46,7 @@ def server(
     journal: Annotated[Path, typer.Option(help="Folder for the journals of games.")] = Path("journal"),
     new_game: Annotated[bool, typer.Option("--new-game", help="Start a new game even if one is unfinished.")] = False,
 ) -> None:
-    """Run the text server of 2016, with the keeper of the game, until stopped."""
+    """Run the text server of 2016 and the keeper, which manages the game, until the command is stopped."""
     import secrets
 
     from thbridge.app.server import serve
@@ -81,12 +81,14 @@ def simr(
     robots_from: Annotated[
         RobotsFrom | None,
         typer.Option(
-            help="Simulate the robots, or command real robots on a ROS graph; see `thbridge docs real-robots`."
+            help="`sim`: simulate the robots. `ros`: command robots on a ROS graph; see `thbridge docs real-robots`."
         ),
     ] = None,
     rate: Annotated[
         float | None,
-        typer.Option(help="Simulated seconds per second; default: the study's, otherwise 1.", min=0.01, max=1000),
+        typer.Option(
+            help="Simulated seconds per real second; default: the study's rate, otherwise 1.", min=0.01, max=1000
+        ),
     ] = None,
     seed: Seed = None,
     bag: BagFile = None,
@@ -95,7 +97,7 @@ def simr(
     watching: WatchOptions,
     open_to: OpenTo = None,
 ) -> None:
-    """Run the robots (SimR) as a client of a text server, until stopped."""
+    """Run the robots (SimR) as a client of a text server, until the command is stopped."""
     from thbridge.app import programs
     from thbridge.app.programs import SimrOptions
     from thbridge.app.real_robots import simr_with_real_robots
@@ -112,8 +114,8 @@ def simr(
     study = with_open_to(study_of(study_file, changes), open_to)
     host, port = address_of(client.server, study.server)
     if study.mavlink.on:
-        # The game, in another program, decides where a robot may be sent.
-        note("mavlink has no effect here: robots are MAVLink vehicles in `thbridge play`.")
+        # Another program, the game, decides where a robot may be sent.
+        note("mavlink has no effect here: robots are MAVLink vehicles only in `thbridge play`.")
         study = dataclasses.replace(study, mavlink=dataclasses.replace(study.mavlink, on=False))
     setting = setting_of(study, study_file)
     note_doubts(setting)
@@ -124,11 +126,12 @@ def simr(
             "external_nodes: other nodes drive these robots on a ROS graph. Add --ros, or set external_nodes: none.",
         )
     if real and ros.join:
-        fail(BAD_INPUT, "--ros: real robots are on a ROS graph already. Omit the option.")
+        fail(BAD_INPUT, "--ros: real robots are always on a ROS graph. Omit the option.")
     if real and watching.watch is not None:
-        fail(BAD_INPUT, "--watch: watch real robots on their ROS graph, with rviz. Omit the option.")
+        fail(BAD_INPUT, "--watch: this option needs simulated robots. Omit it, and watch real robots with rviz.")
     if real and watching.foxglove is not None:
-        fail(BAD_INPUT, "--foxglove: watch real robots on their ROS graph, with foxglove_bridge. Omit the option.")
+        remedy = "Omit it, and watch real robots with foxglove_bridge"
+        fail(BAD_INPUT, f"--foxglove: this option needs simulated robots. {remedy}.")
     if real and rate is not None:
         fail(BAD_INPUT, "--rate: real robots run in real time. Omit the option.")
     if real and (clash := setting.study.fleet.clash(setting.study.robots)) is not None:
@@ -167,7 +170,7 @@ def hider(
     ] = None,
     seed: Seed = None,
 ) -> None:
-    """Run the program that hides treasures (Hider) as a client of a text server, until stopped."""
+    """Run the program that hides treasures (Hider) as a client of a text server, until the command is stopped."""
     from thbridge.app import programs
     from thbridge.app.compose.game import build_hider
     from ui.command_line.event_loop import run
@@ -193,7 +196,10 @@ def tabui(
     as_json: AsJson = False,
     hosted: Annotated[bool, typer.Option("--hosted", hidden=True)] = False,
 ) -> None:
-    """Take part (TabUI) as a client of a text server, in a window, or as a simulated participant without a display."""
+    """Run the participant's program (TabUI) as a client of a text server, in a window.
+
+    Without a display, a simulated participant plays.
+    """
     if hosted:
         from ui.windows.participant_program import play_hosted
 
@@ -225,7 +231,7 @@ def tabui(
         say((player.tabui.texts or shipped_texts()).text("terminal.thanks"))
         raise typer.Exit(DECLINED)
     if last is None:
-        fail(FAILED, "stopped before the game was over")
+        fail(FAILED, "Stopped before the game was over.")
     if as_json:
         visited = sum(room.state == "visited" for room in last.rooms)
         print_json({"score": last.score, "rooms_visited": visited, "over": last.over})

@@ -30,7 +30,7 @@ def other_versions(record: SessionRecord) -> Iterator[str]:
         )
         return
     words = [
-        # Features are many; the sentence only says that they differ.
+        # There are many processor features, so the sentence only says that they differ.
         f"other {name}" if "features" in name else f"{name} {there[name]} then, {here[name]} now"
         for name in MACHINE
         if name in there and there[name] != here[name]
@@ -47,7 +47,7 @@ Compared = tuple[RunFigures | None, RunFigures | None]
 
 
 def replayed_as_json(done: Replayed, to: Path | None, figures: Sequence[Compared]) -> dict[str, object]:
-    """Return the result of a replay as a JSON object, with the compared figures, by game if there are several."""
+    """Return the result of a replay as a JSON object, with the compared figures (of each game if there are several)."""
     result: dict[str, object] = {
         "equal": done.difference is None and done.finished,
         "first_difference": None if done.difference is None else dataclasses.asdict(done.difference),
@@ -72,7 +72,7 @@ def show_replayed(done: Replayed, figures: Sequence[Compared]) -> None:
     """Print the result of a replay."""
     if done.difference is None:
         ending = " The recording ends in the middle of its last tick." if done.cut_off else ""
-        reworded = f" ({done.reworded} of them in today's words)" if done.reworded else ""
+        reworded = f" ({done.reworded} of them except for changed wordings)" if done.reworded else ""
         text = f"All {done.messages} messages of {done.ticks} ticks are the same, bit for bit{reworded}.{ending}"
         show(f"{text} ({done.wall_seconds:.1f} s)")
     else:
@@ -85,7 +85,7 @@ def _show_difference(difference: Difference) -> None:
     where = f"message {difference.number} (number {difference.topic_number} on {difference.topic})"
     show(f"First difference: {where} at {difference.seconds:.2f} s: {difference.what}.")
     if difference.fields:
-        table = Table("field", "was", "is")
+        table = Table("field", "recorded", "replayed")
         for field in difference.fields:
             table.add_row(field.field, field.was, field.now)
         out.print(table)
@@ -103,7 +103,7 @@ def _table(was: RunFigures | None, now: RunFigures | None, of_game: str) -> Tabl
     return table
 
 
-_ROWS = ("mean error", "95 % of errors within", "driven", "arrivals", "at, s", "energy left")
+_ROWS = ("mean error", "95 % of errors within", "distance driven", "arrivals", "arrival times, s", "energy left")
 
 
 def _column(robot: RobotFigures | None) -> tuple[str, ...]:

@@ -14,7 +14,7 @@ from ui.command_line.terminal import BAD_INPUT, FAILED, bad_input, fail, note, p
 def replay(
     bag: Annotated[Path, typer.Argument(help="Recording of `thbridge play` or `thbridge simr`.")],
     rate: Annotated[
-        float | None, typer.Option(help="Simulated seconds per second; default: full speed.", min=0.01, max=1000)
+        float | None, typer.Option(help="Simulated seconds per real second; default: full speed.", min=0.01, max=1000)
     ] = None,
     start: Annotated[
         float,
@@ -26,7 +26,8 @@ def replay(
         typer.Option(
             "--with",
             metavar="KEY=VALUE|FILE.yaml",
-            help="Change a key of the recorded study but keep the inputs, such as `--with seed=2`. Can be repeated.",
+            help="Change a key of the recorded study, for example `--with seed=2`, or all keys that a FILE.yaml "
+            "contains; keep the recorded inputs. Can be repeated.",
         ),
     ] = None,
     participant: SimulatedParticipant = None,
@@ -37,7 +38,7 @@ def replay(
     """Run a recording again: give its inputs to a new session, and compare the messages of both.
 
     The exit code is 0 if all messages are bit-identical. Otherwise it is 1, and the first difference is printed. With
-    `--with` or `--participant`, figures of the two runs are compared, and differences are no failure.
+    `--with` or `--participant`, the command compares figures of both runs, and a difference is no failure.
     """
     from ui.first_start.bar import announce_start
 
@@ -109,12 +110,12 @@ def replay(
         if record.participant:
             note("To compare whole hunts, replace the recorded participant with a simulated one: --participant NAME.")
     if not done.finished:
-        fail(FAILED, "stopped before the end of the recording")
+        fail(FAILED, "Stopped before the end of the recording.")
     if done.difference is not None and not what_if:
         if not any(topic.name == INPUTS for topic in info(bag).topics):
-            note(f"The recording has no {INPUTS}: inputs from outside, if there were any, have been removed. {_FRAMES}")
+            note(f"The recording has no {INPUTS}: any inputs from outside have been removed. {_FRAMES}")
         raise typer.Exit(FAILED)
 
 
-_SAME_TIME = "They come at the recorded times, wherever the robots are now."
+_SAME_TIME = "Requests are repeated at the recorded times, even if robots are now in other places."
 _FRAMES = "If MAVLink frames drove the robots, use `thbridge mavlink replay`, which needs no inputs."

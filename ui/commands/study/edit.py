@@ -14,8 +14,8 @@ def study_edit(
     file: Annotated[
         Path,
         typer.Argument(
-            help="Study file (it is created when saved if it does not exist), folder of a study with people, or one of "
-            "its forms."
+            help="Study file, folder of a study with people, or file of a form. If a study file does not exist, saving "
+            "creates it."
         ),
     ],
     look: LookOption = ColourScheme.SYSTEM,
@@ -43,7 +43,7 @@ def study_edit(
     if reason is not None:
         fail(BAD_INPUT, f"{reason} Or edit {file} as text, and check it with `thbridge study check`.")
     announce_compiling()
-    # A second of imports that no other command needs.
+    # These imports take a second, and no other command needs them.
     from ui.windows.study import edit
 
     with bad_input():

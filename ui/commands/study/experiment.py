@@ -32,7 +32,7 @@ def study_new(
     folder: Annotated[Path, typer.Argument(help="Folder to create; must not exist.", metavar="FOLDER")],
     language: Annotated[str, typer.Option(help="Language of all texts for participants: en or de.")] = "en",
 ) -> None:
-    """Create a folder with an example of a study with people, for you to change."""
+    """Create a folder with an example of a study with people, which you can change."""
     from thbridge.experiment.folder import example_languages, write_example
     from thbridge.files.disk.whole import new_folder
 
@@ -52,7 +52,7 @@ def study_new(
 
 
 def study_status(folder: FolderOfExperiment, as_json: AsJson = False) -> None:
-    """Print who has taken part, their progress, and how many participants are missing."""
+    """Print the participants, their progress, and how many participants are still missing."""
     from thbridge.app.compose.machine import versions
     from thbridge.experiment.folder import ExperimentFolder
     from thbridge.experiment.freeze import deviations
@@ -88,10 +88,12 @@ def study_status(folder: FolderOfExperiment, as_json: AsJson = False) -> None:
     for sentence in (*left, *lag_words(progress)):
         say(sentence)
     if changed is None:
-        say("Not frozen.")
+        say("The study is not frozen.")
     else:
         say(
-            "Frozen, and unchanged since then." if not changed else f"Frozen; changed since then: {'; '.join(changed)}."
+            f"The study was frozen. Changed since then: {'; '.join(changed)}."
+            if changed
+            else "The study is frozen, and unchanged since then."
         )
 
 
@@ -125,12 +127,12 @@ def study_run(
     folder: FolderOfExperiment,
     windowed: Annotated[bool, typer.Option("--windowed", help="Use a window instead of the full screen.")] = False,
     desk: Annotated[
-        bool, typer.Option("--desk/--no-desk", help="Also open the researcher's desk, for another screen.")
+        bool, typer.Option("--desk/--no-desk", help="Also open the desk, the researcher's window for another screen.")
     ] = False,
     look: LookOption = ColourScheme.SYSTEM,
     hosted: Annotated[bool, typer.Option("--hosted", hidden=True)] = False,
 ) -> None:
-    """Run the study for participants at this computer, one after the other. After a crash, resume where it stopped."""
+    """Run the study for one participant after the other at this computer. After a crash, resume the last step."""
     if hosted:
         from ui.windows.kiosk.window import open_kiosk
 
@@ -153,11 +155,11 @@ def study_preview(
     condition: Annotated[
         str,
         typer.Option(
-            help="Level of the factor within people, such as `collaborator`; default: the first.", metavar="LEVEL"
+            help="Level of the within-people factor, such as `collaborator`; default: the first.", metavar="LEVEL"
         ),
     ] = "",
     group: Annotated[
-        str, typer.Option(help="Level of the factor between people; default: the first.", metavar="LEVEL")
+        str, typer.Option(help="Level of the between-people factor; default: the first.", metavar="LEVEL")
     ] = "",
     look: LookOption = ColourScheme.SYSTEM,
     hosted: Annotated[bool, typer.Option("--hosted", hidden=True)] = False,
@@ -175,7 +177,7 @@ def study_preview(
 
 
 def study_freeze(folder: FolderOfExperiment) -> None:
-    """Write the fingerprint of the experiment for a preregistration. Exports report whether it still matches."""
+    """Write the experiment's fingerprint for a preregistration. Exports report later changes of the experiment."""
     from thbridge.app.compose.machine import versions
     from thbridge.experiment.check import check_experiment
     from thbridge.experiment.folder import ExperimentFolder
@@ -234,7 +236,7 @@ def study_backup(
         lacking = back_up(place, to)
     for details in lacking:
         note(details)
-    note(f"{to} is verified and up to date. It can be used instead of the study: `{command('study', 'status', to)}`.")
+    note(f"{to} is verified and up to date. You can use it like the study: `{command('study', 'status', to)}`.")
     if lacking:
         raise typer.Exit(FAILED)
 
@@ -260,7 +262,7 @@ def study_withdraw(
     participant: Annotated[
         list[str] | None,
         typer.Argument(
-            help="Id of the participant, such as P-7K3FQ, or completion code, with or without its blank.",
+            help="Id of the participant, such as P-7K3FQ, or their completion code. The blank in the code is optional.",
             metavar="PARTICIPANT",
         ),
     ] = None,
@@ -270,7 +272,7 @@ def study_withdraw(
         typer.Option(help="Export or backup that no longer exists anywhere.", metavar="PATH"),
     ] = None,
 ) -> None:
-    """Permanently delete one participant from log, recordings, exports and backups, after listing what is deleted."""
+    """List the data of one participant, then delete it permanently from log, recordings, exports and backups."""
     from ui.commands.study.withdrawal import withdraw_participant
 
     withdraw_participant(folder, " ".join(participant) if participant else None, gone or (), yes=yes)
@@ -321,7 +323,9 @@ def study_power(
         list[int] | None,
         typer.Option(help="Number of people. Can be repeated. Default: six values up to the quota.", min=2),
     ] = None,
-    rehearsals: Annotated[int, typer.Option(help="Number of rehearsals of each kind.", min=10, max=100_000)] = 200,
+    rehearsals: Annotated[
+        int, typer.Option(help="Number of rehearsals with the effects, and of rehearsals without.", min=10, max=100_000)
+    ] = 200,
     seed: Annotated[int, typer.Option(help="Random seed of the first rehearsal.", min=0, max=2**30)] = 1,
     to: Annotated[
         Path | None,
@@ -352,6 +356,6 @@ def study_power(
         except EngineFailed as reason:
             fail(FAILED, str(reason))
         except KeyboardInterrupt:
-            kept = "run the same command to resume" if to is not None else "to keep results, name a folder with --to"
-            fail(FAILED, f"stopped; {kept}")
+            kept = "Run the same command to resume" if to is not None else "To keep results, name a folder with --to"
+            fail(FAILED, f"The estimate was stopped. {kept}.")
     show_estimates(estimates, as_json=as_json)

@@ -19,7 +19,7 @@ from ui.command_line.terminal import out, print_json, say
 from ui.commands.sweep.engines import stopped_by_sigterm
 
 ENOUGH = 0.8
-"""Usual target value of power."""
+"""Usual target value of a study's power."""
 
 
 def power_tasks(
@@ -73,7 +73,7 @@ def estimate_shown(
 
 
 def show_estimates(estimates: Mapping[bool, Sequence[PowerEstimate]], *, as_json: bool) -> None:
-    """Print the power for each number of people, and how often an effect is found where there is none."""
+    """Print the power and the share of false positives for each number of people."""
     pairs = list(zip(estimates[True], estimates[False], strict=True))
     enough = next((power.people for power, _ in pairs if power.share >= ENOUGH), None)
     if as_json:
@@ -94,6 +94,6 @@ def show_estimates(estimates: Mapping[bool, Sequence[PowerEstimate]], *, as_json
         table.add_row(f"{power.people}", f"{power.share:.2f}", f"{low:.2f} to {high:.2f}", f"{none.share:.3f}")
     out.print(table)
     if enough is None:
-        say(f"None of these numbers gives a power of {ENOUGH}. Try more with --people.")
+        say(f"None of these numbers gives a power of {ENOUGH}. Try more people with --people.")
     else:
         say(f"{enough} people give a power of at least {ENOUGH}.")

@@ -21,13 +21,13 @@ from ui.windows.display import why_no_window
 
 
 def preview_step(folder: Path, step: str, condition: str, group: str, look: str) -> None:
-    """Show one step, or all steps if none is named; nothing is recorded.
+    """Show one step, or all steps if no step is named. Nothing is recorded.
 
     Args:
         folder: folder of the study.
         step: name or number of the step; if empty, all steps.
-        condition: level of the factor within people.
-        group: level of the factor between people.
+        condition: level of the within-people factor; if empty, the first.
+        group: level of the between-people factor; if empty, the first.
         look: colors of the window.
     """
     with bad_input():

@@ -38,5 +38,5 @@ def restore_study(backup: Path, to: Path | None, *, yes: bool) -> None:
 def _newer(plan: RestorePlan) -> str:
     return (
         f"The log of {plan.study.root} is intact, and has {plan.newer} events that the backup does not have. "
-        "A restore keeps them next to the study, and the study continues from the backup."
+        "A restore keeps these events next to the study, and the study continues from the backup."
     )

@@ -39,8 +39,8 @@ def run_study(folder: Path, look: str, *, windowed: bool, desk: bool, program: t
         folder: folder of the study.
         look: colors of the windows.
         windowed: True for a window instead of the full screen.
-        desk: True to open the researcher's desk, too.
-        program: command of another window that uses the messages of `ui.model.kiosk`; if empty, our own.
+        desk: True to open also the desk, the researcher's window.
+        program: command of another window that uses the messages of `ui.model.kiosk`; if empty, use our own window.
     """
     finish_begun_withdrawals(folder)
     with bad_input():
@@ -51,7 +51,7 @@ def run_study(folder: Path, look: str, *, windowed: bool, desk: bool, program: t
         why = None if program else why_no_window()
         if why is not None:
             fail(BAD_INPUT, why)
-    # Before participants come, and before the log is open.
+    # Compile before participants come, and before the log is open.
     compile_ahead(whole_hunt=True, look=None if program else look)
     with bad_input():
         make_folder(place.log.parent)
@@ -109,7 +109,7 @@ async def _run(host: KioskHost, desk: Desk | None, folder: Path) -> None:
 
 
 async def _keep_desk(desk: Desk, folder: Path) -> None:
-    """Keep the desk open; if it fails, report this at once and continue the study without it."""
+    """Keep the desk open. If the desk fails, report this at once, and continue the study without the desk."""
     try:
         await desk.run()
     except (DeskFailed, BadFile, OSError) as error:

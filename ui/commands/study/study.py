@@ -24,7 +24,7 @@ def study_init(
         fail(BAD_INPUT, f"{file}: this file already exists. Choose another name.")
     with bad_input():
         write_whole(file, commented_study().encode(), "choose another folder")
-    note(f"Wrote {file}. Run it with `{command('play', file)}`.")
+    note(f"Wrote {file}. Play it with `{command('play', file)}`.")
 
 
 def study_check(
@@ -49,7 +49,7 @@ def study_check(
             design, kept = check_experiment(ExperimentFolder(file), versions())
         for study in chain.from_iterable(cell.studies for cell in design.cells):
             check_doors(study)
-        state = "kept as it is, because people have taken part" if kept else "no faults"
+        state = "accepted with its faults, because people have taken part" if kept else "no faults"
         say(f"{file}: {state}; {people_in_words(design)}")
         for fault in kept:
             note(f"A new study would be refused: {fault}")

@@ -1,4 +1,4 @@
-"""Unfinished withdrawals, which each command of a study completes first."""
+"""Unfinished withdrawals of participants, which each command of a study completes first."""
 
 from pathlib import Path
 
@@ -8,14 +8,14 @@ from ui.command_line.terminal import note
 
 
 def finish_begun_withdrawals(folder: Path) -> None:
-    """Finish withdrawals that have begun, and print what cannot be done yet."""
+    """Finish withdrawals that have begun, and print which steps are not possible yet."""
     try:
         pending = ExperimentFolder(folder).pending_withdrawals.read()
     except BadFile as fault:
         note(str(fault))
         return
     if pending:
-        # A second of imports that is hardly ever needed.
+        # These imports take a second, and are rarely needed.
         from ui.commands.study.withdrawal import finish_and_report
 
         finish_and_report(folder, pending)

@@ -30,7 +30,7 @@ from ui.model.desk.withdrawal import plan_lines
 
 
 def finish_and_report(folder: Path, pending: Sequence[PendingWithdrawal]) -> list[Withdrawal]:
-    """Finish withdrawals that have begun, and print what cannot be done yet."""
+    """Finish withdrawals that have begun, and print which steps are not possible yet."""
     place = ExperimentFolder(folder)
     try:
         installed = versions()
@@ -51,8 +51,8 @@ def withdraw_participant(folder: Path, named: str | None, gone: Sequence[Path], 
 
     Args:
         folder: folder of the study.
-        named: id or completion code of the participant. If None, `gone` is given, and withdrawals that have begun are
-        finished.
+        named: id or completion code of the participant. If None, `gone` must be given, and withdrawals that have begun
+            are finished.
         gone: exports and backups that no longer exist.
         yes: True to skip the confirmation.
     """
@@ -81,21 +81,21 @@ def withdraw_participant(folder: Path, named: str | None, gone: Sequence[Path], 
             fail(BAD_INPUT, f"{who} `{ids}` lists the ids.")
         for line in plan_lines(place, plan):
             note(line)
-        confirm(f"Delete all of this data of {plan.withdrawal.participant}?", "Nothing was deleted", yes=yes)
+        confirm(f"Delete all of this data about {plan.withdrawal.participant}?", "Nothing was deleted", yes=yes)
         installed = versions()
         one = withdraw(place, design, plan.withdrawal, installed, deviations(place, installed), _now)
     _report(one)
     if one.failed:
         fail(FAILED, _not_finished(folder, one))
-    others = "Copies made in other ways (of the folder, recordings, results, markers) are not known"
-    note(f"{others}: delete {one.participant} from them.")
+    others = "If there are other copies of the folder, recordings, results or markers"
+    note(f"{others}, delete {one.participant} from them.")
 
 
 def withdraw_during(place: ExperimentFolder, conductor: Conductor, log: ExperimentLog, participant: str) -> str:
     """Withdraw a participant while this program runs the study.
 
     Returns:
-        Sentences about what a person must still do; empty if nothing remains.
+        Sentences about tasks that a person must still do; empty if there are none.
 
     Raises:
         BadFile: see `withdraw`.
@@ -125,5 +125,5 @@ def _not_finished(folder: Path, one: Withdrawal) -> str:
     gone = command("study", "withdraw", folder, "--gone", "PATH")
     return (
         f"The withdrawal of {one.participant} is not finished. Correct the problems above; the next command on this "
-        f"study tries again. If an export or a backup no longer exists anywhere: `{gone}`."
+        f"study tries again. If an export or a backup no longer exists anywhere, run `{gone}`."
     )

@@ -24,10 +24,10 @@ class SuggestedPlan:
     """Suggested plan of a team.
 
     Attributes:
-        planner: planner that made it.
+        planner: planner that made the plan.
         tours: one tour per robot.
         points: average value of the treasure in an unvisited room, if it is identified correctly.
-        best: value of the best plan. If None, there are too many rooms to find it.
+        best: value of the best plan. If None, there are too many rooms to find the best plan.
         alternatives: for each robot, the value of each possible next room; empty if the plan is not proven best.
     """
 
@@ -49,7 +49,7 @@ class SuggestedPlan:
 
 
 def plan_of(setting: StudySetting, rooms: Collection[Room], planner: TeamPlanner) -> SuggestedPlan:
-    """Return the plan by which a study's robots would visit these rooms from their start poses.
+    """Return a planner's plan for a study's robots, which visit these rooms from their start poses.
 
     Raises:
         ValueError: there are more rooms than this planner can compare.
@@ -67,7 +67,7 @@ def plan_of(setting: StudySetting, rooms: Collection[Room], planner: TeamPlanner
 
 
 def team_starts(setting: StudySetting) -> tuple[TourStart, ...]:
-    """Return the places where the tours of a study's robots begin, with the costs that its game uses."""
+    """Return the start of each robot's tour, with the costs of moves and the energy that the study's game uses."""
     study, corridor = setting.study, tuple(setting.costs.rows[CORRIDOR.people])
     if not setting.by_position:
         return (TourStart(corridor, study.game.energy),) * study.robots
@@ -98,12 +98,12 @@ def plan_as_json(plan: SuggestedPlan) -> dict[str, object]:
 
 
 def show_plan(plan: SuggestedPlan, names: RoomNames) -> None:
-    """Print each robot's tour and, for a proven plan, what other next rooms would cost the team."""
+    """Print each robot's tour and, for a proven plan, the extra cost of each other next room."""
     table = Table(title=_in_words(plan.value), title_justify="left")
     for heading in ("", "tour", "energy"):
         table.add_column(heading)
     if plan.alternatives:
-        table.add_column("extra cost for the team if another room is first")
+        table.add_column("extra cost for the team if the robot first visits another room")
     for robot, tour in enumerate(plan.tours):
         way = " ".join(str(room.people) for room in tour.rooms) or "stays"
         losses = [_losses(plan, robot)] if plan.alternatives else []
@@ -111,10 +111,10 @@ def show_plan(plan: SuggestedPlan, names: RoomNames) -> None:
     out.print(table)
     sent = [(at, tour.rooms[0].people) for at, tour in enumerate(plan.tours) if tour.rooms]
     moves = "; ".join(f"{robot_name(at)} to {names.titled(room)}" for at, room in sent)
-    show(f"Next: {moves or 'all robots stay'}.")
+    show(f"Next moves: {moves or 'none, all robots stay'}.")
     show(f"Each room is worth {plan.points:.3g} points on average, if its treasure is identified correctly.")
     if plan.best is None:
-        show("There are too many rooms to prove a plan the best; a better one may exist.")
+        show("There are too many rooms to prove that this plan is the best. A better plan may exist.")
     elif plan.best != plan.value:
         show(f"Best plan: {_in_words(plan.best)}.")
 
@@ -136,6 +136,6 @@ def _losses(plan: SuggestedPlan, robot: int) -> str:
 def _loss(value: PlanValue, rooms: int, spent: float) -> str:
     fewer = rooms - value.rooms
     if fewer:
-        return f"{fewer} room{'s' if fewer > 1 else ''}"
+        return f"{fewer} room{'s' if fewer > 1 else ''} fewer"
     more = value.cost - spent
     return f"{energy_text(more)} energy" if more > 0.0 else "nothing"

@@ -19,28 +19,28 @@ if TYPE_CHECKING:
 
 
 def suggest(
-    costs: Annotated[Path | None, typer.Option(help="Cost file in the mapTimes format.")] = None,
+    costs: Annotated[Path | None, typer.Option(help="File of travel costs, in the mapTimes format.")] = None,
     at: Annotated[int | None, typer.Option(help="Room where the robot is; 0 is the corridor.", min=0)] = None,
     unvisited: Annotated[
-        str | None, typer.Option(help="Rooms still to visit, for example `1,2,5`; default for a team: all.")
+        str | None, typer.Option(help="Unvisited rooms, for example `1,2,5`; default for a team: all rooms.")
     ] = None,
     team: Annotated[
         Path | None, typer.Option(help="Study file: plan for all its robots from their start poses.")
     ] = None,
     planner: Annotated[
         TeamPlanner | None,
-        typer.Option(help="Method of sharing rooms in a team; `joint` gives the best plan.", show_default="joint"),
+        typer.Option(help="Method of sharing rooms among robots; `joint` gives the best plan.", show_default="joint"),
     ] = None,
     as_json: AsJson = False,
 ) -> None:
-    """Suggest the next room for a robot or a team: the first room of the cheapest tour of all rooms still to visit."""
+    """Suggest the next room for a robot or a team: the first room of the cheapest tour of all unvisited rooms."""
     if team is not None:
         if costs is not None or at is not None:
             fail(BAD_INPUT, "--team: the study defines costs and start poses. Omit --costs and --at.")
         _suggest_to_team(team, unvisited, planner or TeamPlanner.JOINT, as_json)
         return
     if planner is not None:
-        fail(BAD_INPUT, "--planner: it applies only to a team. Add --team STUDY, or omit --planner.")
+        fail(BAD_INPUT, "--planner: this option applies only to a team. Add --team STUDY, or omit --planner.")
     if costs is None or at is None or unvisited is None:
         fail(BAD_INPUT, "suggest: for one robot, write --costs, --at and --unvisited; for a team, write --team STUDY.")
     _suggest_to_robot(costs, at, unvisited, as_json)
@@ -79,14 +79,15 @@ def _suggest_to_robot(costs: Path, at: int, unvisited: str, as_json: bool) -> No
         result = {"next": rooms[0], "tour": rooms, "cost": _plain(tour.cost), "proven": proven}
         print_json(result | {"at_least": None if least is None else _plain(least)})
         return
-    kind = "the cheapest" if proven else "a good"
-    show(f"Next room {rooms[0]}; {kind} tour is {' '.join(map(str, rooms))} and costs {_plain(tour.cost)}.")
+    kind = "The cheapest" if proven else "A good"
+    show(f"Next room: {rooms[0]}. {kind} tour is {' '.join(map(str, rooms))} and costs {_plain(tour.cost)}.")
     if least is None:
-        show("There are too many rooms to prove a tour the cheapest; a cheaper one may exist.")
+        show("There are too many rooms to prove that this tour is the cheapest. A cheaper tour may exist.")
     elif not proven:
         over = 100.0 * (tour.cost / least - 1.0) if least > 0.0 else math.inf
         show(
-            f"No tour costs less than {least:g}, so this one is at most {over:.1f} % more expensive than the cheapest."
+            f"No tour costs less than {least:g}, so this tour is at most {over:.1f} % more expensive than the cheapest "
+            "tour."
         )
 
 

@@ -26,7 +26,7 @@ def chosen_engine(options: EngineOptions, warm: Sequence[str], log: Path) -> Eng
     if kind is not EngineKind.DASK and scheduler is not None:
         fail(BAD_INPUT, "--scheduler: only a Dask cluster has a scheduler. Add --engine dask, or omit the option.")
     if kind is not EngineKind.SLURM and job_options:
-        fail(BAD_INPUT, "--slurm: these options are only for Slurm jobs. Add --engine slurm, or omit them.")
+        fail(BAD_INPUT, "--slurm: this option is only for Slurm jobs. Add --engine slurm, or omit the option.")
     if kind is EngineKind.PROCESSES:
         return ProcessEngine(options.processes or usable_cores(), warm)
     if kind is EngineKind.DASK and scheduler is None:
@@ -44,8 +44,8 @@ def chosen_engine(options: EngineOptions, warm: Sequence[str], log: Path) -> Eng
             if is_open_to_others(scheduler or ""):
                 note(
                     f"Warning: {scheduler} is another machine, reached without TLS. Any machine that reaches the "
-                    "scheduler can run programs on its workers and here. Use a tls:// address, see `thbridge docs "
-                    "sweeps`."
+                    "scheduler can run programs on its workers and on this computer. Use a tls:// address; see "
+                    "`thbridge docs sweeps`."
                 )
             return DaskEngine(scheduler or "")
         from thbridge.batch.engines.slurm import SlurmEngine

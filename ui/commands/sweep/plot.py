@@ -18,7 +18,7 @@ def sweep_plot(
         Path,
         typer.Option(help="File to write: a .png, .svg or .pdf. `-` is standard output, as SVG.", metavar="FILE"),
     ],
-    x: Annotated[str | None, typer.Option(help="Factor on the x axis; default: the first.")] = None,
+    x: Annotated[str | None, typer.Option(help="Factor on the x axis; default: the first factor.")] = None,
     lines: Annotated[str | None, typer.Option(help="Factor shown as one line per level.")] = None,
     panels: Annotated[str | None, typer.Option(help="Factor shown as one panel per level.")] = None,
     measure: Annotated[str, typer.Option(help="Measure on the y axis.")] = "score",

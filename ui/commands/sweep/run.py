@@ -17,15 +17,18 @@ def sweep_run(
     ],
     to: Annotated[
         Path | None,
-        typer.Option("--out", help="Folder of the sweep; default: named like the design.", metavar="DIR"),
+        typer.Option("--out", help="Folder of the sweep; default: named after the design.", metavar="DIR"),
     ] = None,
     *,
     engine: EngineOptions,
     shard: Annotated[
-        str | None, typer.Option(help="Play part I of N, for job arrays; all parts write to one folder.", metavar="I/N")
+        str | None,
+        typer.Option(
+            help="Play only part I of N parts, for job arrays. All parts write to the same folder.", metavar="I/N"
+        ),
     ] = None,
     retry: Annotated[
-        bool, typer.Option("--retry", help="Play chunks with failed games again, after the fault was fixed.")
+        bool, typer.Option("--retry", help="Play failed games again, after you have fixed the cause.")
     ] = False,
     check: Annotated[
         bool, typer.Option("--check", help="Only check the design, and print the number of games.")
@@ -57,7 +60,7 @@ def sweep_run(
     part = Shard() if shard is None else shard_in(shard)
     if part is None:
         fail(
-            BAD_INPUT, f"--shard: {shard!r} is not of the form I/N. Write, for example, --shard 2/8 (from 1/8 to 8/8)."
+            BAD_INPUT, f"--shard: {shard!r} is not of the form I/N. Write, for example, --shard 2/8 for part 2 of 8."
         )
     with bad_input():
         design = read_design(design_file)
@@ -82,7 +85,8 @@ def sweep_run(
     except KeyboardInterrupt:
         fail(
             FAILED,
-            f"stopped; results are kept. Run the same command to resume. See {command('sweep', 'status', root)}",
+            f"Stopped. All results are kept. To resume, run the same command. For the status, run "
+            f"{command('sweep', 'status', root)}",
         )
     if as_json:
         print_json(progress_as_json(done, root))
@@ -93,6 +97,6 @@ def sweep_run(
     if done.differing:
         fail(
             FAILED,
-            f"{done.differing} of {done.verified} repeated games gave DIFFERENT results: do not trust "
+            f"{done.differing} of {done.verified} repeated games gave DIFFERENT results. Do not trust "
             "this sweep. Look for workers with other versions or machines.",
         )

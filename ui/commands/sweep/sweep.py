@@ -13,7 +13,7 @@ FolderOfSweep = Annotated[Path, typer.Argument(help="Folder of a sweep.", metava
 
 
 def sweep_status(folder: FolderOfSweep, as_json: AsJson = False) -> None:
-    """Print how much of a sweep is done, missing, failed and verified, and the time left."""
+    """Print how many games of a sweep are done, missing, failed and verified, and the time left."""
     import dataclasses
 
     from thbridge.batch.status import status_of

@@ -13,7 +13,7 @@ from thbridge.batch.sweep import SweepProgress
 from ui.command_line.terminal import command, note, out, show
 
 MOST_TOLD = 20
-"""Greatest number of faults or conditions that are printed; there may be thousands."""
+"""Greatest number of printed faults, and of printed conditions; there may be thousands."""
 
 
 def design_as_json(design: SweepDesign) -> dict[str, object]:
@@ -48,7 +48,7 @@ def show_design(design: SweepDesign) -> None:
         show(f"and {len(design.conditions) - MOST_TOLD} more conditions")
     show(
         f"{len(design.conditions)} conditions, each with the same {len(design.seeds)} seeds: {design.games} games, "
-        f"{_verified(design)} of them are repeated."
+        f"{_verified(design)} of them are played twice."
     )
 
 
@@ -60,13 +60,13 @@ def progress_as_json(progress: SweepProgress, root: Path) -> dict[str, object]:
 
 def show_progress(progress: SweepProgress, root: Path) -> None:
     """Print the result of a run."""
-    before = f" ({progress.before} were played before)" if progress.before else ""
-    died = f" {progress.deaths} workers died and were replaced." if progress.deaths else ""
+    before = f" ({progress.before} in earlier runs)" if progress.before else ""
+    died = f" {progress.deaths} workers crashed and were replaced." if progress.deaths else ""
     show(
         f"{progress.played} games played{before}; {progress.verified} repeated, {progress.differing} of them with "
         f"another result. {progress.cpu_seconds:.0f} s of processor time.{died}"
     )
-    note(f"{command('sweep', 'collect', root, '--to', 'games.csv')} writes one table; `sweep plot` draws figures.")
+    note(f"To write a table, run {command('sweep', 'collect', root, '--to', 'games.csv')}. `sweep plot` draws figures.")
 
 
 def show_status(status: SweepStatus) -> None:
@@ -77,7 +77,7 @@ def show_status(status: SweepStatus) -> None:
     for name, count in status.by_status.items():
         table.add_row(name, str(count))
     table.add_row("running", str(status.running))
-    table.add_row("left", f"{status.missing}, including running games")
+    table.add_row("missing", f"{status.missing}, including running games")
     table.add_row("repeated", f"{status.verified} of {status.drawn}")
     table.add_row("repeated with another result", str(len(status.differing)))
     table.add_row("processor time", _clock(status.cpu_seconds))

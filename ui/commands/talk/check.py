@@ -22,10 +22,10 @@ class TalkCheck:
 
     Attributes:
         folder: folder that was checked.
-        games: games that it adds or replaces; empty if they have faults.
-        languages: languages to which it adds words; empty if they have faults.
-        faults: faults of its files.
-        advice: missing parts of its languages.
+        games: games that the folder adds or replaces; empty if they have faults.
+        languages: languages to which the folder adds words; empty if they have faults.
+        faults: faults of the files.
+        advice: missing parts of the languages.
     """
 
     folder: Path
@@ -71,12 +71,12 @@ def shipped_folder() -> Path:
 
 
 def rulebook_with(folders: Sequence[Path]) -> Rulebook:
-    """Return the shipped games and those of folders. Raise BadFile for faults."""
+    """Return the games that come with thbridge, and the games of folders. Raise BadFile for faults."""
     return read_rulebook((SHIPPED_GAMES, *(folder for folder in folders if any(folder.glob("*.yaml")))))
 
 
 def check_folder(folder: Path) -> TalkCheck:
-    """Check a folder of dialogue files, together with the shipped ones: games, and words for them."""
+    """Check a folder of games and of words for games, together with the files that come with thbridge."""
     faults, rulebook = FaultCollection(), read_rulebook()
     games, languages = rulebook.games, tuple[Language, ...]()
     with_words = bool(languages_in(folder))
@@ -99,7 +99,7 @@ def check_folder(folder: Path) -> TalkCheck:
 
 
 def counted(what: str, things: Sequence[object]) -> str:
-    """Return the number of things as a phrase."""
+    """Return a phrase with the number of things, such as "2 games" or "no faults"."""
     return f"{len(things) or 'no'} {what}{'' if len(things) == 1 else 's'}"
 
 
@@ -116,7 +116,7 @@ def _game_lines(game: GameTable) -> Iterator[str]:
 def _targets(reply: Reply) -> str:
     last = "" if reply.last is None else f"; {reply.last}, when no support is left"
     return f"{reply.next}{last}" + (
-        "" if reply.questioned is None else f"; {reply.questioned}, when that is questioned"
+        "" if reply.questioned is None else f"; {reply.questioned}, when the refusal is questioned"
     )
 
 
@@ -153,13 +153,13 @@ def _game_as_json(game: GameTable) -> Mapping[str, object]:
 
 
 def words() -> Iterator[str]:
-    """Yield all keywords of files of games and of wordings, with their meanings."""
-    yield from _section("content: the content of a form of a locution", _meanings(ContentKind))
+    """Yield all keywords of game files and wording files, with their meanings."""
+    yield from _section("content: the kind of content in one form of a locution", _meanings(ContentKind))
     yield from _section(
         "before, before_person: conditions that must hold before a locution is said", _rules(CONDITIONS)
     )
     yield from _section(
-        "after: conditions that hold after it; in addition, it is added to the speaker's commitment store",
+        "after: further conditions that hold after a locution is said; it also enters the speaker's commitment store",
         _rules(EFFECTS),
     )
     yield from _section("turn: the side that moves in a stage", _meanings(GameRole))
@@ -168,7 +168,7 @@ def words() -> Iterator[str]:
     )
     yield from _section(
         "next, last: the stage or the end that follows a reply; questioned: the stage that follows when the reply "
-        "ended the game, and that is questioned in another game",
+        "refused support, and the other side questions the refusal",
         _meanings(DialogueEnd),
     )
     yield from _section(

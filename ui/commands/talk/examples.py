@@ -18,9 +18,9 @@ from ui.command_line.terminal import print_json
 HELP = """\
     1, 2, ...  say the sentence with this number
     s          show the commitment stores: all that each side has said
-    b          show the beliefs of each side, and what it believes about the other
-    n          between dialogues: open no more
-    ?          show this list, and what can be said
+    b          show the beliefs of each side, also those about the other side
+    n          between dialogues: open no further dialogue
+    ?          show this list, and the possible sentences
     q          quit"""
 
 
@@ -38,7 +38,7 @@ class TerminalTalk:
     Attributes:
         exchange: exchange to play.
         people: sides that a person plays.
-        game: the only game that players may open. If None, the nine cases determine the games.
+        game: name of the only game that players may open. If None, the nine cases determine the games.
         seed: random seed of the programs' choices, if the example permits several moves.
         wording: wording that turns moves into sentences.
         show: function that prints a line.
@@ -58,7 +58,7 @@ class TerminalTalk:
         """Play the exchange to its end. Raise Quit when the person quits."""
         exchange = self.exchange if self.game is None else replace(self.exchange, course=())
         self._now = exchange.start
-        # Two programs make only the moves of the example.
+        # If both sides are programs, they make only the moves of the example.
         alone = not self.people and self.game is None
         strategy = None if alone else ArguingStrategy()
         choosers: Mapping[Side, Chooser] = {
@@ -111,7 +111,7 @@ class TerminalTalk:
         for number, act in enumerate(possible, start=1):
             opens = "" if act.opening is None else f"   (opens {act.opening.game})"
             yield f"  {number}  {act.move}   {self._sentence(act.move, side)}{opens}".rstrip()
-        yield "  n  no more   ?  help" if between else "  ?  help"
+        yield "  n  no further dialogue   ?  help" if between else "  ?  help"
 
     def _indent(self, play: GamePlay) -> str:
         return "" if play.parent is None else f"{self._indent(self._now.play(play.parent))}    "
@@ -194,7 +194,7 @@ def _belief_lines(conversation: Conversation) -> Iterator[str]:
 
 def _beliefs_of(side: Side, agent: Agent) -> Iterator[str]:
     beliefs, picture = agent.beliefs, agent.picture
-    # The beliefs of a person are unknown, except those that she could put forward.
+    # The beliefs of a person are unknown, except the beliefs that the person may put forward.
     yield f"the {side} {'may put forward' if agent.is_person else 'believes'}: {_listed(beliefs.origins)}"
     yield f"  rules: {_listed(beliefs.rules)}"
     yield f"  believes that the other believes: {_listed(sorted(map(str, {*picture.held, *picture.rules})))}"

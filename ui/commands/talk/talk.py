@@ -13,7 +13,7 @@ from ui.command_line.terminal import BAD_INPUT, bad_input, fail, note, print_jso
 
 
 class _TalkGroup(CommandGroup):
-    """Commands of `talk`; the command is optional."""
+    """Commands of `talk`, which can also run without a command."""
 
     paths = paths_of({"ui.commands.talk.talk:talk_": "check words"})
 
@@ -21,7 +21,7 @@ class _TalkGroup(CommandGroup):
 talk_app = typer.Typer(
     cls=_TalkGroup,
     add_completion=False,
-    help="Dialogue games between a robot and a person: who may say what, and when, and how the dialogue ends.",
+    help="Dialogue games: the rules of conversations between a robot and a person. Play and check them.",
     no_args_is_help=True,
 )
 
@@ -48,24 +48,24 @@ def talk(
         typer.Option(help="Example to play: `jhri2015`, the worked example of Sklar and Azhar (2015), or `rules`."),
     ] = None,
     exchange: Annotated[int | None, typer.Option(help="Play only this exchange of the example.", min=1)] = None,
-    robot: Annotated[TalkPlayer, typer.Option(help="Player of the robot.")] = TalkPlayer.PROGRAM,
-    human: Annotated[TalkPlayer, typer.Option(help="Player of the person.")] = TalkPlayer.PERSON,
+    robot: Annotated[TalkPlayer, typer.Option(help="Player of the robot's side.")] = TalkPlayer.PROGRAM,
+    human: Annotated[TalkPlayer, typer.Option(help="Player of the person's side.")] = TalkPlayer.PERSON,
     games: Annotated[
-        Path | None, typer.Option(help="Folder of your own games, in addition to the shipped ones.")
+        Path | None, typer.Option(help="Folder of your own games, in addition to the built-in games.")
     ] = None,
     game: Annotated[
         str | None, typer.Option(help="Play this game about the example's topics, instead of the example's games.")
     ] = None,
-    language: Annotated[str, typer.Option(help="Language: en, de, or one you installed.")] = "en",
+    language: Annotated[str, typer.Option(help="Language: en, de, or a language in --words.")] = "en",
     words: Annotated[
-        Path | None, typer.Option(help="Folder of your own wordings, in addition to the shipped ones.")
+        Path | None, typer.Option(help="Folder of your own wordings, in addition to the built-in wordings.")
     ] = None,
     seed: Seed = 0,
     as_json: Annotated[
         bool, typer.Option("--json", help="Print one JSON object per move on standard output, and nothing else.")
     ] = False,
 ) -> None:
-    """Play the exchanges of an example in the terminal: a person chooses among legal moves, a program follows it."""
+    """Play an example in the terminal. A person chooses among legal moves; a program follows the example."""
     if context.invoked_subcommand is not None:
         return
     if example is None:
@@ -108,26 +108,26 @@ def talk(
 def talk_check(
     folders: Annotated[
         list[Path] | None,
-        typer.Argument(help="Folders with your games or languages; default: the shipped games."),
+        typer.Argument(help="Folders with your games or languages; default: the built-in games."),
     ] = None,
     strategy: Annotated[
         str | None,
-        typer.Option(help="Installed strategy; it plays these games and the shipped ones."),
+        typer.Option(help="Installed strategy to check, with these games and the built-in games."),
     ] = None,
     author: Annotated[
         str | None,
-        typer.Option(help="Installed author of wordings; it words the robots' moves in these games."),
+        typer.Option(help="Installed author of wordings to check, with the robots' moves in these games."),
     ] = None,
     conversations: Annotated[
         int,
         typer.Option(
-            help="Number of conversations with which each strategy and author is tested, per kind.", min=1, max=1000
+            help="Number of test conversations of each kind, for the strategy and the author.", min=1, max=1000
         ),
     ] = 2,
     seed: Seed = 0,
     as_json: AsJson = False,
 ) -> None:
-    """Check games, wordings, strategies and authors. For each game, also print who may say what and how it ends."""
+    """Check games, wordings, strategies and authors. Also print the moves and the ends of each game."""
     from ui.commands.talk.check import check_folder, rulebook_with, shipped_folder
 
     checked = [check_folder(folder) for folder in folders or ([] if strategy or author else [shipped_folder()])]
@@ -161,7 +161,7 @@ def talk_check(
 
 
 def talk_words() -> None:
-    """List the keywords of files of games and of wordings, with their meanings."""
+    """List the keywords of game files and wording files, with their meanings."""
     from ui.commands.talk.check import words
 
     for line in words():

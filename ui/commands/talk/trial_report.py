@@ -9,7 +9,7 @@ from ui.commands.talk.check import counted
 LONGEST = 5.0
 """Time limit of a call, seconds of wall time."""
 MOST_SHOWN = 5
-"""Greatest number of faults that are printed with their positions."""
+"""Greatest number of faults that are printed, each with its position."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,7 +40,7 @@ class TrialReport:
             yield f"{self.name}: {fault.problem}{times}. {fault.remedy}."
             yield from (f"  {line}" for line in fault.position)
         if len(self.faults) > MOST_SHOWN:
-            yield f"{self.name}: {len(self.faults) - MOST_SHOWN} more faults; fix these first"
+            yield f"{self.name}: {len(self.faults) - MOST_SHOWN} more faults; fix the faults above first"
         yield f"{self.summary}, {counted('fault', self.faults)}"
 
     def as_json(self) -> Mapping[str, object]:

@@ -37,7 +37,7 @@ def check_author(
 
     Args:
         name: name of the author.
-        languages: languages for the robots' sentences. If empty, English.
+        languages: languages of the robots' sentences. If empty, the sentences are in English.
         rulebook: rulebook of the games.
         conversations: number of conversations of each kind.
         seed: random seed.
@@ -47,6 +47,6 @@ def check_author(
     """
     author = impatient_author(name, LONGEST)
     trial = try_author(author, languages or (read_language(),), rulebook, conversations, seed)
-    summary = f"{name}: {counted('sentence', range(trial.sentences))}, {trial.taken} worded by it"
+    summary = f"{name}: {counted('sentence', range(trial.sentences))}, {trial.taken} of them worded by the author"
     figures = {"sentences": trial.sentences, "taken": trial.taken}
     return TrialReport(name, summary, figures, [*trial.faults.values()])

@@ -24,7 +24,7 @@ def read_set(name: str) -> TemplateSet:
 
 
 def copy_set(source: Path, folder: Path) -> None:
-    """Copy a set, so that the user can change the copy; further languages and their words are not copied."""
+    """Copy a set, so that the user can change the copy. Its texts in other languages are not copied."""
     others = shutil.ignore_patterns(*languages_beside(source, (DIALOGUE_TEXT, WORDS)))
     shutil.copytree(source, folder, ignore=others, dirs_exist_ok=True)
     path = folder / SET

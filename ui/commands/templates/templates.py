@@ -28,7 +28,7 @@ def templates_check(name: SetName, as_json: AsJson = False) -> None:
 
 
 def templates_edit(
-    folder: Annotated[Path, typer.Argument(help="Folder of a template set of your own; see `thbridge templates new`.")],
+    folder: Annotated[Path, typer.Argument(help="Folder of your own template set; see `thbridge templates new`.")],
     look: LookOption = ColourScheme.SYSTEM,
 ) -> None:
     """Edit a template set in a window: sentences, treasures and pictures, with a preview of what robots say."""
@@ -41,7 +41,7 @@ def templates_edit(
             f"{reason} Or edit its files as text, and check them with `{command('templates', 'check', folder)}`.",
         )
     own = folder_of(f"{folder}/")
-    # A second of imports that no other command needs.
+    # These imports take a second, and no other command needs them.
     from ui.windows.templates import edit_templates
 
     with bad_input():
@@ -61,7 +61,8 @@ def templates_new(
     folder: Annotated[Path, typer.Argument(help="Folder to create; must not exist.")],
     like: Annotated[str, typer.Option(help="Name or folder of the template set to copy.")] = "four-properties",
 ) -> None:
-    """Create a template set of your own: a copy of another one, in its own language, for you to change."""
+    """Create your own template set: copy another set, without its texts in other languages, so that you can change it.
+    """
     from thbridge.files.disk.whole import new_folder
     from ui.commands.templates.sets import copy_set, folder_of
 

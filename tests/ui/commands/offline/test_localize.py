@@ -212,19 +212,19 @@ def test_the_time_offset_of_odometry_is_reported_and_corrected(tmp_path: Path) -
     plain, *corrected = (
         run(tmp_path, *start(), "--json", *more) for more in ([], ["--time-offset", "auto"], ["--time-offset", "0.15"])
     )
-    assert "Correct it with --time-offset auto" in plain.stderr
+    assert "Correct this with --time-offset auto" in plain.stderr
     told = json.loads(plain.stdout)
     assert told["time_offset"]["seconds"] == pytest.approx(0.15, abs=0.02)
     assert told["time_offset"]["deviation"] < 0.02
     assert told["time_offset_applied"] == 0.0
     for done in corrected:
-        assert "Correct it with" not in done.stderr
+        assert "Correct this with" not in done.stderr
         told = json.loads(done.stdout)
         assert told["time_offset"]["seconds"] == pytest.approx(0.15, abs=0.02)
         assert told["time_offset_applied"] == pytest.approx(0.15, abs=0.02)
     lines = " ".join(run(tmp_path, *start(), "--time-offset", "0.15").stdout.split())
-    assert "The odometry leads the scans by 0.1" in lines
-    assert "Of this, 0.150 s are corrected." in lines
+    assert "The odometry is 0.1" in lines
+    assert "An offset of 0.150 s is corrected." in lines
 
 
 def test_a_drive_without_turns_says_nothing_about_the_clocks(folder: Path) -> None:

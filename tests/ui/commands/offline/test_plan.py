@@ -127,9 +127,9 @@ def test_a_batch_is_answered_in_order(rooms, tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ((), "--start, --goal, --batch: give the first two"),
-        (("--start", 0, 0), "--start, --goal, --batch: give the first two"),
-        (("--start", 0, 0, "--goal", 1, 1, "--batch", "b.csv"), "--start, --goal, --batch: give the first two"),
+        ((), "--start, --goal, --batch: give both --start"),
+        (("--start", 0, 0), "--start, --goal, --batch: give both --start"),
+        (("--start", 0, 0, "--goal", 1, 1, "--batch", "b.csv"), "--start, --goal, --batch: give both --start"),
         (("--start", 0, "nan", "--goal", 1, 1), "--start: not a finite number"),
         (("--start", 0, 0, "--goal", 1, 1, "--radius", -1), "--radius: -1 is not between"),
         (("--start", 0, 0, "--goal", 1, 1, "--inflation", "nan"), "--inflation: nan is not between"),

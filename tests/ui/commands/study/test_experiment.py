@@ -24,7 +24,7 @@ def test_from_a_new_study_to_its_tables(folder: Path, tmp_path: Path) -> None:
     assert len(digest) == 64
     said = output_of("study", "rehearse", folder, "--to", tmp_path / "rehearsal", "--no-games")
     assert "4 of 4 runs complete" in said
-    assert "Frozen, and unchanged since then." in said
+    assert "The study is frozen, and unchanged since then." in said
     output_of("study", "export", tmp_path / "rehearsal", "--to", tmp_path / "tables")
     people = pd.read_parquet(tmp_path / "tables" / "tables" / "participants.parquet")
     assert (people.state == "complete").sum() == 4

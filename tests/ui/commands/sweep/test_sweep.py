@@ -56,11 +56,11 @@ def test_check_tells_how_many_games_there_are_and_plays_none() -> None:
     [
         (
             ("--shard", "3/2"),
-            "--shard: '3/2' is not of the form I/N. Write, for example, --shard 2/8 (from 1/8 to 8/8).",
+            "--shard: '3/2' is not of the form I/N. Write, for example, --shard 2/8 for part 2 of 8.",
         ),
         (("--scheduler", "tcp://a:1"), "--scheduler: only a Dask cluster has a scheduler. Add --engine dask, or omit"),
         (("--engine", "dask"), "--engine dask: the address of the cluster is missing. Add --scheduler, such as tcp://"),
-        (("--slurm", "partition=short"), "--slurm: these options are only for Slurm jobs. Add --engine slurm, or omit"),
+        (("--slurm", "partition=short"), "--slurm: this option is only for Slurm jobs. Add --engine slurm, or omit"),
         (
             ("--engine", "slurm", "--slurm", "short"),
             "--slurm: 'short' is not KEY=VALUE. Write, for example, --slurm par",
@@ -135,5 +135,5 @@ def test_games_that_are_not_the_same_again_end_with_1(monkeypatch: pytest.Monkey
     monkeypatch.setattr(engines, "ProcessEngine", lambda _processes, _warm: InlineEngine())
     done = invoke("sweep", "design.yaml", "--processes", "1")
     assert done.exit_code == 1
-    assert "repeated games gave DIFFERENT results: do not trust this sweep." in done.stderr
+    assert "repeated games gave DIFFERENT results. Do not trust this sweep." in done.stderr
     assert "seed 1: the result differs when repeated (first played by " in done.stderr
